@@ -1,0 +1,64 @@
+# The macros every module's CMakeLists.txt is written with. One folder = one target = one namespace.
+
+# Warnings, sanitizers and debug checks, for our own sources only.
+add_library(e2lf_flags INTERFACE)
+target_compile_options(e2lf_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor)
+if(E2LF_WARNINGS_AS_ERRORS)
+  target_compile_options(e2lf_flags INTERFACE -Werror)
+endif()
+if(E2LF_ASSERTIONS)
+  target_compile_definitions(e2lf_flags INTERFACE E2LF_ASSERTIONS _GLIBCXX_ASSERTIONS)
+endif()
+if(E2LF_SANITIZE)
+  target_compile_options(e2lf_flags INTERFACE -fsanitize=${E2LF_SANITIZE} -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(e2lf_flags INTERFACE -fsanitize=${E2LF_SANITIZE})
+endif()
+
+# e2lf_add_library(<module> SRCS ... [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...] [PRIVATE_DEFINITIONS ...])
+# Makes e2lf_<module> with the alias e2lf::<module>.
+function(e2lf_add_library module)
+  cmake_parse_arguments(ARG "" "" "SRCS;PUBLIC_LINK_LIBS;PRIVATE_LINK_LIBS;PRIVATE_DEFINITIONS" ${ARGN})
+  add_library(e2lf_${module} STATIC ${ARG_SRCS})
+  add_library(e2lf::${module} ALIAS e2lf_${module})
+  target_include_directories(e2lf_${module} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(e2lf_${module} PUBLIC ${ARG_PUBLIC_LINK_LIBS} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_PRIVATE_LINK_LIBS})
+  target_compile_definitions(e2lf_${module} PRIVATE ${ARG_PRIVATE_DEFINITIONS})
+endfunction()
+
+# e2lf_add_executable(<name> SRCS ... [LINK_LIBS ...])
+function(e2lf_add_executable name)
+  cmake_parse_arguments(ARG "" "" "SRCS;LINK_LIBS" ${ARGN})
+  add_executable(${name} ${ARG_SRCS})
+  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS})
+endfunction()
+
+# e2lf_add_test(<module> SRCS ... [LINK_LIBS ...] [LABELS ...]): one GoogleTest binary for a module; CTest names are module/Suite.case.
+# Tests that read the data at hand find it through the environment variable E2LF_DATA (see CONTRIBUTING.md).
+function(e2lf_add_test module)
+  if(NOT E2LF_BUILD_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SRCS;LINK_LIBS;LABELS" ${ARGN})
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  set(name e2lf_${module}_test)
+  add_executable(${name} ${ARG_SRCS})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS} GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${name} TEST_PREFIX "${module}/" DISCOVERY_MODE PRE_TEST
+    PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+endfunction()
+
+# e2lf_feature(<name> <ON|OFF> <reason>): a row of the table that configuring ends with.
+function(e2lf_feature name state reason)
+  set_property(GLOBAL APPEND PROPERTY E2LF_FEATURES "${name}: ${state} (${reason})")
+endfunction()
+
+function(e2lf_print_features)
+  get_property(rows GLOBAL PROPERTY E2LF_FEATURES)
+  message(STATUS "e2lf features:")
+  foreach(row IN LISTS rows)
+    message(STATUS "  ${row}")
+  endforeach()
+endfunction()

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+namespace e2lf::aperture {
+
+/// The constants of the paper's event sensor (Eq. 3, 8), those of a Prophesee EVK4 by default. Intensities are
+/// normalised by the number of views.
+struct SensorConstants {
+  float eps = 0.01F;       ///< dark level added to the intensity
+  float tau = 0.30F;       ///< contrast threshold, natural logarithm
+  float sigma_w = 0.175F;  ///< standard deviation of the log-intensity noise
+  float sigma_z = 0.04F;   ///< standard deviation of the threshold
+
+  bool operator==(const SensorConstants&) const = default;
+};
+
+}  // namespace e2lf::aperture

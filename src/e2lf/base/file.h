@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf {
+
+/// The whole file as bytes. Fails with kNotFound, kIo (a folder, no permission, a read that stops early).
+[[nodiscard]] Result<std::vector<uint8_t>> read_file(const std::filesystem::path& path);
+
+/// Writes beside `path` and renames: readers see the old file or the whole new one, never a part. Missing parent
+/// folders are made. Fails with kIo; an existing file is replaced (see check_output for asking first).
+[[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const uint8_t> bytes);
+[[nodiscard]] Result<void> write_file(const std::filesystem::path& path, const std::string& text);
+
+/// Fails with kExists when `path` is there already and `overwrite` is false. Called before work starts.
+[[nodiscard]] Result<void> check_output(const std::filesystem::path& path, bool overwrite);
+
+/// A folder of results that appears whole or not at all: files are written under path(), a sibling with a temporary
+/// name, and commit() renames it into place. Without commit() the destructor removes what was written.
+class AtomicFolder {
+ public:
+  /// Makes the temporary sibling of `target`. Fails with kExists (target there, overwrite false) and kIo.
+  [[nodiscard]] static Result<AtomicFolder> create(const std::filesystem::path& target, bool overwrite);
+
+  AtomicFolder(AtomicFolder&& other) noexcept;
+  AtomicFolder& operator=(AtomicFolder&&) = delete;
+  ~AtomicFolder();
+
+  /// Where to write until commit().
+  [[nodiscard]] const std::filesystem::path& path() const { return staging_; }
+
+  /// Puts the folder in place; an existing target is replaced by the rename, then removed. Fails with kIo.
+  [[nodiscard]] Result<void> commit();
+
+ private:
+  AtomicFolder(std::filesystem::path target, std::filesystem::path staging)
+      : target_(std::move(target)), staging_(std::move(staging)) {}
+  std::filesystem::path target_;
+  std::filesystem::path staging_;
+};
+
+}  // namespace e2lf

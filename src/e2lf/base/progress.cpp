@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/base/progress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <unistd.h>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf {
+
+std::string progress_line(const std::string& label, size_t done, size_t total, double elapsed_s) {
+  constexpr size_t kCells = 30;
+  const double share = total == 0 ? 1.0 : std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
+  const auto filled = static_cast<size_t>(share * kCells);
+  std::string line = cat(label, "  [", std::string(filled, '#'), std::string(kCells - filled, '.'), "] ",
+                         static_cast<int>(share * 100.0), " %");
+  if (share > 0.0 && share < 1.0 && elapsed_s > 0.5) {
+    const auto left_s = static_cast<long>(std::ceil(elapsed_s * (1.0 - share) / share));
+    if (left_s >= 3600) {
+      line += cat("  ", left_s / 3600, " h ", left_s % 3600 / 60, " min left");
+    } else if (left_s >= 60) {
+      line += cat("  ", left_s / 60, " min ", left_s % 60, " s left");
+    } else {
+      line += cat("  ", left_s, " s left");
+    }
+  }
+  return line;
+}
+
+ProgressBar::ProgressBar(std::string label, bool quiet)
+    : label_(std::move(label)), active_(!quiet && ::isatty(STDERR_FILENO) == 1), begin_(Clock::now()) {}
+
+ProgressBar::~ProgressBar() {
+  if (drawn_) std::fputc('\n', stderr);
+}
+
+void ProgressBar::update(size_t done, size_t total) {
+  if (!active_) return;
+  const Clock::time_point now = Clock::now();
+  if (drawn_ && done < total && now - last_draw_ < std::chrono::milliseconds(100)) return;
+  last_draw_ = now;
+  drawn_ = true;
+  const double elapsed_s = std::chrono::duration<double>(now - begin_).count();
+  // "erase to end of line" clears what a longer line left behind.
+  std::fprintf(stderr, "\r%s\x1b[K", progress_line(label_, done, total, elapsed_s).c_str());
+  std::fflush(stderr);
+}
+
+ProgressFn ProgressBar::callback() {
+  return [this](size_t done, size_t total) { update(done, total); };
+}
+
+}  // namespace e2lf

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/base/text.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace e2lf {
+namespace {
+
+size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({substitute, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string join(const std::vector<std::string>& parts, std::string_view separator) {
+  std::string text;
+  for (const std::string& part : parts) {
+    if (!text.empty()) text += separator;
+    text += part;
+  }
+  return text;
+}
+
+std::string shape_text(const std::vector<size_t>& shape) {
+  std::vector<std::string> parts;
+  parts.reserve(shape.size());
+  for (size_t extent : shape) parts.push_back(std::to_string(extent));
+  return "[" + join(parts) + "]";
+}
+
+std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
+  const auto nearest = std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
+    return edit_distance(word, a) < edit_distance(word, b);
+  });
+  return nearest == candidates.end() ? std::string() : *nearest;
+}
+
+}  // namespace e2lf

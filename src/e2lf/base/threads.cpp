@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/base/threads.h"
+
+#include <algorithm>
+#include <exception>
+#include <omp.h>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf {
+
+int num_threads() {
+  return omp_get_max_threads();
+}
+
+void set_num_threads(int threads) {
+  E2LF_REQUIRE(threads >= 0, "the number of threads cannot be negative");
+  omp_set_num_threads(threads == 0 ? omp_get_num_procs() : threads);
+}
+
+void parallel_for(size_t count, size_t min_chunk, const std::function<void(size_t, size_t)>& body) {
+  if (count == 0) return;
+  min_chunk = std::max<size_t>(min_chunk, 1);
+  const size_t threads = std::clamp<size_t>(count / min_chunk, 1, static_cast<size_t>(num_threads()));
+  if (threads == 1) return body(0, count);
+  // Several chunks for each thread, so that one slow chunk does not hold up the rest.
+  const size_t chunk = std::max(min_chunk, (count + threads * 4 - 1) / (threads * 4));
+  const auto chunks = static_cast<long>((count + chunk - 1) / chunk);
+  std::exception_ptr failure;
+#pragma omp parallel for schedule(dynamic) num_threads(static_cast <int>(threads))
+  for (long i = 0; i < chunks; ++i) {
+    try {
+      const size_t begin = static_cast<size_t>(i) * chunk;
+      body(begin, std::min(count, begin + chunk));
+    } catch (...) {
+#pragma omp critical(e2lf_parallel_for)
+      failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace e2lf

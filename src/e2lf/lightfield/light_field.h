@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf::lightfield {
+
+/// The extents of a light field; `channels` is 1 (grey) or 3 (red, green, blue).
+struct Shape {
+  size_t views_y = 0, views_x = 0, height = 0, width = 0, channels = 1;
+
+  [[nodiscard]] size_t num_views() const { return views_y * views_x; }
+  [[nodiscard]] size_t view_size() const { return height * width * channels; }
+  [[nodiscard]] size_t size() const { return num_views() * view_size(); }
+  bool operator==(const Shape&) const = default;
+};
+
+/// A 4-D light field: float32 [view_y, view_x, y, x] (grey) or [view_y, view_x, y, x, channel], row-major, values in
+/// [0, 1]. View number = views_x * view_y + view_x. Disparity d in px per view step: a point at x in view (r, c) is at
+/// x + d in view (r, c + 1), and the same for rows.
+class LightField {
+ public:
+  LightField() = default;
+  explicit LightField(const Shape& shape) : shape_(shape), data_(shape.size()) {}
+  LightField(const Shape& shape, std::vector<float> data) : shape_(shape), data_(std::move(data)) {
+    E2LF_REQUIRE(data_.size() == shape_.size(), "the data of a light field must fill its shape");
+  }
+
+  [[nodiscard]] const Shape& shape() const { return shape_; }
+  [[nodiscard]] std::span<float> data() { return data_; }
+  [[nodiscard]] std::span<const float> data() const { return data_; }
+
+  /// One view: [y, x] or [y, x, channel].
+  [[nodiscard]] std::span<float> view(size_t view_y, size_t view_x) {
+    return data().subspan(offset(view_y, view_x), shape_.view_size());
+  }
+  [[nodiscard]] std::span<const float> view(size_t view_y, size_t view_x) const {
+    return data().subspan(offset(view_y, view_x), shape_.view_size());
+  }
+
+  [[nodiscard]] float& at(size_t view_y, size_t view_x, size_t y, size_t x, size_t channel = 0) {
+    return data_[offset(view_y, view_x) + (y * shape_.width + x) * shape_.channels + channel];
+  }
+  [[nodiscard]] float at(size_t view_y, size_t view_x, size_t y, size_t x, size_t channel = 0) const {
+    return data_[offset(view_y, view_x) + (y * shape_.width + x) * shape_.channels + channel];
+  }
+
+ private:
+  [[nodiscard]] size_t offset(size_t view_y, size_t view_x) const {
+    E2LF_ASSERT(view_y < shape_.views_y && view_x < shape_.views_x);
+    return (view_y * shape_.views_x + view_x) * shape_.view_size();
+  }
+  Shape shape_;
+  std::vector<float> data_;
+};
+
+}  // namespace e2lf::lightfield

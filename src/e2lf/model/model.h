@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "e2lf/aperture/codes.h"
+#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/base/options.h"
+#include "e2lf/base/result.h"
+#include "e2lf/model/network.h"
+
+namespace e2lf::model {
+
+/// One group of N - 1 network input channels made from the event images E_k.
+enum class InputKind {
+  kCounts,      ///< scale * E_k
+  kCumulative,  ///< scale * C_k, C_k = E_1 + ... + E_k
+  kIntensity,  ///< scale * J_k, J_k = eps * (exp(tau * C_k + m) - 1) (Eq. 7), m = half a threshold with the sign of the
+               ///< last change
+};
+
+struct InputGroup {
+  InputKind kind = InputKind::kCounts;
+  float scale = 1.0F;
+  bool operator==(const InputGroup&) const = default;
+};
+
+using Weights = std::map<std::string, std::vector<float>>;
+
+/// Everything a model file holds.
+struct Model {
+  std::string name;         ///< e.g. "e2lf-n4"
+  size_t num_patterns = 0;  ///< N; reconstruction takes N - 1 event images
+  size_t views_y = 8, views_x = 8;
+  std::optional<aperture::Codes> codes;         ///< absent when the patterns belong to somebody's camera
+  std::string event_model = "reference-aware";  ///< what it was trained for: "quantised" or "reference-aware"
+  bool black_first = true;
+  aperture::SensorConstants constants;  ///< what it was trained for
+  std::vector<InputGroup> input;        ///< in channel order
+  Network network;                      ///< 64 output channels = views, view number = 8 * view_y + view_x
+  Weights weights;                      ///< "<layer>.weight", "<layer>.bias"
+  Json provenance = Json::object();     ///< data, samples seen, seed, command, figures reached: free form
+};
+
+/// Success when every field fits every other: channels, codes, weights (each present, its size right, all finite).
+/// `location` (a file) goes into errors.
+[[nodiscard]] Result<void> validate(const Model& model, const std::string& location);
+
+/// Reads a model file: one .safetensors with the weights, `aperture.codes` and JSON under `e2lf` in its metadata.
+/// Fails with a message that names file and field on an unknown version, network type, wrong shape or truncation.
+[[nodiscard]] Result<Model> read_model(const std::filesystem::path& path);
+[[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model);
+
+/// The paper's released weights as a model: `folder` holds RecNet.safetensors and AcqNet.safetensors.
+[[nodiscard]] Result<Model> import_release(const std::filesystem::path& folder);
+
+}  // namespace e2lf::model

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/options.h"
+#include "e2lf/base/result.h"
+
+namespace e2lf::model {
+
+/// What one layer of a network does. All tensors are [channel, y, x]; "same" zero padding throughout.
+enum class Op {
+  kConv,  ///< kernel x kernel convolution (cross-correlation), odd kernel, stride 1, or kernel = stride (no padding)
+  kConvTransposed,  ///< kernel = stride transposed convolution (no overlap): the inverse of the strided one in shape
+  kPixelUnshuffle,  ///< space to depth by `stride`: out channel = c * stride^2 + dy * stride + dx
+  kPixelShuffle,    ///< depth to space by `stride`, the inverse of kPixelUnshuffle
+  kUpsample,        ///< nearest neighbour by `stride`
+  kAdd,             ///< sum of all inputs
+  kConcat,          ///< inputs one after another along the channels
+};
+
+/// One layer; its output is known by its name. Weights: "<name>.weight" [out, in, kernel, kernel] (for kConvTransposed
+/// [in, out, kernel, kernel], as in torch) and "<name>.bias" [out].
+struct Layer {
+  std::string name;
+  Op op = Op::kConv;
+  std::vector<std::string> inputs;  ///< earlier layers, or "input"
+  size_t out_channels = 0;          ///< kConv, kConvTransposed
+  size_t kernel = 1;                ///< kConv, kConvTransposed
+  size_t stride = 1;
+  std::string residual;  ///< kConv: a tensor of the output's shape added before the activation; "" = none
+  bool relu = false;     ///< ReLU at the end, for any op
+
+  bool operator==(const Layer&) const = default;
+};
+
+/// A convolutional network as a list of layers in the order of evaluation; the last one is the output. Described once,
+/// for training and inference alike.
+struct Network {
+  size_t input_channels = 0;
+  std::vector<Layer> layers;
+
+  bool operator==(const Network&) const = default;
+};
+
+/// Shape of a layer's output relative to the input image: channels, and the number of input pixels per output pixel.
+struct LayerShape {
+  size_t channels = 0;
+  size_t scale = 1;
+};
+
+/// The shape of every layer's output, in order. Fails with kInvalidValue (a name used twice or unknown, an even kernel,
+/// a stride that is not the kernel) and kShape (channels or scales that do not fit), naming the layer.
+[[nodiscard]] Result<std::vector<LayerShape>> infer_shapes(const Network& network);
+
+/// The smallest common factor that the height and width of an input must be a multiple of (1 for plain networks);
+/// reconstruction pads to it.
+[[nodiscard]] size_t size_multiple(const Network& network);
+
+/// Multiply-adds per input pixel, and the number of weights and biases.
+[[nodiscard]] double macs_per_pixel(const Network& network);
+[[nodiscard]] size_t num_parameters(const Network& network);
+
+/// Rows (and columns) of context on each side that one output pixel sees: 26 for the paper's network.
+[[nodiscard]] size_t receptive_radius(const Network& network);
+
+[[nodiscard]] Json to_json(const Network& network);
+[[nodiscard]] Result<Network> network_from_json(const Json& json, const std::string& location);
+
+/// The paper's RecNet for N - 1 event images in and 64 views out: three linear 5x5 convolutions, 19 3x3 ones with ReLU
+/// and a linear one, with f3 added to the output (layers conv1..conv3, l1..l20).
+[[nodiscard]] Network recnet(size_t input_channels, size_t output_channels = 64, size_t width = 64);
+
+}  // namespace e2lf::model
