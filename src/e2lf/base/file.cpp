@@ -100,6 +100,24 @@ Result<void> check_output(const fs::path& path, bool overwrite) {
   return {};
 }
 
+Result<AtomicFile> AtomicFile::create(const fs::path& target) {
+  E2LF_RETURN_IF_ERROR(make_parent(target));
+  return AtomicFile(target, staging_name(target));
+}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : target_(std::move(other.target_)), staging_(std::exchange(other.staging_, fs::path())) {}
+
+AtomicFile::~AtomicFile() {
+  if (!staging_.empty()) ::unlink(staging_.c_str());
+}
+
+Result<void> AtomicFile::commit() {
+  if (::rename(staging_.c_str(), target_.c_str()) != 0) return system_error(target_, "write", errno);
+  staging_.clear();
+  return {};
+}
+
 Result<AtomicFolder> AtomicFolder::create(const fs::path& target, bool overwrite) {
   E2LF_RETURN_IF_ERROR(check_output(target, overwrite));
   E2LF_RETURN_IF_ERROR(make_parent(target));

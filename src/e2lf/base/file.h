@@ -23,6 +23,30 @@ namespace e2lf {
 /// Fails with kExists when `path` is there already and `overwrite` is false. Called before work starts.
 [[nodiscard]] Result<void> check_output(const std::filesystem::path& path, bool overwrite);
 
+/// A file that appears whole or not at all, for writers that write bit by bit: they write to path(), a sibling of
+/// `target` with a temporary name, and commit() renames it. Without commit() the destructor removes what was written.
+class AtomicFile {
+ public:
+  /// Names the sibling and makes missing parent folders. Fails with kIo.
+  [[nodiscard]] static Result<AtomicFile> create(const std::filesystem::path& target);
+
+  AtomicFile(AtomicFile&& other) noexcept;
+  AtomicFile& operator=(AtomicFile&&) = delete;
+  ~AtomicFile();
+
+  [[nodiscard]] const std::filesystem::path& path() const { return staging_; }
+  [[nodiscard]] const std::filesystem::path& target() const { return target_; }
+
+  /// Puts the file in place of an existing one. Fails with kIo.
+  [[nodiscard]] Result<void> commit();
+
+ private:
+  AtomicFile(std::filesystem::path target, std::filesystem::path staging)
+      : target_(std::move(target)), staging_(std::move(staging)) {}
+  std::filesystem::path target_;
+  std::filesystem::path staging_;
+};
+
 /// A folder of results that appears whole or not at all: files are written under path(), a sibling with a temporary
 /// name, and commit() renames it into place. Without commit() the destructor removes what was written.
 class AtomicFolder {

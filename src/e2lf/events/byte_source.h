@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::events {
+
+/// Bytes read from front to back: a file, memory, a pipe or a socket. Memory use is bounded by what is asked for.
+class ByteSource {
+ public:
+  virtual ~ByteSource() = default;
+
+  /// The unread bytes at hand, at least `wanted` of them unless the source ends sooner; maybe more. The span is valid
+  /// until the next call of fetch() or seek(). A live source waits only until `wanted` bytes are there, so fetch(1)
+  /// returns what has arrived; an empty span is the end. Fails with kIo.
+  [[nodiscard]] virtual Result<std::span<const uint8_t>> fetch(size_t wanted) = 0;
+
+  /// Drops the first `count` of the bytes that fetch() returned.
+  virtual void consume(size_t count) = 0;
+
+  /// How many bytes have been consumed since the start of the source.
+  [[nodiscard]] virtual uint64_t position() const = 0;
+
+  /// Goes to a byte counted from the start. Fails with kUnsupported (a pipe or socket) and kIo.
+  [[nodiscard]] virtual Result<void> seek(uint64_t position) = 0;
+  [[nodiscard]] virtual bool seekable() const = 0;
+
+  /// The length in bytes, where it is known; a file may still grow.
+  [[nodiscard]] virtual std::optional<uint64_t> size() const = 0;
+
+  /// The name for messages ("recording.raw", "memory", "stdin").
+  [[nodiscard]] virtual std::string name() const = 0;
+
+  /// The file behind the source, for libraries that open files themselves; empty when there is none.
+  [[nodiscard]] virtual std::filesystem::path path() const { return {}; }
+};
+
+/// Opens a file; "-" is standard input. Fails with kNotFound and kIo (a folder, no permission).
+[[nodiscard]] Result<std::unique_ptr<ByteSource>> open_file_source(const std::filesystem::path& path);
+
+/// Bytes that the caller keeps alive, without a copy; or bytes that the source owns.
+[[nodiscard]] std::unique_ptr<ByteSource> make_memory_source(std::span<const uint8_t> bytes,
+                                                             std::string name = "memory");
+[[nodiscard]] std::unique_ptr<ByteSource> make_memory_source(std::vector<uint8_t>&& bytes, std::string name = "memory");
+
+/// An open descriptor (pipe, socket, file), closed with the source when `owned`.
+[[nodiscard]] std::unique_ptr<ByteSource> make_descriptor_source(int descriptor, bool owned, std::string name);
+
+/// Everything from here to the end. Fails with kUnsupported beyond `limit` bytes.
+[[nodiscard]] Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit = size_t{1} << 32);
+
+}  // namespace e2lf::events

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::events {
+
+/// What to do with data that breaks its format. The damaged part is dropped in any case, never guessed.
+enum class DecodePolicy {
+  kStrict,  ///< the first violation is an Error
+  kSkip,    ///< count it and go on
+  kReport,  ///< count it, go on, and log the first of each kind as a warning
+};
+
+enum class Violation {
+  kUnknownWord,    ///< a word of a type that the format does not have; ignored
+  kOutOfRange,     ///< an event outside the sensor; dropped
+  kTimeBackwards,  ///< time stepped back by more than jitter; the step is refused
+  kTimeJump,       ///< time jumped ahead implausibly; the words up to the next believable time are dropped
+  kMisaligned,     ///< bytes were lost or inserted; words dropped until the stream made sense again
+  kTruncated,      ///< the data ends inside a word, record or packet
+  kBadRecord,      ///< a record, row or packet that cannot be read; dropped
+};
+inline constexpr size_t kNumViolations = 7;
+
+/// The name of a violation as used in JSON output, e.g. "unknown_word".
+[[nodiscard]] const char* violation_name(Violation kind);
+
+/// The same for people, e.g. "a word of unknown type".
+[[nodiscard]] const char* violation_text(Violation kind);
+
+/// How often one kind of violation was met, and the byte of the file where it was met first.
+struct ViolationCount {
+  uint64_t count = 0;
+  uint64_t first_byte = 0;
+};
+
+/// A stretch of time that damage took away: no event of (begin_us, end_us) is to be trusted as complete.
+struct TimeGap {
+  int64_t begin_us = 0;
+  int64_t end_us = 0;
+  uint64_t byte = 0;  ///< where in the file
+};
+
+/// What a reader met since it was opened or last sought. Times are as handed out (shifted when asked to).
+struct DecodeSummary {
+  uint64_t events_on = 0;
+  uint64_t events_off = 0;
+  uint64_t triggers = 0;
+  int64_t first_t_us = 0;  ///< of the first event; 0 when there was none
+  int64_t last_t_us = 0;   ///< of the last event
+
+  uint64_t events_before_time = 0;  ///< dropped because no time word had come yet: normal at the start of a RAW file
+  uint64_t time_loops = 0;          ///< how often the sensor's clock wrapped
+  uint64_t dropped_words = 0;       ///< words or records dropped because of a violation
+  std::array<ViolationCount, kNumViolations> violations{};
+  std::vector<TimeGap> gaps;  ///< the first kMaxGaps of num_gaps
+  uint64_t num_gaps = 0;
+
+  static constexpr size_t kMaxGaps = 1000;
+
+  [[nodiscard]] uint64_t events() const { return events_on + events_off; }
+  [[nodiscard]] ViolationCount& of(Violation kind) { return violations[static_cast<size_t>(kind)]; }
+  [[nodiscard]] const ViolationCount& of(Violation kind) const { return violations[static_cast<size_t>(kind)]; }
+  [[nodiscard]] uint64_t num_violations() const;
+
+  /// Counts `count` violations of one kind, the first of them at a byte.
+  void add(Violation kind, uint64_t byte, uint64_t count = 1);
+  void add_gap(const TimeGap& gap);
+
+  /// Adds what a later part of the same recording met (times, counts, violations, gaps).
+  void append(const DecodeSummary& later);
+};
+
+/// The Error that the strict policy returns for the first violation in a summary (location "name: byte N").
+[[nodiscard]] Error violation_error(const DecodeSummary& summary, const std::string& name);
+
+}  // namespace e2lf::events

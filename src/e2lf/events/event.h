@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace e2lf::events {
+
+/// One change of brightness at one pixel: x, y from the top left, p 1 = ON (brighter) or 0 = OFF, t in microseconds.
+struct Event {
+  uint16_t x = 0;
+  uint16_t y = 0;
+  uint8_t p = 0;
+  int64_t t = 0;
+  bool operator==(const Event&) const = default;
+};
+
+/// An edge on an external trigger input: p 1 = rising, 0 = falling; id = the input's number; t in microseconds.
+struct Trigger {
+  int64_t t = 0;
+  uint16_t id = 0;
+  uint8_t p = 0;
+  bool operator==(const Trigger&) const = default;
+};
+
+/// Leaves new elements uninitialised where std::allocator zeroes them: columns are resized, then filled by kernels.
+template <typename T>
+struct UninitialisedAllocator : std::allocator<T> {
+  template <typename U>
+  struct rebind {
+    using other = UninitialisedAllocator<U>;
+  };
+  template <typename U>
+  void construct(U* place) noexcept {
+    ::new (static_cast<void*>(place)) U;
+  }
+  template <typename U, typename... Args>
+  void construct(U* place, Args&&... args) {
+    ::new (static_cast<void*>(place)) U(std::forward<Args>(args)...);
+  }
+};
+
+/// A std::vector whose resize() does not touch the new elements.
+template <typename T>
+using Column = std::vector<T, UninitialisedAllocator<T>>;
+
+/// Events as four columns of one length.
+struct EventColumns {
+  Column<uint16_t> x;
+  Column<uint16_t> y;
+  Column<uint8_t> p;
+  Column<int64_t> t;
+
+  [[nodiscard]] size_t size() const { return t.size(); }
+  [[nodiscard]] bool empty() const { return t.empty(); }
+  [[nodiscard]] Event operator[](size_t i) const { return {x[i], y[i], p[i], t[i]}; }
+
+  void clear() { resize(0); }
+
+  /// Sets the length; new elements hold anything.
+  void resize(size_t count) {
+    x.resize(count);
+    y.resize(count);
+    p.resize(count);
+    t.resize(count);
+  }
+  void reserve(size_t count) {
+    x.reserve(count);
+    y.reserve(count);
+    p.reserve(count);
+    t.reserve(count);
+  }
+  void push_back(const Event& event) {
+    x.push_back(event.x);
+    y.push_back(event.y);
+    p.push_back(event.p);
+    t.push_back(event.t);
+  }
+  /// Appends the events [begin, end) of another set of columns.
+  void append(const EventColumns& other, size_t begin, size_t end) {
+    const auto copy = [begin, end](auto& to, const auto& from) {
+      to.insert(to.end(), from.begin() + static_cast<ptrdiff_t>(begin), from.begin() + static_cast<ptrdiff_t>(end));
+    };
+    copy(x, other.x);
+    copy(y, other.y);
+    copy(p, other.p);
+    copy(t, other.t);
+  }
+  void append(const EventColumns& other) { append(other, 0, other.size()); }
+  bool operator==(const EventColumns&) const = default;
+};
+
+/// A stretch of a recording: events and triggers, each sorted by time.
+struct EventBatch {
+  EventColumns events;
+  std::vector<Trigger> triggers;
+
+  [[nodiscard]] bool empty() const { return events.empty() && triggers.empty(); }
+  void clear() {
+    events.clear();
+    triggers.clear();
+  }
+  bool operator==(const EventBatch&) const = default;
+};
+
+}  // namespace e2lf::events

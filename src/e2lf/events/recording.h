@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/events/byte_sink.h"
+#include "e2lf/events/byte_source.h"
+#include "e2lf/events/decode_summary.h"
+#include "e2lf/events/event.h"
+#include "e2lf/events/event_images.h"
+
+namespace e2lf::events {
+
+/// What a recording says of itself.
+struct RecordingInfo {
+  std::string format;  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...
+  size_t width = 0;    ///< of the sensor, in pixels; 0 = the file does not say
+  size_t height = 0;
+  std::vector<std::pair<std::string, std::string>> header;  ///< keys and values in the file's order
+
+  /// The value of a header key, or nothing.
+  [[nodiscard]] std::optional<std::string> find(const std::string& key) const;
+};
+
+enum class TimeOrigin {
+  kAbsolute,  ///< the sensor's own clock
+  kZero,      ///< the first event or trigger of the recording is at 0; events and triggers are shifted alike
+};
+
+struct OpenOptions {
+  std::string format;                           ///< empty = found by content first, by extension second
+  DecodePolicy policy = DecodePolicy::kReport;  ///< what to do about damage
+  TimeOrigin time = TimeOrigin::kAbsolute;
+  size_t width = 0;  ///< sensor size for files that do not say; a file that says otherwise is kInvalidValue
+  size_t height = 0;
+  int threads = 1;  ///< for one read() call; 0 = all cores
+};
+
+/// Times t with begin_us <= t < end_us.
+struct TimeSlice {
+  int64_t begin_us = 0;
+  int64_t end_us = 0;
+};
+
+/// Reads a recording from front to back in bounded memory. Made by open_recording(). The public functions are the same
+/// for all formats; a format implements read_next() and what else it can do well.
+class RecordingReader {
+ public:
+  static constexpr size_t kDefaultBatch = size_t{1} << 18;
+  static constexpr size_t kMinBatch = 64;
+
+  explicit RecordingReader(const OpenOptions& options) : options_(options) {}
+  virtual ~RecordingReader() = default;
+  RecordingReader(const RecordingReader&) = delete;
+  RecordingReader& operator=(const RecordingReader&) = delete;
+
+  [[nodiscard]] const RecordingInfo& info() const { return info_; }
+
+  /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; a live source gives
+  /// what has arrived. False (and an empty batch) at the end. Fails with kIo and, under the strict policy, with the
+  /// first violation.
+  [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
+
+  /// Adds the signed events of each slice to one image: images.image(i) += slice i, saturating at int16. Slices ascend
+  /// and do not overlap; images has slices.size() transitions and the sensor's size (events outside are dropped).
+  /// Stops before the first event at or after the last slice's end, which the next call begins with; triggers met go
+  /// to `triggers` when given. False when the recording ended before that. Fails like read().
+  [[nodiscard]] Result<bool> accumulate(std::span<const TimeSlice> slices, EventImages& images,
+                                        std::vector<Trigger>* triggers = nullptr);
+
+  /// Goes to the first event or trigger with t >= t_us, forwards or backwards; starts the summary anew.
+  /// Fails with kUnsupported where the source cannot be sought.
+  [[nodiscard]] Result<void> seek(int64_t t_us);
+
+  /// What was met in what read() and accumulate() have handed out; times are shifted as theirs.
+  [[nodiscard]] DecodeSummary summary() const;
+
+ protected:
+  /// Appends the next events and triggers, absolute in time, at most `max_events` of each. False when there is no more.
+  /// Counts violations in summary_; events and triggers are counted by the caller.
+  [[nodiscard]] virtual Result<bool> read_next(EventBatch& batch, size_t max_events) = 0;
+
+  /// accumulate() in absolute time, with events and triggers counted in summary_. The default goes through read_next().
+  [[nodiscard]] virtual Result<bool> accumulate_next(std::span<const TimeSlice> slices, EventImages& images,
+                                                     std::vector<Trigger>* triggers);
+
+  /// Goes to a place at or before the first event with t >= t_us (absolute), as near as is cheap; the start will do.
+  [[nodiscard]] virtual Result<void> seek_before(int64_t t_us);
+
+  OpenOptions options_;
+  RecordingInfo info_;
+  DecodeSummary summary_;           ///< absolute times
+  std::string name_ = "recording";  ///< of the source, for messages
+
+ private:
+  [[nodiscard]] bool has_pending() const;
+  void take_pending(EventBatch& batch, size_t max_events);
+  bool accumulate_pending(std::span<const TimeSlice> slices, EventImages& images, std::vector<Trigger>* triggers);
+  [[nodiscard]] Result<bool> refill_pending(size_t max_events);
+  [[nodiscard]] Result<void> find_shift();
+  [[nodiscard]] Result<void> apply_policy();
+  void count(const EventBatch& batch);
+
+  // Read but not yet handed out, absolute in time; the parts before the two indices are gone.
+  EventBatch pending_;
+  size_t pending_event_ = 0;
+  size_t pending_trigger_ = 0;
+  std::optional<int64_t> shift_us_;  ///< what to subtract; unknown until the first event under TimeOrigin::kZero
+  std::array<uint64_t, kNumViolations> known_violations_{};
+};
+
+/// Writes a recording front to back. Made by create_recording(). Destroyed without finish(), nothing appears.
+class RecordingWriter {
+ public:
+  virtual ~RecordingWriter() = default;
+
+  /// Whether the format can hold triggers; write() drops them otherwise.
+  [[nodiscard]] virtual bool holds_triggers() const = 0;
+
+  /// Whether t comes back as written; a format that starts at 0 is false.
+  [[nodiscard]] virtual bool holds_absolute_time() const { return true; }
+
+  /// Appends events and triggers. Fails with kInvalidValue for an event outside the sensor, time that runs backwards
+  /// (within the batch or against the batches before) or time beyond the format's range, and with kIo.
+  [[nodiscard]] virtual Result<void> write(const EventBatch& batch) = 0;
+
+  /// Ends the file and puts it in place. Fails with kIo.
+  [[nodiscard]] virtual Result<void> finish() = 0;
+};
+
+/// Opens a recording. Fails with kNotFound, kFormat (not a recording, or one whose header contradicts itself),
+/// kUnsupported (a format we know but do not read) and kInvalidValue (unknown options.format).
+[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::path& path,
+                                                                      const OpenOptions& options = {});
+[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
+                                                                      const OpenOptions& options = {});
+
+/// Starts a recording; `format` empty = by the path's extension (.raw keeps info.format where that is a RAW encoding,
+/// otherwise EVT3). info gives the size and header keys. An existing file is replaced at finish().
+/// Fails with kInvalidValue (unknown format or size) and kIo.
+[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem::path& path,
+                                                                        const std::string& format,
+                                                                        const RecordingInfo& info);
+
+/// The same into any sink; formats that need a file of their own (HDF5) are kUnsupported.
+[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_recording(std::unique_ptr<ByteSink> sink,
+                                                                        const std::string& format,
+                                                                        const RecordingInfo& info);
+
+/// The whole recording in one batch, for tests and small files.
+[[nodiscard]] Result<EventBatch> read_all(RecordingReader& reader);
+
+}  // namespace e2lf::events

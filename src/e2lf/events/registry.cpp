@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/events/registry.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::events {
+namespace {
+
+const std::vector<Codec>& table() {
+  static const std::vector<Codec> codecs = {};
+  return codecs;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
+}
+
+const Codec* codec_of_extension(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  if (extension.empty()) return nullptr;
+  for (const Codec& codec : table()) {
+    if (std::find(codec.extensions.begin(), codec.extensions.end(), extension) != codec.extensions.end()) return &codec;
+  }
+  return nullptr;
+}
+
+std::string codec_names() {
+  std::vector<std::string> names;
+  for (const Codec& codec : table()) names.push_back(codec.name);
+  return join(names);
+}
+
+Result<const Codec*> detect_codec(ByteSource& source) {
+  E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
+  for (const Codec& codec : table()) {
+    if (codec.detect != nullptr && codec.detect(head)) return &codec;
+  }
+  if (const Codec* codec = codec_of_extension(source.path())) return codec;
+  return Error{ErrorCode::kFormat, cat("not a recording of a known format; name its format, one of ", codec_names()),
+               source.name()};
+}
+
+Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
+  if (!format.empty()) return find_codec(format);
+  if (const Codec* codec = codec_of_extension(path)) return codec;
+  return Error{ErrorCode::kInvalidValue,
+               cat("no format has the extension of this name; name the format, one of ", codec_names()), path.string()};
+}
+
+Error unsupported(const Codec& codec, const char* action, const std::string& name) {
+  return {ErrorCode::kUnsupported, cat("cannot ", action, " the format ", codec.name, "; choose another"), name};
+}
+
+}  // namespace
+
+std::span<const Codec> codecs() {
+  return table();
+}
+
+Result<const Codec*> find_codec(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Codec& codec : table()) {
+    if (codec.name == name) return &codec;
+    names.push_back(codec.name);
+  }
+  return Error{ErrorCode::kInvalidValue,
+               cat("unknown format \"", name, "\"; did you mean \"", nearest_word(name, names), "\"?"), ""};
+}
+
+Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
+                                                        const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(const Codec* codec,
+                        options.format.empty() ? detect_codec(*source) : find_codec(options.format));
+  if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
+  return codec->open(std::move(source), options);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::path& path, const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
+  return open_recording(std::move(source), options);
+}
+
+Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem::path& path, const std::string& format,
+                                                          const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
+  if (codec->create_file != nullptr) return codec->create_file(path, info);
+  if (codec->create == nullptr) return unsupported(*codec, "write", path.string());
+  E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
+  return codec->create(std::move(sink), info);
+}
+
+Result<std::unique_ptr<RecordingWriter>> create_recording(std::unique_ptr<ByteSink> sink, const std::string& format,
+                                                          const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(const Codec* codec, find_codec(format));
+  if (codec->create == nullptr) return unsupported(*codec, "stream", sink->name());
+  return codec->create(std::move(sink), info);
+}
+
+}  // namespace e2lf::events
