@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <png.h>
+#include <zlib.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/lightfield/formats/raw_image.h"
+
+// libpng reports errors by longjmp. Functions that call setjmp here hold no object with a destructor; what must be
+// cleaned up belongs to PngReader and PngWriter, which live one frame further out.
+namespace e2lf::lightfield {
+namespace {
+
+constexpr size_t kSignatureBytes = 8;
+// Deflate cannot make one byte stand for more than 1032.
+constexpr double kMaxDeflateRatio = 1032.0;
+
+struct PngFailure {
+  std::string message;
+  bool ended = false;  ///< the data ran out
+};
+
+void on_error(png_structp png, png_const_charp message) {
+  static_cast<PngFailure*>(png_get_error_ptr(png))->message = message;
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
+
+class PngReader {
+ public:
+  explicit PngReader(std::span<const uint8_t> bytes) : rest_(bytes) {
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure_, on_error, on_warning);
+    if (png_ != nullptr) info_ = png_create_info_struct(png_);
+  }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
+
+  /// Reads what comes before the pixels and sets up their conversion to 8 or 16 bits, grey or colour.
+  bool read_header(RawImage& image) {
+    if (png_ == nullptr || info_ == nullptr) return false;
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_read_fn(png_, this, read_bytes);
+    png_read_info(png_, info_);
+    image.width = png_get_image_width(png_, info_);
+    image.height = png_get_image_height(png_, info_);
+    png_set_expand(png_);
+    png_set_strip_alpha(png_);
+    if (std::endian::native == std::endian::little) png_set_swap(png_);
+    png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    image.channels = png_get_channels(png_, info_);
+    image.sample_bytes = png_get_bit_depth(png_, info_) == 16 ? 2 : 1;
+    return true;
+  }
+
+  bool read_rows(png_bytepp rows) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_read_image(png_, rows);
+    png_read_end(png_, nullptr);
+    return true;
+  }
+
+  [[nodiscard]] Error error(const std::string& name) const {
+    if (failure_.ended) return {ErrorCode::kTruncated, "the PNG ends before its image does; copy it again", name};
+    return {ErrorCode::kFormat, cat("damaged PNG (", failure_.message, "); copy it again"), name};
+  }
+
+ private:
+  static void read_bytes(png_structp png, png_bytep out, size_t count) {
+    auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
+    if (count > reader->rest_.size()) {
+      reader->failure_.ended = true;
+      png_error(png, "end of data");
+    }
+    std::memcpy(out, reader->rest_.data(), count);
+    reader->rest_ = reader->rest_.subspan(count);
+  }
+
+  std::span<const uint8_t> rest_;
+  PngFailure failure_;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+};
+
+class PngWriter {
+ public:
+  PngWriter() {
+    png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure_, on_error, on_warning);
+    if (png_ != nullptr) info_ = png_create_info_struct(png_);
+  }
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+  ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
+
+  bool write(const RawImage& image, png_bytepp rows) {
+    if (png_ == nullptr || info_ == nullptr) return false;
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_write_fn(png_, &bytes, write_bytes, flush);
+    png_set_IHDR(png_, info_, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
+                 static_cast<int>(8 * image.sample_bytes),
+                 image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_set_compression_level(png_, 1);
+    png_set_compression_strategy(png_, Z_RLE);
+    png_set_compression_buffer_size(png_, size_t{1} << 18);
+    png_write_info(png_, info_);
+    png_write_image(png_, rows);
+    png_write_end(png_, nullptr);
+    return true;
+  }
+
+  [[nodiscard]] Error error() const {
+    return {ErrorCode::kInternal, cat("libpng could not encode an image (", failure_.message, "); check its size"), ""};
+  }
+
+  std::vector<uint8_t> bytes;
+
+ private:
+  static void write_bytes(png_structp png, png_bytep data, size_t count) {
+    auto* out = static_cast<std::vector<uint8_t>*>(png_get_io_ptr(png));
+    out->insert(out->end(), data, data + count);
+  }
+  static void flush(png_structp /*png*/) {}
+
+  PngFailure failure_;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+};
+
+/// libpng takes rows as mutable pointers even where it only reads them.
+std::vector<png_bytep> row_pointers(const RawImage& image) {
+  std::vector<png_bytep> rows(image.height);
+  for (size_t y = 0; y < image.height; ++y) {
+    rows[y] = const_cast<png_bytep>(image.samples.data() + y * image.row_bytes());
+  }
+  return rows;
+}
+
+}  // namespace
+
+bool is_png(std::span<const uint8_t> bytes) {
+  return bytes.size() >= kSignatureBytes && png_sig_cmp(bytes.data(), 0, kSignatureBytes) == 0;
+}
+
+Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& name) {
+  RawImage image;
+  PngReader reader(bytes);
+  if (!reader.read_header(image)) return reader.error(name);
+  // One bit per pixel is the least a PNG can store.
+  const double least_bytes = static_cast<double>(image.width) * static_cast<double>(image.height) / 8.0;
+  if (least_bytes > kMaxDeflateRatio * static_cast<double>(bytes.size())) {
+    return Error{ErrorCode::kTruncated,
+                 cat("the PNG claims ", image.width, "x", image.height, " pixels, more than its ", bytes.size(),
+                     " bytes can hold; copy it again"),
+                 name};
+  }
+  image.samples.resize(image.height * image.row_bytes());
+  std::vector<png_bytep> rows = row_pointers(image);
+  if (!reader.read_rows(rows.data())) return reader.error(name);
+  return image;
+}
+
+Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image) {
+  PngWriter writer;
+  writer.bytes.reserve(image.samples.size() / 2 + 1024);
+  std::vector<png_bytep> rows = row_pointers(image);
+  if (!writer.write(image, rows.data())) return writer.error();
+  return std::move(writer.bytes);
+}
+
+}  // namespace e2lf::lightfield

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::lightfield {
+
+/// An image as a file stores it: rows of samples [y, x, channel] of 8 bits, or 16 bits in this machine's byte order.
+struct RawImage {
+  size_t width = 0, height = 0;
+  size_t channels = 1;      ///< 1 or 3
+  size_t sample_bytes = 1;  ///< 1 or 2
+  std::vector<uint8_t> samples;
+
+  [[nodiscard]] size_t row_bytes() const { return width * channels * sample_bytes; }
+};
+
+[[nodiscard]] bool is_png(std::span<const uint8_t> bytes);
+[[nodiscard]] bool is_jpeg(std::span<const uint8_t> bytes);
+
+/// What decode_image does for one kind, without the conversion to float.
+[[nodiscard]] Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& name);
+[[nodiscard]] Result<RawImage> decode_jpeg(std::span<const uint8_t> bytes, const std::string& name);
+
+/// Compresses the rows of `image`, which are in PNG's byte order (16 bits: high byte first).
+[[nodiscard]] Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image);
+
+}  // namespace e2lf::lightfield

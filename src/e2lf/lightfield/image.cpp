@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/lightfield/image.h"
+
+#include <cstring>
+
+#include "e2lf/base/file.h"
+#include "e2lf/lightfield/formats/raw_image.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+/// In [0, 1]; NaN becomes 0.
+float clamp_unit(float value) {
+  return value > 0.0F ? (value < 1.0F ? value : 1.0F) : 0.0F;
+}
+
+void check_pixels(size_t width, size_t height, size_t channels, size_t samples) {
+  E2LF_REQUIRE(width > 0 && height > 0 && (channels == 1 || channels == 3), "an image to write has pixels");
+  E2LF_REQUIRE(samples == width * height * channels, "the pixels of an image must fill its size");
+}
+
+RawImage raw_of(size_t width, size_t height, size_t channels, size_t sample_bytes) {
+  RawImage raw;
+  raw.width = width;
+  raw.height = height;
+  raw.channels = channels;
+  raw.sample_bytes = sample_bytes;
+  return raw;
+}
+
+void quantise8(std::span<const float> values, uint8_t* out) {
+  for (size_t i = 0; i < values.size(); ++i) {
+    out[i] = static_cast<uint8_t>(static_cast<int>(255.0F * clamp_unit(values[i]) + 0.5F));
+  }
+}
+
+/// High byte first, as PNG stores it.
+void quantise16(std::span<const float> values, uint8_t* out) {
+  for (size_t i = 0; i < values.size(); ++i) {
+    const int sample = static_cast<int>(65535.0F * clamp_unit(values[i]) + 0.5F);
+    out[2 * i] = static_cast<uint8_t>(sample >> 8);
+    out[2 * i + 1] = static_cast<uint8_t>(sample & 0xFF);
+  }
+}
+
+Image to_float(const RawImage& raw) {
+  Image image(raw.width, raw.height, raw.channels);
+  if (raw.sample_bytes == 1) {
+    for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<float>(raw.samples[i]) / 255.0F;
+    return image;
+  }
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    uint16_t sample = 0;
+    std::memcpy(&sample, raw.samples.data() + 2 * i, 2);
+    image.pixels[i] = static_cast<float>(sample) / 65535.0F;
+  }
+  return image;
+}
+
+}  // namespace
+
+Image to_grey(Image image) {
+  if (image.channels == 1) return image;
+  Image grey(image.width, image.height, 1);
+  for (size_t i = 0; i < grey.pixels.size(); ++i) {
+    const float* pixel = image.pixels.data() + 3 * i;
+    grey.pixels[i] = grey_of(pixel[0], pixel[1], pixel[2]);
+  }
+  return grey;
+}
+
+ByteImage to_bytes(const Image& image) {
+  ByteImage bytes(image.width, image.height, image.channels);
+  quantise8(image.pixels, bytes.pixels.data());
+  return bytes;
+}
+
+Result<Image> decode_image(std::span<const uint8_t> bytes, const std::string& name) {
+  if (is_png(bytes)) {
+    E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_png(bytes, name));
+    return to_float(raw);
+  }
+  if (is_jpeg(bytes)) {
+    E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_jpeg(bytes, name));
+    return to_float(raw);
+  }
+  return Error{ErrorCode::kFormat, "neither a PNG nor a JPEG image; convert it to PNG", name};
+}
+
+Result<Image> read_image(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
+  return decode_image(bytes, path.string());
+}
+
+Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth) {
+  check_pixels(image.width, image.height, image.channels, image.pixels.size());
+  RawImage raw = raw_of(image.width, image.height, image.channels, depth == PngDepth::k16 ? 2 : 1);
+  raw.samples.resize(image.pixels.size() * raw.sample_bytes);
+  if (depth == PngDepth::k16) {
+    quantise16(image.pixels, raw.samples.data());
+  } else {
+    quantise8(image.pixels, raw.samples.data());
+  }
+  return encode_png_rows(raw);
+}
+
+Result<std::vector<uint8_t>> encode_png(const ByteImage& image) {
+  check_pixels(image.width, image.height, image.channels, image.pixels.size());
+  RawImage raw = raw_of(image.width, image.height, image.channels, 1);
+  raw.samples = image.pixels;
+  return encode_png_rows(raw);
+}
+
+Result<void> write_png(const std::filesystem::path& path, const Image& image, PngDepth depth) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, encode_png(image, depth));
+  return write_file(path, bytes);
+}
+
+Result<void> write_png(const std::filesystem::path& path, const ByteImage& image) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, encode_png(image));
+  return write_file(path, bytes);
+}
+
+}  // namespace e2lf::lightfield
