@@ -35,6 +35,7 @@ struct NpyArray {
   [[nodiscard]] Result<std::vector<int32_t>> to_int32(const std::string& name) const;
 };
 
+/// An array of that shape for float, double, uint8_t, int8_t, int16_t, uint16_t, int32_t or int64_t.
 template <typename T>
 [[nodiscard]] NpyArray make_npy(std::vector<size_t> shape, std::span<const T> values);
 
@@ -49,8 +50,12 @@ template <typename T>
 using NpzArrays = std::map<std::string, NpyArray>;
 
 /// Reads / writes a .npz archive (zip of .npy members, stored or deflated, zip64 where needed). Names come without
-/// ".npy". Writing compresses with deflate when `compress`. Fails with kFormat, kTruncated, kUnsupported (another
-/// compression method), and kInvalidValue (a checksum that does not match).
+/// ".npy"; members that are not arrays are passed over. Writing compresses with deflate when `compress`; equal arrays
+/// give equal bytes. Fails with kFormat (a member twice, sizes that do not agree), kTruncated, kUnsupported (another
+/// compression method), and kInvalidValue (a checksum that does not match). Memory follows what really unpacks.
+[[nodiscard]] Result<NpzArrays> decode_npz(std::span<const uint8_t> bytes, const std::string& name);
+[[nodiscard]] std::vector<uint8_t> encode_npz(const NpzArrays& arrays, bool compress = true);
+
 [[nodiscard]] Result<NpzArrays> read_npz(const std::filesystem::path& path);
 [[nodiscard]] Result<void> write_npz(const std::filesystem::path& path, const NpzArrays& arrays, bool compress = true);
 
