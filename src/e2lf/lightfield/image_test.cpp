@@ -11,7 +11,7 @@
 #include <zlib.h>
 
 #include "e2lf/base/file.h"
-#include "e2lf/lightfield/test_folder.h"
+#include "e2lf/base/test_files.h"
 
 namespace e2lf::lightfield {
 namespace {

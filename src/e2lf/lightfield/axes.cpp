@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/lightfield/axes.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/lightfield/image.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+constexpr float kRangeTolerance = 1e-3F;
+
+Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const char* axis, const std::string& location) {
+  E2LF_REQUIRE(wanted.step >= 1, "the step between views is at least 1");
+  ChosenViews chosen{.first = wanted.first.value_or(0), .step = wanted.step, .count = wanted.count, .stored = stored};
+  if (wanted.count == 0 && chosen.first < stored) chosen.count = (stored - 1 - chosen.first) / wanted.step + 1;
+  if (chosen.count == 0 || chosen.first >= stored || chosen.count - 1 > (stored - 1 - chosen.first) / wanted.step) {
+    return Error{ErrorCode::kShape,
+                 cat("holds ", stored, " view ", axis, "s, not enough for ", std::max<size_t>(wanted.count, 1),
+                     wanted.first ? cat(" from number ", *wanted.first) : "", " with step ", wanted.step,
+                     "; ask for fewer views"),
+                 location};
+  }
+  if (wanted.count > 0 && !wanted.first) chosen.first = (stored - ((wanted.count - 1) * wanted.step + 1)) / 2;
+  return chosen;
+}
+
+template <typename T>
+float to_unit(T sample) {
+  if constexpr (std::is_integral_v<T>) {
+    return static_cast<float>(sample) / static_cast<float>(std::numeric_limits<T>::max());
+  } else {
+    return static_cast<float>(sample);
+  }
+}
+
+/// False for NaN, infinity, and what the policy refuses; brings the rest where the policy wants it.
+bool settle(float& value, RangePolicy policy) {
+  if (policy == RangePolicy::kKeep) return std::isfinite(value);
+  const float clamped = std::clamp(value, 0.0F, 1.0F);
+  const bool good =
+      policy == RangePolicy::kClamp ? std::isfinite(value) : std::fabs(value - clamped) <= kRangeTolerance;
+  value = clamped;
+  return good;
+}
+
+/// Copies [y, x] blocks of the chosen views. A block is read for all views before the next, because in MATLAB's order
+/// the views of a pixel are what lies together.
+template <typename T>
+class Gather {
+ public:
+  Gather(const StoredArray& array, const ChosenGrid& grid, RangePolicy range, LightField& out)
+      : array_(array), grid_(grid), range_(range), out_(out) {}
+
+  /// True when every sample was good.
+  bool run() {
+    std::atomic<bool> good{true};
+    parallel_for(out_.shape().height, 8, [&](size_t begin, size_t end) {
+      bool chunk_good = true;
+      for (size_t y = begin; y < end; ++y) chunk_good = copy_row(y) && chunk_good;
+      if (!chunk_good) good = false;
+    });
+    return good;
+  }
+
+  /// Names the first bad sample; called only after run() found one.
+  [[nodiscard]] std::string first_bad() const {
+    const Shape& shape = out_.shape();
+    const size_t channels = source_channels();
+    for (size_t i = 0; i < shape.num_views() * shape.height * shape.width * channels; ++i) {
+      const size_t channel = i % channels, x = i / channels % shape.width;
+      const size_t y = i / channels / shape.width % shape.height;
+      const size_t view = i / channels / shape.width / shape.height;
+      const size_t view_y = grid_.y[view / shape.views_x], view_x = grid_.x[view % shape.views_x];
+      float value = sample(view_offset(view_y, view_x) + y * array_.strides.y + x * array_.strides.x, channel);
+      const float stored = value;
+      if (!settle(value, range_)) {
+        return cat(stored, " at view row ", view_y, ", view column ", view_x, ", y ", y, ", x ", x);
+      }
+    }
+    return "a value";
+  }
+
+ private:
+  static constexpr size_t kBlock = 32;
+
+  [[nodiscard]] size_t source_channels() const { return array_.shape.channels >= 3 ? 3 : 1; }
+  [[nodiscard]] size_t view_offset(size_t view_y, size_t view_x) const {
+    return view_y * array_.strides.view_y + view_x * array_.strides.view_x;
+  }
+  [[nodiscard]] float sample(size_t offset, size_t channel) const {
+    T value;
+    std::memcpy(&value, array_.bytes.data() + (offset + channel * array_.strides.channel) * sizeof(T), sizeof(T));
+    return to_unit(value);
+  }
+
+  bool copy_row(size_t y) {
+    const Shape& shape = out_.shape();
+    bool good = true;
+    for (size_t begin = 0; begin < shape.width; begin += kBlock) {
+      const size_t end = std::min(shape.width, begin + kBlock);
+      for (size_t view_y = 0; view_y < shape.views_y; ++view_y) {
+        for (size_t view_x = 0; view_x < shape.views_x; ++view_x) {
+          float* row = out_.view(view_y, view_x).data() + y * shape.width * shape.channels;
+          const size_t offset = view_offset(grid_.y[view_y], grid_.x[view_x]) + y * array_.strides.y;
+          good = copy_block(offset, begin, end, row) && good;
+        }
+      }
+    }
+    return good;
+  }
+
+  bool copy_block(size_t offset, size_t begin, size_t end, float* row) {
+    bool good = true;
+    const bool colour_out = out_.shape().channels == 3;
+    const size_t channels = source_channels();
+    for (size_t x = begin; x < end; ++x) {
+      float values[3] = {};
+      for (size_t channel = 0; channel < channels; ++channel) {
+        values[channel] = sample(offset + x * array_.strides.x, channel);
+        if constexpr (!std::is_integral_v<T>) good = settle(values[channel], range_) && good;
+      }
+      if (colour_out) {
+        std::copy_n(values, 3, row + 3 * x);
+      } else {
+        row[x] = channels == 3 ? grey_of(values[0], values[1], values[2]) : values[0];
+      }
+    }
+    return good;
+  }
+
+  const StoredArray& array_;
+  const ChosenGrid& grid_;
+  RangePolicy range_;
+  LightField& out_;
+};
+
+template <typename T>
+Result<void> gather(const StoredArray& array, const ChosenGrid& grid, RangePolicy range, LightField& out,
+                    const std::string& location) {
+  Gather<T> job(array, grid, range, out);
+  if (job.run()) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("a light field holds finite values in [0, 1], not ", job.first_bad(),
+                   "; scale the data, or ask for values to be clamped"),
+               location};
+}
+
+}  // namespace
+
+AxisStrides uvhwc_strides(const Shape& shape) {
+  const size_t x = shape.channels, y = x * shape.width, view_x = y * shape.height;
+  return {.view_y = view_x * shape.views_x, .view_x = view_x, .y = y, .x = x, .channel = 1};
+}
+
+AxisStrides matlab_uvhwc_strides(const Shape& shape) {
+  const size_t y = shape.views_y * shape.views_x, x = y * shape.height;
+  return {.view_y = 1, .view_x = shape.views_y, .y = y, .x = x, .channel = x * shape.width};
+}
+
+AxisStrides huwvc_strides(const Shape& shape) {
+  const size_t view_x = shape.channels, x = view_x * shape.views_x, view_y = x * shape.width;
+  return {.view_y = view_y, .view_x = view_x, .y = view_y * shape.views_y, .x = x, .channel = 1};
+}
+
+AxisStrides vwuh_strides(const Shape& shape) {
+  const size_t view_y = shape.height, x = view_y * shape.views_y, view_x = x * shape.width;
+  return {.view_y = view_y, .view_x = view_x, .y = 1, .x = x, .channel = 0};
+}
+
+size_t views_per_axis(size_t num_views) {
+  const auto root = static_cast<size_t>(std::lround(std::sqrt(static_cast<double>(num_views))));
+  return root * root == num_views ? root : 0;
+}
+
+size_t sample_bytes(SampleType type) {
+  switch (type) {
+    case SampleType::kUint8:
+      return 1;
+    case SampleType::kUint16:
+      return 2;
+    case SampleType::kFloat32:
+      return 4;
+    case SampleType::kFloat64:
+      return 8;
+  }
+  return 8;
+}
+
+Result<ChosenGrid> choose_views(size_t stored_y, size_t stored_x, const ReadOptions& options,
+                                const std::string& location) {
+  ChosenGrid grid;
+  E2LF_ASSIGN_OR_RETURN(grid.y, choose_axis(stored_y, options.views_y, "row", location));
+  E2LF_ASSIGN_OR_RETURN(grid.x, choose_axis(stored_x, options.views_x, "column", location));
+  grid.y.reversed = options.reverse_rows;
+  return grid;
+}
+
+Result<void> check_memory(const Shape& shape, size_t bytes_each, const ReadOptions& options,
+                          const std::string& location) {
+  double bytes = static_cast<double>(bytes_each);
+  for (const size_t extent : {shape.views_y, shape.views_x, shape.height, shape.width, shape.channels}) {
+    if (extent == 0) return Error{ErrorCode::kShape, "a light field without samples; check the file", location};
+    bytes *= static_cast<double>(extent);
+  }
+  if (bytes <= static_cast<double>(options.max_bytes)) return {};
+  return Error{ErrorCode::kUnsupported,
+               cat("takes ", bytes / 1e9, " GB, more than the limit of ", static_cast<double>(options.max_bytes) / 1e9,
+                   " GB; raise the limit or take fewer views"),
+               location};
+}
+
+Result<LightField> from_stored(const StoredArray& array, const ReadOptions& options, const std::string& location) {
+  E2LF_REQUIRE(array.bytes.size() == array.shape.size() * sample_bytes(array.type), "the samples must fill the shape");
+  E2LF_ASSIGN_OR_RETURN(const ChosenGrid grid,
+                        choose_views(array.shape.views_y, array.shape.views_x, options, location));
+  const Shape shape{grid.y.count, grid.x.count, array.shape.height, array.shape.width,
+                    options.colour && array.shape.channels >= 3 ? size_t{3} : size_t{1}};
+  E2LF_RETURN_IF_ERROR(check_memory(shape, sizeof(float), options, location));
+  LightField out(shape);
+  Result<void> status;
+  switch (array.type) {
+    case SampleType::kUint8:
+      status = gather<uint8_t>(array, grid, options.range, out, location);
+      break;
+    case SampleType::kUint16:
+      status = gather<uint16_t>(array, grid, options.range, out, location);
+      break;
+    case SampleType::kFloat32:
+      status = gather<float>(array, grid, options.range, out, location);
+      break;
+    case SampleType::kFloat64:
+      status = gather<double>(array, grid, options.range, out, location);
+      break;
+  }
+  if (!status) return status.error();
+  return out;
+}
+
+}  // namespace e2lf::lightfield

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/base/text.h"
+#include "e2lf/lightfield/axes.h"
+#include "e2lf/lightfield/formats/hdf5_file.h"
+#include "e2lf/lightfield/formats/readers.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+constexpr const char* kNames[] = {"LF", "LF_y", "Hr_SAI_y"};
+
+/// A data set and what it says of itself, before its samples are read.
+struct OpenedSet {
+  Hdf5Id set;
+  std::string name;
+  std::vector<hsize_t> extents;
+};
+
+std::string find_name(hid_t file) {
+  for (const char* name : kNames) {
+    if (H5Lexists(file, name, H5P_DEFAULT) > 0) return name;
+  }
+  return "";
+}
+
+Hdf5Id open_file(const std::filesystem::path& path) {
+  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+}
+
+Result<OpenedSet> open_set(hid_t file, const std::filesystem::path& path) {
+  std::string name = find_name(file);
+  if (name.empty()) {
+    return Error{ErrorCode::kNotFound, "the file has no data set LF, LF_y or Hr_SAI_y; store the light field as LF_y",
+                 path.string()};
+  }
+  OpenedSet opened{{H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose}, std::move(name), {}};
+  const Hdf5Id space(opened.set.valid() ? H5Dget_space(opened.set.get()) : H5I_INVALID_HID, H5Sclose);
+  const int rank = space.valid() ? H5Sget_simple_extent_ndims(space.get()) : -1;
+  if (rank < 0) {
+    return Error{ErrorCode::kFormat, cat("not a readable data set (", hdf5_reason(), "); store it again"),
+                 cat(path.string(), ": ", opened.name)};
+  }
+  opened.extents.resize(static_cast<size_t>(rank));
+  H5Sget_simple_extent_dims(space.get(), opened.extents.data(), nullptr);
+  return opened;
+}
+
+/// Extents and axis order of the three data sets; shape.size() is 0 where they do not fit.
+StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
+  const std::vector<hsize_t>& extents = opened.extents;
+  const size_t rank = extents.size();
+  StoredArray array;
+  if (opened.name == "LF" && (rank == 4 || rank == 5)) {
+    const size_t skip = rank - 4;  // the channel, where there is one
+    array.shape = {extents[skip + 3], extents[skip + 2], extents[skip + 1], extents[skip], skip ? extents[0] : 1};
+    array.strides = matlab_uvhwc_strides(array.shape);
+  } else if (opened.name == "LF_y" && rank == 3) {
+    const size_t views = views_per_axis(extents[0]);
+    array.shape = {views, views, extents[1], extents[2], 1};
+    array.strides = uvhwc_strides(array.shape);
+  } else if (opened.name == "Hr_SAI_y" && rank == 2) {
+    const size_t views = options.patch_views;
+    E2LF_REQUIRE(views >= 1, "a patch has one view or more");
+    if (extents[0] % views == 0 && extents[1] % views == 0) {
+      array.shape = {views, views, extents[1] / views, extents[0] / views, 1};
+      array.strides = vwuh_strides(array.shape);
+    }
+  }
+  return array;
+}
+
+/// The type to read the samples as: bytes and words as they are, floats of any width as float32.
+std::optional<SampleType> sample_type(hid_t set) {
+  const Hdf5Id type(H5Dget_type(set), H5Tclose);
+  if (!type.valid()) return std::nullopt;
+  if (H5Tget_class(type.get()) == H5T_FLOAT) return SampleType::kFloat32;
+  if (H5Tget_class(type.get()) != H5T_INTEGER || H5Tget_sign(type.get()) != H5T_SGN_NONE) return std::nullopt;
+  if (H5Tget_size(type.get()) == 1) return SampleType::kUint8;
+  if (H5Tget_size(type.get()) == 2) return SampleType::kUint16;
+  return std::nullopt;
+}
+
+hid_t memory_type(SampleType type) {
+  if (type == SampleType::kUint8) return H5T_NATIVE_UINT8;
+  if (type == SampleType::kUint16) return H5T_NATIVE_UINT16;
+  return H5T_NATIVE_FLOAT;
+}
+
+std::string extents_text(const std::vector<hsize_t>& extents) {
+  return shape_text({extents.begin(), extents.end()});
+}
+
+}  // namespace
+
+std::string hdf5_reason() {
+  std::string reason = "no reason given";
+  // Upward = from the innermost function out, so the first entry is the root.
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned number, const H5E_error2_t* error, void* text) -> herr_t {
+        if (number == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
+        return 0;
+      },
+      &reason);
+  return reason;
+}
+
+bool hdf5_has_light_field(const std::filesystem::path& path) {
+  const Hdf5Silence silence;
+  const Hdf5Id file = open_file(path);
+  return file.valid() && !find_name(file.get()).empty();
+}
+
+Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOptions& options) {
+  const Hdf5Silence silence;
+  const Hdf5Id file = open_file(path);
+  if (!file.valid()) {
+    return Error{ErrorCode::kFormat, cat("not a readable HDF5 file (", hdf5_reason(), "); copy it again"),
+                 path.string()};
+  }
+  E2LF_ASSIGN_OR_RETURN(const OpenedSet opened, open_set(file.get(), path));
+  const std::string location = cat(path.string(), ": ", opened.name);
+  StoredArray array = arrange(opened, options);
+  if (array.shape.size() == 0) {
+    return Error{ErrorCode::kShape,
+                 cat("extents ", extents_text(opened.extents),
+                     " do not fit; LF is (U,V,H,W,C), LF_y [views, H, W], Hr_SAI_y [views_x * W, views_y * H]"),
+                 location};
+  }
+  const auto type = sample_type(opened.set.get());
+  if (!type) {
+    return Error{ErrorCode::kUnsupported, "samples are not of type float, uint8 or uint16; convert them", location};
+  }
+  array.type = *type;
+  E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));
+
+  // Chunks that were never written take no space in a file; a light field has none of these.
+  const hsize_t stored_bytes = H5Dget_storage_size(opened.set.get());
+  std::vector<uint8_t> bytes;
+  const size_t wanted_bytes = array.shape.size() * sample_bytes(*type);
+  if (static_cast<double>(wanted_bytes) > 1032.0 * static_cast<double>(stored_bytes)) {
+    return Error{ErrorCode::kTruncated, "most samples are not in the file; copy or store it again", location};
+  }
+  bytes.resize(wanted_bytes);
+  if (H5Dread(opened.set.get(), memory_type(*type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
+    return Error{ErrorCode::kFormat, cat("the samples cannot be read (", hdf5_reason(), "); copy the file again"),
+                 location};
+  }
+  array.bytes = bytes;
+  return from_stored(array, options, location);
+}
+
+}  // namespace e2lf::lightfield

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::lightfield {
+
+/// Writes one float32 data set of the given extents as an HDF5 file that appears whole or not at all.
+/// Fails with kIo, and with kInternal where HDF5 does.
+[[nodiscard]] Result<void> write_hdf5(const std::filesystem::path& path, const std::string& name,
+                                      const std::vector<size_t>& extents, std::span<const float> values);
+
+}  // namespace e2lf::lightfield

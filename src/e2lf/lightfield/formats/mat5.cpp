@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/lightfield/formats/mat5.h"
+
+#include <algorithm>
+#include <array>
+#include <zlib.h>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+constexpr size_t kHeaderBytes = 128;
+constexpr size_t kByteOrderAt = 126;
+constexpr size_t kTagBytes = 8;
+constexpr uint32_t kMatrix = 14;
+constexpr uint32_t kCompressed = 15;
+// Enough of a variable for its type, extents and a name of 63 letters.
+constexpr size_t kPreviewBytes = 1024;
+
+uint32_t load32(std::span<const uint8_t> bytes) {
+  return bytes[0] | uint32_t{bytes[1]} << 8 | uint32_t{bytes[2]} << 16 | uint32_t{bytes[3]} << 24;
+}
+
+/// A data element: a tag (type, size) and what it counts.
+struct Element {
+  uint32_t type = 0;
+  size_t size = 0;                ///< as the tag says
+  std::span<const uint8_t> data;  ///< shorter than `size` where the bytes end before
+};
+
+/// Takes the next element off the front; absent where not even a tag is left. A small element keeps its data, up to
+/// four bytes, in its tag ("Small Data Element Format"). All but compressed ones are padded to eight bytes.
+std::optional<Element> take_element(std::span<const uint8_t>& rest) {
+  if (rest.size() < kTagBytes) return std::nullopt;
+  const uint32_t word = load32(rest);
+  if (word >> 16 != 0) {
+    const size_t size = word >> 16;
+    const Element element{word & 0xFFFF, size, rest.subspan(4, std::min<size_t>(size, 4))};
+    rest = rest.subspan(kTagBytes);
+    return element;
+  }
+  Element element{word, load32(rest.subspan(4)), {}};
+  rest = rest.subspan(kTagBytes);
+  element.data = rest.first(std::min(element.size, rest.size()));
+  const size_t padded = word == kCompressed ? element.size : (element.size + 7) / 8 * 8;
+  rest = rest.subspan(std::min(padded, rest.size()));
+  return element;
+}
+
+bool is_whole(const std::optional<Element>& element) {
+  return element && element->data.size() == element->size;
+}
+
+/// Inflates up to out.size() bytes; the number of bytes, or nothing when the stream is damaged. A stream that ends here
+/// has its checksum compared by zlib.
+std::optional<size_t> inflate_some(std::span<const uint8_t> in, std::span<uint8_t> out, bool to_the_end) {
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) return std::nullopt;
+  stream.next_in = const_cast<Bytef*>(in.data());
+  stream.avail_in = static_cast<uInt>(in.size());
+  stream.next_out = out.data();
+  stream.avail_out = static_cast<uInt>(out.size());
+  const int status = inflate(&stream, to_the_end ? Z_FINISH : Z_SYNC_FLUSH);
+  const size_t size = out.size() - stream.avail_out;
+  inflateEnd(&stream);
+  if (status == Z_STREAM_END || (!to_the_end && status == Z_OK)) return size;
+  return std::nullopt;
+}
+
+/// The first bytes of a compressed element; empty when it is damaged.
+std::vector<uint8_t> inflate_preview(std::span<const uint8_t> in) {
+  std::array<uint8_t, kPreviewBytes> buffer{};
+  const size_t size = inflate_some(in, buffer, false).value_or(0);
+  return {buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(size)};
+}
+
+/// What stands before the samples of a matrix element.
+struct MatrixHead {
+  MatArray array;
+  std::string name;
+};
+
+/// Reads it and leaves `rest` at the samples; absent where it is damaged.
+std::optional<MatrixHead> take_head(std::span<const uint8_t>& rest) {
+  MatrixHead head;
+  const auto flags = take_element(rest);
+  if (!is_whole(flags) || flags->data.size() < 4) return std::nullopt;
+  const uint32_t word = load32(flags->data);
+  head.array.array_class = static_cast<uint8_t>(word & 0xFF);
+  head.array.complex = (word & 0x800) != 0;
+  const auto extents = take_element(rest);
+  if (!is_whole(extents) || extents->size % 4 != 0) return std::nullopt;
+  for (size_t i = 0; i < extents->size; i += 4) head.array.extents.push_back(load32(extents->data.subspan(i)));
+  const auto name = take_element(rest);
+  if (!is_whole(name)) return std::nullopt;
+  head.name.assign(name->data.begin(), name->data.end());
+  return head;
+}
+
+Error truncated(const std::string& location) {
+  return {ErrorCode::kTruncated, "the MATLAB file ends before its data does; copy it again", location};
+}
+
+Error damaged(const std::string& location) {
+  return {ErrorCode::kFormat, "the MATLAB file is damaged; copy or save it again", location};
+}
+
+/// Inflates a whole variable; its tag, at the front of `preview`, says how long it is.
+Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<const uint8_t> preview,
+                                              uint64_t max_bytes, const std::string& location) {
+  const uint64_t size = kTagBytes + uint64_t{load32(preview.subspan(4))};
+  // Deflate cannot make one byte stand for more than 1032.
+  if (size / 1032 > element.size) return damaged(location);
+  // Some room for what surrounds the samples; the caller checks those against the same limit.
+  if (size > max_bytes + kPreviewBytes) {
+    return Error{ErrorCode::kUnsupported, cat("inflates to ", size, " bytes, more than the limit; raise the limit"),
+                 location};
+  }
+  std::vector<uint8_t> bytes(size);
+  if (inflate_some(element.data, bytes, true) != size) return damaged(location);
+  return bytes;
+}
+
+/// The matrix's samples, after its head.
+Result<MatArray> finish_array(MatArray array, std::span<const uint8_t> rest, const std::string& location) {
+  const auto samples = take_element(rest);
+  if (!is_whole(samples)) return truncated(location);
+  array.storage = samples->type;
+  array.data = samples->data;
+  return array;
+}
+
+Result<MatArray> open_compressed(const Element& element, std::span<const uint8_t> preview, uint64_t max_bytes,
+                                 const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> inflated, inflate_variable(element, preview, max_bytes, location));
+  std::span<const uint8_t> rest = std::span(inflated).subspan(kTagBytes);
+  auto head = take_head(rest);
+  if (!head) return damaged(location);
+  E2LF_ASSIGN_OR_RETURN(MatArray array, finish_array(std::move(head->array), rest, location));
+  array.inflated = std::move(inflated);
+  return array;
+}
+
+}  // namespace
+
+Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_bytes,
+                                const std::string& location) {
+  if (bytes.size() < kHeaderBytes) return truncated(location);
+  if (bytes[kByteOrderAt] != 'I') {
+    return Error{ErrorCode::kUnsupported, "a big-endian MATLAB file; save it on a little-endian machine", location};
+  }
+  std::span<const uint8_t> rest = bytes.subspan(kHeaderBytes);
+  while (!rest.empty()) {
+    const auto element = take_element(rest);
+    if (!is_whole(element)) return truncated(location);
+    std::span<const uint8_t> inside = element->data;
+    std::vector<uint8_t> preview;
+    if (element->type == kCompressed) {
+      preview = inflate_preview(element->data);
+      if (preview.size() < kTagBytes) return damaged(location);
+      inside = std::span(preview).subspan(kTagBytes);
+    } else if (element->type != kMatrix) {
+      continue;
+    }
+    auto head = take_head(inside);
+    if (!head) return damaged(location);
+    if (head->name != name) continue;
+    if (element->type == kCompressed) return open_compressed(*element, preview, max_bytes, location);
+    return finish_array(std::move(head->array), inside, location);
+  }
+  return Error{ErrorCode::kNotFound, cat("the MATLAB file has no variable ", name, "; save the light field under it"),
+               location};
+}
+
+}  // namespace e2lf::lightfield

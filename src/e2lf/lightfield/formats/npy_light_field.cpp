@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/base/text.h"
+#include "e2lf/lightfield/axes.h"
+#include "e2lf/lightfield/formats/readers.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+std::optional<SampleType> sample_type(const std::string& code) {
+  if (code == "u1") return SampleType::kUint8;
+  if (code == "u2") return SampleType::kUint16;
+  if (code == "f4") return SampleType::kFloat32;
+  if (code == "f8") return SampleType::kFloat64;
+  return std::nullopt;
+}
+
+}  // namespace
+
+const NpyArray* find_light_field(const NpzArrays& arrays) {
+  for (const char* name : {"light_field", "lightfield", "LF"}) {
+    if (const auto found = arrays.find(name); found != arrays.end()) return &found->second;
+  }
+  return arrays.size() == 1 ? &arrays.begin()->second : nullptr;
+}
+
+std::optional<Shape> npy_shape(const NpyArray& array) {
+  const std::vector<size_t>& extents = array.shape;
+  if (!sample_type(array.type)) return std::nullopt;
+  if (extents.size() == 5 && (extents[4] == 1 || extents[4] == 3)) {
+    return Shape{extents[0], extents[1], extents[2], extents[3], extents[4]};
+  }
+  // Four axes that end in 1 or 3 are ambiguous: small equal extents in front are a grid of views, not their number.
+  const bool grid = extents.size() == 4 && extents[0] == extents[1] && extents[0] <= 32;
+  const bool flat_colour = extents.size() == 4 && !grid && (extents[3] == 1 || extents[3] == 3);
+  if (extents.size() == 4 && !flat_colour) return Shape{extents[0], extents[1], extents[2], extents[3], 1};
+  if (extents.size() != 3 && !flat_colour) return std::nullopt;
+  const size_t views = views_per_axis(extents[0]);
+  if (views == 0) return std::nullopt;
+  return Shape{views, views, extents[1], extents[2], flat_colour ? extents[3] : 1};
+}
+
+Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options, const std::string& location) {
+  const std::optional<Shape> shape = npy_shape(array);
+  if (!shape) {
+    return Error{ErrorCode::kShape,
+                 cat("an array ", shape_text(array.shape), " of type ", array.type.empty() ? "record" : array.type,
+                     " is no light field; store float32 or uint8 [view_y, view_x, y, x] or [view, y, x]"),
+                 location};
+  }
+  StoredArray stored;
+  stored.shape = *shape;
+  stored.strides = uvhwc_strides(*shape);
+  stored.type = *sample_type(array.type);
+  stored.bytes = array.bytes;
+  return from_stored(stored, options, location);
+}
+
+}  // namespace e2lf::lightfield

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/lightfield/formats/view_names.h"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+constexpr size_t kMaxNumber = 9999;
+
+bool is_image_name(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
+
+/// Takes a number off the front of `text`; false when there is none of a sensible size.
+bool take_number(std::string_view& text, size_t& number) {
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc() || number > kMaxNumber) return false;
+  text.remove_prefix(static_cast<size_t>(end - text.data()));
+  return true;
+}
+
+bool take_prefix(std::string_view& text, std::string_view prefix) {
+  if (!text.starts_with(prefix)) return false;
+  text.remove_prefix(prefix.size());
+  return true;
+}
+
+std::string padded(size_t number, size_t digits) {
+  const std::string text = std::to_string(number);
+  return std::string(digits - std::min(digits, text.size()), '0') + text;
+}
+
+}  // namespace
+
+std::optional<NumberedView> parse_view_name(const std::filesystem::path& file) {
+  if (!is_image_name(file)) return std::nullopt;
+  const std::string stem = file.stem().string();
+  std::string_view rest = stem;
+  if (take_prefix(rest, "input_Cam")) {
+    size_t number = 0;
+    if (!take_number(rest, number) || !rest.empty()) return std::nullopt;
+    return NumberedView{LightFieldKind::kHciFolder, number / kHciColumns, number % kHciColumns};
+  }
+  const LightFieldKind kind = take_prefix(rest, "out_") ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
+  size_t row = 0, column = 0;
+  if (!take_number(rest, row) || !take_prefix(rest, "_") || !take_number(rest, column)) return std::nullopt;
+  const bool position_follows = kind == LightFieldKind::kStanfordFolder && rest.starts_with("_");
+  if (!rest.empty() && !position_follows) return std::nullopt;
+  return NumberedView{kind, row, column};
+}
+
+std::string view_name(LightFieldKind kind, size_t row, size_t column) {
+  if (kind == LightFieldKind::kHciFolder) return cat("input_Cam", padded(kHciColumns * row + column, 3), ".png");
+  if (kind == LightFieldKind::kStanfordFolder) return cat("out_", padded(row, 2), "_", padded(column, 2), "_*.png");
+  return cat(padded(row, 2), "_", padded(column, 2), ".png");
+}
+
+}  // namespace e2lf::lightfield

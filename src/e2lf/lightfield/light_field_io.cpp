@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/lightfield/light_field_io.h"
+
+#include <array>
+#include <fstream>
+#include <span>
+#include <string_view>
+
+#include "e2lf/base/text.h"
+#include "e2lf/lightfield/formats/raw_image.h"
+#include "e2lf/lightfield/formats/readers.h"
+
+namespace e2lf::lightfield {
+namespace fs = std::filesystem;
+namespace {
+
+using namespace std::string_view_literals;
+
+// HDF5's signature stands at byte 0, or after the 512-byte header of a MATLAB 7.3 file.
+constexpr size_t kMatlabHeaderBytes = 512;
+constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n"sv;
+
+/// What the first bytes of a file say.
+std::optional<LightFieldKind> kind_of_bytes(std::string_view head) {
+  const auto* bytes = reinterpret_cast<const uint8_t*>(head.data());
+  if (is_png({bytes, head.size()}) || is_jpeg({bytes, head.size()})) return LightFieldKind::kLenslet;
+  if (head.starts_with(kHdf5Signature)) return LightFieldKind::kHdf5;
+  if (head.size() > kMatlabHeaderBytes && head.substr(kMatlabHeaderBytes).starts_with(kHdf5Signature)) {
+    return LightFieldKind::kHdf5;
+  }
+  if (head.starts_with("MATLAB 5.0 MAT-file"sv)) return LightFieldKind::kMat;
+  if (head.starts_with("\x93NUMPY"sv)) return LightFieldKind::kNpy;
+  if (head.starts_with("PK\x03\x04"sv)) return LightFieldKind::kNpz;
+  return std::nullopt;
+}
+
+/// The kind by the first bytes alone; what is inside may still be something else.
+Result<LightFieldKind> storage_kind(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) return Error{ErrorCode::kNotFound, "no such file or folder; check the path", path.string()};
+  if (fs::is_directory(status)) {
+    E2LF_ASSIGN_OR_RETURN(const ViewFiles views, list_views(path));
+    if (!views.files.empty()) return views.kind;
+    return Error{ErrorCode::kUnsupported, "the folder holds no views; give one with 00_00.png ...", path.string()};
+  }
+  std::array<char, kMatlabHeaderBytes + kHdf5Signature.size()> head{};
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{ErrorCode::kIo, "cannot open; check its permissions", path.string()};
+  file.read(head.data(), head.size());
+  if (const auto kind = kind_of_bytes({head.data(), static_cast<size_t>(file.gcount())})) return *kind;
+  return Error{ErrorCode::kUnsupported,
+               "not a light field of a known kind; give a folder of views, .mat, .h5, .npy, .npz or a lenslet mosaic",
+               path.string()};
+}
+
+Result<bool> holds_light_field(LightFieldKind kind, const fs::path& path) {
+  if (kind == LightFieldKind::kHdf5) return hdf5_has_light_field(path);
+  if (kind == LightFieldKind::kNpy) {
+    E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
+    return npy_shape(array).has_value();
+  }
+  if (kind == LightFieldKind::kNpz) {
+    E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_npz(path));
+    const NpyArray* array = find_light_field(arrays);
+    return array != nullptr && npy_shape(*array).has_value();
+  }
+  return true;
+}
+
+Result<LightField> read_npz_light_field(const fs::path& path, const ReadOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_npz(path));
+  if (const NpyArray* array = find_light_field(arrays)) return from_npy(*array, options, path.string());
+  std::vector<std::string> names;
+  for (const auto& [name, array] : arrays) names.push_back(name);
+  return Error{ErrorCode::kNotFound, cat("no array light_field, but ", join(names), "; store it under that name"),
+               path.string()};
+}
+
+}  // namespace
+
+const char* kind_name(LightFieldKind kind) {
+  switch (kind) {
+    case LightFieldKind::kViewFolder:
+      return "folder of VV_UU.png";
+    case LightFieldKind::kHciFolder:
+      return "HCI folder";
+    case LightFieldKind::kStanfordFolder:
+      return "Stanford folder";
+    case LightFieldKind::kMat:
+      return "MATLAB file";
+    case LightFieldKind::kHdf5:
+      return "HDF5 file";
+    case LightFieldKind::kLenslet:
+      return "lenslet mosaic";
+    case LightFieldKind::kNpy:
+      return "npy array";
+    case LightFieldKind::kNpz:
+      return "npz archive";
+  }
+  return "light field";
+}
+
+Result<LightFieldKind> detect_kind(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const LightFieldKind kind, storage_kind(path));
+  E2LF_ASSIGN_OR_RETURN(const bool holds, holds_light_field(kind, path));
+  if (holds) return kind;
+  return Error{ErrorCode::kUnsupported, cat("an ", kind_name(kind), " that holds no light field; check what it is"),
+               path.string()};
+}
+
+Result<LightField> read_light_field(const fs::path& path, const ReadOptions& options, const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(const LightFieldKind kind, storage_kind(path));
+  switch (kind) {
+    case LightFieldKind::kViewFolder:
+    case LightFieldKind::kHciFolder:
+    case LightFieldKind::kStanfordFolder:
+      return read_view_folder(path, options, progress);
+    case LightFieldKind::kMat:
+      return read_mat(path, options);
+    case LightFieldKind::kHdf5:
+      return read_hdf5(path, options);
+    case LightFieldKind::kLenslet:
+      return read_lenslet(path, options);
+    case LightFieldKind::kNpz:
+      return read_npz_light_field(path, options);
+    case LightFieldKind::kNpy: {
+      E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
+      return from_npy(array, options, path.string());
+    }
+  }
+  return Error{ErrorCode::kInternal, "unknown kind of light field", path.string()};
+}
+
+}  // namespace e2lf::lightfield

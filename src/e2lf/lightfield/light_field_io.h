@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
+#include "e2lf/lightfield/light_field.h"
+
+namespace e2lf::lightfield {
+
+/// How a light field is stored.
+enum class LightFieldKind {
+  kViewFolder,      ///< folder of VV_UU.png or .jpg: row_column, any zero padding
+  kHciFolder,       ///< folder of input_Cam000.png ...: number = 9 * row + column
+  kStanfordFolder,  ///< folder of out_RR_CC_-y_-x.png or .jpg, 17x17
+  kMat,             ///< MATLAB file before version 7.3 with `LF` (U,V,H,W) or (U,V,H,W,3 or more)
+  kHdf5,            ///< HDF5 file (MATLAB's version 7.3 is one) with `LF`, `LF_y` or `Hr_SAI_y`
+  kLenslet,         ///< one picture, a Lytro lenslet mosaic (ESLF): the views of each pixel side by side
+  kNpy,             ///< float or unsigned [view_y, view_x, y, x], [view, y, x], either with [channel] at the end
+  kNpz,             ///< the same under `light_field`, `lightfield`, `LF`, or as the only array
+};
+
+/// E.g. "folder of VV_UU.png".
+[[nodiscard]] const char* kind_name(LightFieldKind kind);
+
+/// Tells what is stored at `path` from file names and first bytes. Fails with kNotFound, and with kUnsupported where it
+/// is no light field.
+[[nodiscard]] Result<LightFieldKind> detect_kind(const std::filesystem::path& path);
+
+/// What becomes of float samples outside [0, 1] by more than 0.001 (what is nearer is always clamped in the first two).
+/// NaN and infinity are always errors.
+enum class RangePolicy {
+  kRefuse,  ///< an error that names the first one
+  kClamp,
+  kKeep,  ///< for reconstructions, which are stored without a clamp
+};
+
+/// Which of the stored views to take along one axis: first, first + step, ...
+struct AxisViews {
+  size_t count = 8;             ///< 0 = all that are stored (with this step)
+  size_t step = 1;              ///< at least 1
+  std::optional<size_t> first;  ///< absent = (stored - ((count - 1) * step + 1)) / 2, rounded down
+};
+
+/// The default takes the central 8x8 views, by BasicLFSR's rule where there is no centre: views 0..7 of 9. Of 17
+/// (Stanford) it takes 4..11; step 2 takes 1, 3, ..., 15, twice the disparity. Of 14 (Lytro) it takes 3..10.
+struct ReadOptions {
+  AxisViews views_y, views_x;
+  bool reverse_rows = false;  ///< view rows are stored bottom to top, as in some Stanford scenes: with that, disparity
+                              ///< has opposite signs along rows and columns
+  bool colour = false;        ///< keep colour; otherwise grey, see grey_of
+  RangePolicy range = RangePolicy::kRefuse;
+  size_t lenslet_views = 14;               ///< views per microlens and axis of a lenslet mosaic
+  size_t patch_views = 8;                  ///< views per axis of an `Hr_SAI_y` patch
+  uint64_t max_bytes = uint64_t{8} << 30;  ///< the most that the stored array or the result may take in memory
+};
+
+/// Reads a light field of any kind; integer samples are divided by the largest value of their type. View images are
+/// decoded in parallel. Fails with kNotFound (the path, or a view: named), kShape (fewer views than wanted, views of
+/// different sizes, an array of another shape), kInvalidValue (NaN, range), kFormat, kTruncated, kUnsupported (also
+/// beyond max_bytes); the location is the file.
+[[nodiscard]] Result<LightField> read_light_field(const std::filesystem::path& path, const ReadOptions& options = {},
+                                                  const ProgressFn& progress = {});
+
+enum class LightFieldFormat {
+  kPng8,     ///< folder of VV_UU.png, round(255 * clamp(value))
+  kPng16,    ///< folder of VV_UU.png, round(65535 * clamp(value))
+  kHci,      ///< folder of input_CamNNN.png, 8 bits, at most 9 view columns
+  kNpy,      ///< float32 [view_y, view_x, y, x] or [view_y, view_x, y, x, channel], not clamped
+  kLenslet,  ///< one 16-bit PNG, sample (y * views_y + view_y, x * views_x + view_x)
+  kHdf5,     ///< .h5 with `LF_y` float32 [view, y, x], not clamped; colour becomes grey
+};
+
+/// The format of a word: png, png16, hci, npy, lenslet, h5. Fails with kInvalidValue.
+[[nodiscard]] Result<LightFieldFormat> parse_format(const std::string& word);
+
+/// The format a path asks for: .npy, .h5 / .hdf5, .png (lenslet mosaic), else a folder of 8-bit views.
+[[nodiscard]] LightFieldFormat format_of_path(const std::filesystem::path& path);
+
+struct WriteOptions {
+  LightFieldFormat format = LightFieldFormat::kPng8;
+  bool overwrite = false;
+};
+
+/// Writes to `path`, a folder or a file as the format says, which appears whole or not at all. Views are encoded in
+/// parallel. Fails with kExists, kIo, and kShape where the format cannot hold the light field.
+[[nodiscard]] Result<void> write_light_field(const std::filesystem::path& path, const LightField& light_field,
+                                             const WriteOptions& options = {}, const ProgressFn& progress = {});
+
+/// Writes the views of a folder format (kPng8, kPng16, kHci) into a folder that is there, e.g. an AtomicFolder that
+/// holds other results too.
+[[nodiscard]] Result<void> write_views(const std::filesystem::path& folder, const LightField& light_field,
+                                       LightFieldFormat format, const ProgressFn& progress = {});
+
+}  // namespace e2lf::lightfield

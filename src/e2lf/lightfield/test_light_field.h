@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+
+#include "e2lf/lightfield/light_field.h"
+
+namespace e2lf::lightfield {
+
+/// A small light field whose samples are whole multiples of 1 / 255 and differ along every axis.
+inline LightField numbered_light_field(const Shape& shape) {
+  LightField out(shape);
+  for (size_t i = 0; i < out.data().size(); ++i) {
+    const size_t view = i / shape.view_size(), inside = i % shape.view_size();
+    out.data()[i] = static_cast<float>((view * 37 + inside * 11 + inside / 7) % 256) / 255.0F;
+  }
+  return out;
+}
+
+inline bool same(const LightField& a, const LightField& b) {
+  return a.shape() == b.shape() && std::equal(a.data().begin(), a.data().end(), b.data().begin());
+}
+
+}  // namespace e2lf::lightfield
