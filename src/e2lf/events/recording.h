@@ -37,7 +37,7 @@ enum class TimeOrigin {
 };
 
 struct OpenOptions {
-  std::string format;                           ///< empty = found by content first, by extension second
+  std::string format = {};                      ///< empty = found by content first, by extension second
   DecodePolicy policy = DecodePolicy::kReport;  ///< what to do about damage
   TimeOrigin time = TimeOrigin::kAbsolute;
   size_t width = 0;  ///< sensor size for files that do not say; a file that says otherwise is kInvalidValue

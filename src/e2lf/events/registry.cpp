@@ -4,12 +4,34 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/events/dat/dat.h"
+#include "e2lf/events/hdf5/dsec_hdf5.h"
+#include "e2lf/events/hdf5/metavision_hdf5.h"
 
 namespace e2lf::events {
 namespace {
 
 const std::vector<Codec>& table() {
-  static const std::vector<Codec> codecs = {};
+  static const std::vector<Codec> codecs = {
+      {.name = "dat",
+       .extensions = {".dat"},
+       .description = "Prophesee DAT",
+       .detect = dat::detect,
+       .open = dat::open,
+       .create = dat::create,
+       .create_file = dat::create_file},
+      {.name = "hdf5",
+       .extensions = {".hdf5"},
+       .description = "Metavision HDF5, compressed with ECF",
+       .detect = hdf5::detect,
+       .open = hdf5::open,
+       .create_file = hdf5::create_file},
+      {.name = "dsec",
+       .extensions = {".h5"},
+       .description = "HDF5 with columns as in the DSEC data set",
+       .open = hdf5::open,
+       .create_file = hdf5::create_dsec_file},
+  };
   return codecs;
 }
 

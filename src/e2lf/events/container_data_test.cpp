@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <numeric>
+
+#include "e2lf/events/recording.h"
+#include "e2lf/events/test_streams.h"
+
+/// The containers among the data at hand against their known counts.
+namespace e2lf::events {
+namespace {
+
+EventBatch read_file_of(const std::filesystem::path& path, const OpenOptions& options = {}) {
+  auto reader = open_recording(path, options);
+  EXPECT_TRUE(reader.ok()) << reader.error().text();
+  if (!reader) return {};
+  auto batch = read_all(**reader);
+  EXPECT_TRUE(batch.ok()) << batch.error().text();
+  EXPECT_EQ((*reader)->summary().num_violations(), 0u);
+  return batch.ok() ? *std::move(batch) : EventBatch();
+}
+
+template <typename T>
+int64_t sum(const Column<T>& column) {
+  return std::accumulate(column.begin(), column.end(), int64_t{0});
+}
+
+TEST(ContainerData, EcfFileAndDatFileOfOneRecordingAreEqual) {
+  const auto ecf = data_file("events/other/evt3_gen41_metavision_ecf.hdf5");
+  const auto dat = data_file("events/other/evt3_gen41_cd.dat");
+  E2LF_SKIP_WITHOUT(ecf);
+  const EventBatch batch = read_file_of(ecf);
+  ASSERT_EQ(batch.events.size(), 219596u);
+  EXPECT_EQ(sum(batch.events.p), 115532);
+  EXPECT_EQ(sum(batch.events.x), 159113225);
+  EXPECT_EQ(sum(batch.events.y), 85638051);
+  EXPECT_EQ(sum(batch.events.t) - 219596 * (batch.events.t.front() - 11718656), 2574324900467);
+  EXPECT_TRUE(read_file_of(ecf, {.threads = 0}) == batch);
+  EXPECT_TRUE(read_file_of(dat) == batch);
+}
+
+TEST(ContainerData, EcfFileWithTriggersHasTheRecordingsSums) {
+  const auto path = data_file("events/other/evt3_hd_trigger_metavision_ecf.hdf5");
+  E2LF_SKIP_WITHOUT(path);
+  const EventBatch batch = read_file_of(path);
+  ASSERT_EQ(batch.events.size(), 82469u);
+  EXPECT_EQ(sum(batch.events.p), 41439);
+  EXPECT_EQ(sum(batch.events.x), 42078718);
+  EXPECT_EQ(sum(batch.events.y), 31656267);
+  EXPECT_EQ(sum(batch.events.t) - 82469 * (batch.events.t.front() - 14224870), 1222326831810);
+  const std::vector<Trigger> triggers = {{330275, 0, 0}, {332275, 0, 1}};
+  EXPECT_EQ(batch.triggers, triggers);
+}
+
+TEST(ContainerData, OldDatFileHasItsEvents) {
+  const auto path = data_file("events/other/sample_ncars.dat");
+  E2LF_SKIP_WITHOUT(path);
+  const EventBatch batch = read_file_of(path);
+  EXPECT_EQ(batch.events.size(), 2009u);
+  EXPECT_EQ(batch.events[0], (Event{25, 8, 0, 0}));
+  EXPECT_EQ(batch.events[1], (Event{67, 35, 0, 35}));
+}
+
+}  // namespace
+}  // namespace e2lf::events

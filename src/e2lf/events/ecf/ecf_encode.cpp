@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cstring>
+
+#include "e2lf/events/ecf/ecf_chunk.h"
+
+namespace e2lf::events::ecf {
+namespace {
+
+constexpr size_t kTimeBytesPerEvent = 17;  // 16 digits of a gap and the run
+constexpr size_t kPlaceBytesPerEvent = 6;  // u16 y run, u16 x group, u8 p run, rounded up
+
+uint8_t* put_u16(uint8_t* out, uint32_t value) {
+  out[0] = static_cast<uint8_t>(value);
+  out[1] = static_cast<uint8_t>(value >> 8);
+  return out + 2;
+}
+
+uint8_t* put_u32(uint8_t* out, uint32_t value) {
+  return put_u16(put_u16(out, value), value >> 16);
+}
+
+/// The end of the run of equal values that starts at `begin`.
+template <typename T>
+size_t run_end(std::span<const T> values, size_t begin) {
+  size_t end = begin + 1;
+  while (end < values.size() && values[end] == values[begin]) ++end;
+  return end;
+}
+
+uint8_t* put_times(std::span<const int64_t> t, uint8_t* out) {
+  const auto first = static_cast<uint64_t>(t[0]);
+  out = put_u32(put_u32(out, static_cast<uint32_t>(first)), static_cast<uint32_t>(first >> 32));
+  int64_t last = t[0];
+  for (size_t i = 0; i < t.size();) {
+    auto gap = static_cast<uint64_t>(t[i] - last);
+    last = t[i];
+    if (gap >= 15) {
+      for (; gap > 0; gap >>= 4) *out++ = static_cast<uint8_t>(0xF0 | (gap & 15));
+    }
+    const size_t end = run_end(t, i);
+    const size_t count = end - i;
+    *out++ = static_cast<uint8_t>(gap << 4 | std::min<size_t>(count, 15));
+    if (count >= 15) out = put_u16(out, static_cast<uint32_t>(count));
+    i = end;
+  }
+  return out;
+}
+
+uint8_t* put_y_runs(std::span<const uint16_t> y, uint8_t* out) {
+  for (size_t i = 0; i < y.size();) {
+    const size_t end = run_end(y, i);
+    const auto count = static_cast<uint32_t>(end - i);
+    out = put_u16(out, static_cast<uint32_t>(y[i]) << 5 | std::min(count, 31u));
+    if (count >= 31) out = put_u16(out, count);
+    i = end;
+  }
+  return out;
+}
+
+uint8_t* put_p_runs(std::span<const uint8_t> p, uint8_t* out) {
+  for (size_t i = 0; i < p.size();) {
+    const size_t end = run_end(p, i);
+    const auto count = static_cast<uint32_t>(end - i);
+    *out++ = static_cast<uint8_t>(p[i] << 7 | std::min(count, 127u));
+    if (count >= 127) out = put_u16(out, count);
+    i = end;
+  }
+  return out;
+}
+
+uint8_t* put_x_groups(std::span<const uint16_t> x, uint8_t* out) {
+  for (size_t i = 0; i < x.size();) {
+    const uint32_t base = x[i++];
+    uint32_t mask = 0;
+    for (uint32_t last = 0; i < x.size(); ++i) {
+      const uint32_t step = x[i] - base;  // wraps to a large number when x falls
+      if (step <= last || step > 5) break;
+      mask |= 1u << (5 - step);
+      last = step;
+    }
+    out = put_u16(out, base << 5 | mask);
+  }
+  return out;
+}
+
+uint8_t* put_xp_packed(const ChunkColumns& e, uint8_t* out) {
+  const size_t n = e.x.size();
+  const auto value = [&](size_t i) { return i < n ? static_cast<uint32_t>(e.x[i]) << 1 | e.p[i] : 0u; };
+  for (size_t i = 0; i < n; i += 4) {
+    const uint32_t v1 = value(i + 1), v2 = value(i + 2);
+    out = put_u16(out, value(i) << 4 | (v1 & 0xF));
+    out = put_u16(out, (v1 >> 4) << 8 | (v2 & 0xFF));
+    out = put_u16(out, (v2 >> 8) << 12 | value(i + 3));
+  }
+  return out;
+}
+
+uint8_t* put_yxp_packed(const ChunkColumns& e, uint8_t* out) {
+  const size_t n = e.x.size();
+  const auto value = [&](size_t i) {
+    return i < n ? static_cast<uint32_t>(e.y[i]) << 12 | static_cast<uint32_t>(e.x[i]) << 1 | e.p[i] : 0u;
+  };
+  for (size_t i = 0; i < n; i += 4) {
+    const uint32_t v1 = value(i + 1), v2 = value(i + 2);
+    out = put_u32(out, value(i) << 8 | (v1 & 0xFF));
+    out = put_u32(out, (v1 >> 8) << 16 | (v2 & 0xFFFF));
+    out = put_u32(out, (v2 >> 16) << 24 | value(i + 3));
+  }
+  return out;
+}
+
+}  // namespace
+
+bool can_encode(const ChunkColumns& e) {
+  if (e.x.empty() || e.x.size() > kMaxChunkEvents) return false;
+  uint32_t coordinates = 0, polarities = 0;
+  for (size_t i = 0; i < e.x.size(); ++i) {
+    coordinates |= static_cast<uint32_t>(e.x[i] | e.y[i]);
+    polarities |= e.p[i];
+  }
+  int64_t falls = e.t[0] < 0;
+  for (size_t i = 1; i < e.t.size(); ++i) falls |= e.t[i] < e.t[i - 1];
+  return coordinates <= kMaxCoordinate && polarities <= 1 && falls == 0 && e.t.back() < (int64_t{1} << 62);
+}
+
+size_t max_encoded_size(size_t events) {
+  return 12 + events * (kTimeBytesPerEvent + kPlaceBytesPerEvent) + 12;
+}
+
+size_t encode(const ChunkColumns& e, std::span<uint8_t> out) {
+  const size_t n = e.x.size();
+  E2LF_ASSERT(can_encode(e));
+  E2LF_REQUIRE(out.size() >= max_encoded_size(n), "the output is too small for an ECF chunk");
+  uint8_t* const places = put_times(e.t, out.data() + 4);
+  const size_t quads = (n + 3) / 4;
+
+  // Runs of y, then x groups with runs of p; each is given up as soon as its packed form is smaller.
+  uint32_t layout = 0;
+  uint8_t* const after_y = put_y_runs(e.y, places);
+  uint8_t* end = nullptr;
+  if (after_y + quads * 6 >= places + quads * 12) {
+    layout = 2;
+    end = put_yxp_packed(e, places);
+  } else {
+    end = put_p_runs(e.p, put_x_groups(e.x, after_y));
+    if (end > after_y + quads * 6) {
+      layout = 1;
+      end = put_xp_packed(e, after_y);
+    }
+  }
+  put_u32(out.data(), static_cast<uint32_t>(n) << 2 | layout);
+  return static_cast<size_t>(end - out.data());
+}
+
+}  // namespace e2lf::events::ecf

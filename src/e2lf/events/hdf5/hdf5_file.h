@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <hdf5.h>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/events/byte_source.h"
+
+namespace e2lf::events::hdf5 {
+
+/// The HDF5 library is not thread-safe: every use of it in this module holds this lock.
+[[nodiscard]] std::recursive_mutex& library_mutex();
+
+/// Takes the lock for a scope and keeps the library from printing its errors.
+class LibraryLock {
+ public:
+  LibraryLock();
+
+ private:
+  std::lock_guard<std::recursive_mutex> guard_;
+};
+
+/// An HDF5 identifier that is closed with the object; invalid when negative.
+class Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+
+  Handle() = default;
+  Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    if (this != &other) {
+      close();
+      id_ = std::exchange(other.id_, -1);
+      close_ = other.close_;
+    }
+    return *this;
+  }
+  ~Handle() { close(); }
+
+  [[nodiscard]] hid_t get() const { return id_; }
+  [[nodiscard]] bool valid() const { return id_ >= 0; }
+
+  /// False when the library could not close it (for a file: not write it).
+  bool close();
+
+ private:
+  hid_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+/// Opens the file behind a source for reading; one without a file is read whole into memory first.
+/// Fails with kFormat and kIo.
+[[nodiscard]] Result<Handle> open_file(ByteSource& source);
+
+/// A text attribute of `object`, or "" when there is none of that name.
+[[nodiscard]] std::string read_text_attribute(hid_t object, const std::string& name);
+
+/// All text attributes of `object`, by name.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object);
+
+/// Writes a variable-length ASCII attribute, as Metavision does. Fails with kIo.
+[[nodiscard]] Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text);
+
+/// A one-dimensional data set, opened for reading, with what its length may be believed to be.
+struct DatasetShape {
+  Handle dataset;
+  uint64_t length = 0;        ///< elements, no more than are stored: the header alone is not believed
+  uint64_t chunk_length = 0;  ///< elements per chunk; 0 = not chunked
+  std::vector<H5Z_filter_t> filters;
+  bool is_cut = false;  ///< fewer elements are stored than the header claims
+};
+
+/// Largest chunk that is read, in elements.
+inline constexpr uint64_t kMaxChunkLength = uint64_t{1} << 22;
+
+/// Opens a data set. Fails with kNotFound, kShape (not one-dimensional), and kUnsupported (chunks above
+/// kMaxChunkLength). `location` names the file and data set in errors.
+[[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location);
+
+/// Reads elements [begin, begin + count) into `out` as `memory_type`. Fails with kIo.
+[[nodiscard]] Result<void> read_elements(hid_t dataset, hid_t memory_type, uint64_t begin, uint64_t count, void* out,
+                                         const std::string& location);
+
+/// A one-dimensional data set that grows at its end, uncompressed.
+class GrowingDataset {
+ public:
+  GrowingDataset() = default;
+  /// Creates the data set; `filter` 0 = none, otherwise an optional filter that the caller applies (write_chunk).
+  [[nodiscard]] static Result<GrowingDataset> create(hid_t parent, const std::string& name, hid_t file_type,
+                                                     uint64_t chunk_length, H5Z_filter_t filter = 0);
+
+  /// Appends elements of `memory_type`. Fails with kIo.
+  [[nodiscard]] Result<void> append(hid_t memory_type, const void* elements, uint64_t count);
+
+  /// Appends a chunk of `count` elements as it is stored; only the last chunk may have fewer than chunk_length.
+  [[nodiscard]] Result<void> append_chunk(const std::vector<uint8_t>& bytes, size_t size, uint64_t count,
+                                          bool is_filtered);
+
+  [[nodiscard]] hid_t id() const { return dataset_.get(); }
+  [[nodiscard]] uint64_t length() const { return length_; }
+
+ private:
+  Handle dataset_;
+  std::string name_;
+  uint64_t length_ = 0;
+};
+
+}  // namespace e2lf::events::hdf5

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+
+#include "e2lf/base/text.h"
+#include "e2lf/events/batch_check.h"
+#include "e2lf/events/event_gate.h"
+#include "e2lf/events/hdf5/dsec_hdf5.h"
+#include "e2lf/events/hdf5/event_chunks.h"
+#include "e2lf/events/hdf5/metavision_hdf5.h"
+#include "e2lf/events/trigger_feed.h"
+
+namespace e2lf::events::hdf5 {
+namespace {
+
+constexpr uint64_t kTriggerBlock = 4096;
+
+class TriggerDataset final : public TriggerSource {
+ public:
+  TriggerDataset(DatasetShape shape, std::string location) : shape_(std::move(shape)), location_(std::move(location)) {}
+
+  Result<bool> next(std::vector<Trigger>& block) override {
+    const uint64_t count = std::min(kTriggerBlock, shape_.length - next_);
+    if (count == 0) return false;
+    records_.resize(count);
+    E2LF_RETURN_IF_ERROR(
+        read_elements(shape_.dataset.get(), trigger_type().get(), next_, count, records_.data(), location_));
+    for (const TriggerRecord& record : records_) {
+      block.push_back({record.t, static_cast<uint16_t>(record.id), static_cast<uint8_t>(record.p > 0)});
+    }
+    next_ += count;
+    return true;
+  }
+
+  Result<void> rewind() override {
+    next_ = 0;
+    return {};
+  }
+
+ private:
+  DatasetShape shape_;
+  std::string location_;
+  uint64_t next_ = 0;
+  std::vector<TriggerRecord> records_;
+};
+
+/// Both layouts: blocks of events, and triggers beside them.
+class Hdf5Reader final : public RecordingReader {
+ public:
+  Hdf5Reader(Handle file, RecordingInfo info, std::string name, std::unique_ptr<EventBlocks> blocks,
+             TriggerFeed triggers, const OpenOptions& options)
+      : RecordingReader(options),
+        file_(std::move(file)),
+        blocks_(std::move(blocks)),
+        triggers_(std::move(triggers)),
+        gate_(info.width, info.height, 0) {
+    info_ = std::move(info);
+    name_ = std::move(name);
+  }
+
+ protected:
+  Result<bool> read_next(EventBatch& batch, size_t max_events) override {
+    const size_t begin = batch.events.size();
+    bool more = true;
+    if (next_ == block_.size()) E2LF_RETURN_IF_ERROR(read_block(more));
+    const size_t end = std::min(block_.size(), next_ + max_events);
+    batch.events.append(block_, next_, end);
+    next_ = end;
+    return triggers_.take_beside(batch, begin, more, max_events, summary_);
+  }
+
+  Result<void> seek_before(int64_t t_us) override {
+    E2LF_RETURN_IF_ERROR(blocks_->seek_before(t_us));
+    block_.clear();
+    next_ = 0;
+    gate_.reset();
+    return triggers_.rewind();
+  }
+
+ private:
+  Result<void> read_block(bool& more) {
+    E2LF_ASSIGN_OR_RETURN(more, blocks_->next(decoded_, summary_));
+    block_.clear();
+    next_ = 0;
+    gate_.release(block_);
+    block_.append(decoded_);
+    gate_.filter(block_, 0, !more, 0, summary_);
+    return {};
+  }
+
+  Handle file_;
+  std::unique_ptr<EventBlocks> blocks_;
+  TriggerFeed triggers_;
+  EventGate gate_;
+  EventColumns decoded_, block_;
+  size_t next_ = 0;
+};
+
+/// "1280x720".
+void parse_geometry(const std::string& text, RecordingInfo& info) {
+  size_t width = 0, height = 0;
+  const char* const end = text.data() + text.size();
+  const auto [after_width, width_error] = std::from_chars(text.data(), end, width);
+  if (width_error != std::errc() || after_width == end || *after_width != 'x') return;
+  if (std::from_chars(after_width + 1, end, height).ec != std::errc()) return;
+  if (width == 0 || height == 0 || width > 65536 || height > 65536) return;
+  info.width = width;
+  info.height = height;
+}
+
+RecordingInfo read_info(hid_t file) {
+  RecordingInfo info;
+  info.format = "hdf5";
+  info.header = read_text_attributes(file);
+  parse_geometry(info.find("geometry").value_or(""), info);
+  return info;
+}
+
+}  // namespace
+
+bool detect(std::span<const uint8_t> head) {
+  constexpr uint8_t kMagic[] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
+  return head.size() >= sizeof(kMagic) && std::memcmp(head.data(), kMagic, sizeof(kMagic)) == 0;
+}
+
+Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  const LibraryLock lock;
+  const std::string name = source->name();
+  E2LF_ASSIGN_OR_RETURN(Handle file, open_file(*source));
+  RecordingInfo info = read_info(file.get());
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+
+  std::unique_ptr<EventBlocks> blocks;
+  TriggerFeed triggers;
+  if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
+    E2LF_ASSIGN_OR_RETURN(blocks, EventChunks::open(file.get(), name, options.threads));
+    if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
+      triggers = TriggerFeed(std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events"));
+    }
+  } else {
+    info.format = "dsec";
+    E2LF_ASSIGN_OR_RETURN(blocks, open_dsec(file.get(), name));
+  }
+  std::unique_ptr<RecordingReader> reader = std::make_unique<Hdf5Reader>(
+      std::move(file), std::move(info), name, std::move(blocks), std::move(triggers), options);
+  return reader;
+}
+
+}  // namespace e2lf::events::hdf5

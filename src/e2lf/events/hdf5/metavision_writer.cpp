@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <optional>
+
+#include "e2lf/base/file.h"
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/events/batch_check.h"
+#include "e2lf/events/ecf/ecf_chunk.h"
+#include "e2lf/events/hdf5/metavision_hdf5.h"
+#include "e2lf/events/hdf5/metavision_layout.h"
+
+namespace e2lf::events::hdf5 {
+namespace {
+
+/// Chunks that are compressed at once, each on a thread.
+constexpr size_t kBlockChunks = 16;
+
+/// An index data set: for every 2 ms after the first element, the number and time of the first element at or after it.
+class TimeIndex {
+ public:
+  static Result<TimeIndex> create(hid_t group) {
+    TimeIndex index;
+    E2LF_ASSIGN_OR_RETURN(index.dataset_, GrowingDataset::create(group, "indexes", index_type().get(), kChunkEvents));
+    return index;
+  }
+
+  Result<void> add(int64_t t_us) {
+    if (number_ == 0) {
+      first_us_ = t_us;
+      entries_.push_back({0, -1});
+    }
+    const int64_t since_first_us = t_us - first_us_;
+    while (next_us_ <= since_first_us) {
+      entries_.push_back({number_, since_first_us});
+      next_us_ += kIndexPeriodUs;
+      if (entries_.size() >= kChunkEvents) E2LF_RETURN_IF_ERROR(flush());
+    }
+    ++number_;
+    return {};
+  }
+
+  Result<void> finish() {
+    E2LF_RETURN_IF_ERROR(flush());
+    if (number_ == 0) return {};
+    return write_text_attribute(dataset_.id(), "offset", std::to_string(-first_us_));
+  }
+
+ private:
+  Result<void> flush() {
+    E2LF_RETURN_IF_ERROR(dataset_.append(index_type().get(), entries_.data(), entries_.size()));
+    entries_.clear();
+    return {};
+  }
+
+  GrowingDataset dataset_;
+  std::vector<IndexRecord> entries_;
+  uint64_t number_ = 0;
+  int64_t first_us_ = 0;
+  int64_t next_us_ = 0;
+};
+
+class MetavisionWriter final : public RecordingWriter {
+ public:
+  MetavisionWriter(AtomicFile file, const RecordingInfo& info)
+      : file_(std::move(file)), check_(info.width, info.height, file_.target().string()) {}
+  MetavisionWriter(const MetavisionWriter&) = delete;
+  MetavisionWriter& operator=(const MetavisionWriter&) = delete;
+
+  Result<void> begin(const RecordingInfo& info);
+  bool holds_triggers() const override { return true; }
+  Result<void> write(const EventBatch& batch) override;
+  Result<void> finish() override;
+
+ private:
+  struct EncodedChunk {
+    std::vector<uint8_t> bytes;
+    size_t size = 0;
+    bool is_filtered = false;
+  };
+
+  static void encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out);
+  [[nodiscard]] Result<void> write_chunks(bool is_last);
+
+  AtomicFile file_;
+  BatchCheck check_;
+  Handle hdf5_file_;
+  GrowingDataset events_, triggers_;
+  TimeIndex event_index_, trigger_index_;
+  EventColumns pending_;
+  std::vector<EncodedChunk> encoded_;
+};
+
+Result<void> write_header(hid_t file, const RecordingInfo& info) {
+  const auto is_ours = [](const std::string& key) { return key == "version" || key == "geometry" || key == "end"; };
+  std::vector<std::string> written;
+  for (const auto& [key, value] : info.header) {
+    if (key.empty() || is_ours(key) || std::find(written.begin(), written.end(), key) != written.end()) continue;
+    E2LF_RETURN_IF_ERROR(write_text_attribute(file, key, value));
+    written.push_back(key);
+  }
+  if (info.width != 0 && info.height != 0) {
+    E2LF_RETURN_IF_ERROR(write_text_attribute(file, "geometry", cat(info.width, "x", info.height)));
+  }
+  return write_text_attribute(file, "version", "1.0");
+}
+
+Result<void> MetavisionWriter::begin(const RecordingInfo& info) {
+  const LibraryLock lock;
+  hdf5_file_ = Handle(H5Fcreate(file_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  if (!hdf5_file_.valid()) {
+    return Error{ErrorCode::kIo, "cannot create the file; check the folder's permissions", file_.target().string()};
+  }
+  E2LF_RETURN_IF_ERROR(write_header(hdf5_file_.get(), info));
+  const auto make_group = [&](const char* name) {
+    return Handle(H5Gcreate2(hdf5_file_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  };
+  const Handle cd = make_group("CD"), trigger = make_group("EXT_TRIGGER");
+  E2LF_ASSIGN_OR_RETURN(events_,
+                        GrowingDataset::create(cd.get(), "events", event_type().get(), kChunkEvents, kEcfFilter));
+  E2LF_ASSIGN_OR_RETURN(triggers_, GrowingDataset::create(trigger.get(), "events", trigger_type().get(), kChunkEvents));
+  E2LF_ASSIGN_OR_RETURN(event_index_, TimeIndex::create(cd.get()));
+  E2LF_ASSIGN_OR_RETURN(trigger_index_, TimeIndex::create(trigger.get()));
+  return {};
+}
+
+Result<void> MetavisionWriter::write(const EventBatch& batch) {
+  E2LF_RETURN_IF_ERROR(check_(batch));
+  for (const int64_t t_us : batch.events.t) E2LF_RETURN_IF_ERROR(event_index_.add(t_us));
+  pending_.append(batch.events);
+  if (pending_.size() >= kBlockChunks * kChunkEvents) E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/false));
+
+  std::vector<TriggerRecord> records;
+  for (const Trigger& trigger : batch.triggers) {
+    E2LF_RETURN_IF_ERROR(trigger_index_.add(trigger.t));
+    records.push_back({static_cast<int16_t>(trigger.p), trigger.t, static_cast<int16_t>(trigger.id)});
+  }
+  return triggers_.append(trigger_type().get(), records.data(), records.size());
+}
+
+void MetavisionWriter::encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) {
+  const size_t count = end - begin;
+  const auto part = [&](const auto& column) { return std::span(column).subspan(begin, count); };
+  const ecf::ChunkColumns columns = {part(events.x), part(events.y), part(events.p), part(events.t)};
+  out.is_filtered = ecf::can_encode(columns);
+  if (out.is_filtered) {
+    out.bytes.resize(ecf::max_encoded_size(kChunkEvents));
+    out.size = ecf::encode(columns, out.bytes);
+    return;
+  }
+  // Without the filter a chunk has its full length.
+  std::vector<EventRecord> records(kChunkEvents);
+  for (size_t i = 0; i < count; ++i) {
+    records[i] = {columns.x[i], columns.y[i], static_cast<int16_t>(columns.p[i]), columns.t[i]};
+  }
+  out.size = records.size() * sizeof(EventRecord);
+  const auto* bytes = reinterpret_cast<const uint8_t*>(records.data());
+  out.bytes.assign(bytes, bytes + out.size);
+}
+
+Result<void> MetavisionWriter::write_chunks(bool is_last) {
+  const size_t events = is_last ? pending_.size() : pending_.size() / kChunkEvents * kChunkEvents;
+  const size_t chunks = (events + kChunkEvents - 1) / kChunkEvents;
+  encoded_.resize(std::max(encoded_.size(), chunks));
+  const auto end_of = [&](size_t i) { return std::min(events, (i + 1) * kChunkEvents); };
+  parallel_for(chunks, 1, [&](size_t from, size_t to) {
+    for (size_t i = from; i < to; ++i) encode(pending_, i * kChunkEvents, end_of(i), encoded_[i]);
+  });
+  for (size_t i = 0; i < chunks; ++i) {
+    const EncodedChunk& chunk = encoded_[i];
+    E2LF_RETURN_IF_ERROR(
+        events_.append_chunk(chunk.bytes, chunk.size, end_of(i) - i * kChunkEvents, chunk.is_filtered));
+  }
+  EventColumns rest;
+  rest.append(pending_, events, pending_.size());
+  pending_ = std::move(rest);
+  return {};
+}
+
+Result<void> MetavisionWriter::finish() {
+  const LibraryLock lock;
+  E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/true));
+  E2LF_RETURN_IF_ERROR(event_index_.finish());
+  E2LF_RETURN_IF_ERROR(trigger_index_.finish());
+  // The file is written when the last of its objects is closed.
+  events_ = {};
+  triggers_ = {};
+  event_index_ = {};
+  trigger_index_ = {};
+  if (!hdf5_file_.close()) {
+    return Error{ErrorCode::kIo, "the HDF5 library could not finish the file; check the disk's free space",
+                 file_.target().string()};
+  }
+  return file_.commit();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
+  auto writer = std::make_unique<MetavisionWriter>(std::move(file), info);
+  E2LF_RETURN_IF_ERROR(writer->begin(info));
+  std::unique_ptr<RecordingWriter> result = std::move(writer);
+  return result;
+}
+
+}  // namespace e2lf::events::hdf5
