@@ -89,7 +89,9 @@ Json codes_to_json(const Codes& codes) {
       const auto row = codes.pattern(n).subspan(view_y * codes.views_x, codes.views_x);
       std::string text;
       for (const float value : row) text += value == 1.0F ? '1' : '0';
-      rows.push_back(binary ? Json(text) : Json(std::vector<float>(row.begin(), row.end())));
+      Json numbers = Json::array();
+      for (const float value : row) numbers.push_back(json_number(value));
+      rows.push_back(binary ? Json(text) : std::move(numbers));
     }
     patterns.push_back(std::move(rows));
   }

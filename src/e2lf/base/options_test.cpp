@@ -50,6 +50,32 @@ TEST(OptionReader, NamesTheKeyOfTheWrongType) {
   EXPECT_EQ(read_train(Json::parse("[1]")).error().code, ErrorCode::kFormat);
 }
 
+TEST(OptionReader, RefusesNumbersThatTheFieldCannotHold) {
+  const auto fits = [](auto field, const char* text) {
+    const Json json = {{"field", Json::parse(text)}};
+    OptionReader reader(json, "$");
+    reader.read("field", field);
+    return reader.finish().ok();
+  };
+  EXPECT_TRUE(fits(size_t{}, "3"));
+  EXPECT_FALSE(fits(size_t{}, "-3"));
+  EXPECT_FALSE(fits(size_t{}, "3.5"));
+  EXPECT_FALSE(fits(size_t{}, "true"));
+  EXPECT_FALSE(fits(uint8_t{}, "256"));
+  EXPECT_TRUE(fits(int{}, "-3"));
+  EXPECT_FALSE(fits(int{}, "3000000000"));
+  EXPECT_TRUE(fits(float{}, "3"));
+  EXPECT_FALSE(fits(float{}, "true"));
+  EXPECT_TRUE(fits(bool{}, "true"));
+  EXPECT_FALSE(fits(bool{}, "1"));
+  EXPECT_FALSE(fits(std::string(), "1"));
+}
+
+TEST(JsonNumber, IsShortAndReadsBackAsTheSameFloat) {
+  EXPECT_EQ(json_number(0.3F).dump(), "0.3");
+  for (const float value : {0.1F, 1.0F / 3, 1e-40F, -3.4e38F, 0.0F}) EXPECT_EQ(json_number(value).get<float>(), value);
+}
+
 TEST(OptionReader, ReadsNestedObjects) {
   const Json json = Json::parse(R"({"train": {"batch": 2, "x": 1}})");
   OptionReader outer(json, "c.json: $");
