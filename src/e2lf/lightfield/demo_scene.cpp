@@ -45,6 +45,18 @@ void add_room(Scene& scene, Materials& material) {
       {{0.0F, -0.25F, 1.49F}, {0.34F, 0, 0}, {0, 0.24F, 0}, material(TextureKind::kMarks, 0.03F, 0.95F, 0.035F)});
 }
 
+/// Turns what stands and rolls what lies on the table a little.
+void rearrange(Scene& scene, uint64_t seed) {
+  constexpr float kTurn = 0.25F, kRoll = 0.04F;
+  const CounterRng rng(seed, 2);
+  uint64_t draws = 0;
+  for (Block& block : scene.blocks) block.yaw += kTurn * (rng.uniform(draws++) - 0.5F);
+  for (Sphere& sphere : scene.spheres) {
+    const bool on_the_table = sphere.centre.y + sphere.radius > kFloor - 1e-3F;
+    if (on_the_table) sphere.centre.x += kRoll * (rng.uniform(draws++) - 0.5F);
+  }
+}
+
 /// Things that stand on the table have their lower edge at kFloor.
 Block standing(float x, float z, const Vec3& half_size, float yaw, const Material& material) {
   return {{x, kFloor - half_size.y, z}, half_size, yaw, material};
@@ -89,6 +101,7 @@ Scene demo_scene(uint64_t seed) {
   add_room(scene, material);
   add_blocks(scene, material);
   add_spheres(scene, material);
+  rearrange(scene, seed);
   // A test chart that leans backwards.
   scene.quads.push_back({{0.19F, kFloor - 0.13F, 0.86F},
                          {0.11F, 0, -0.03F},

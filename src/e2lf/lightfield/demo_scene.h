@@ -8,7 +8,7 @@
 namespace e2lf::lightfield {
 
 /// A still life for demonstrations and tests without data: balls, boxes, books and a test chart on a table before a
-/// brick wall, at disparities of about -1.8 (front edge of the table) to 1.4 px (wall), with fine texture everywhere
+/// brick wall, at disparities of about -2 (a rod in front) to 1.5 px (wall), with fine texture everywhere
 /// and grey values over the whole range. Meant for pictures of about 4:3. The seed varies textures and places a little.
 [[nodiscard]] Scene demo_scene(uint64_t seed = 0);
 

@@ -92,7 +92,7 @@ struct Scene {
 struct ViewRequest {
   size_t height = 0, width = 0;
   float view_y = 0, view_x = 0;
-  size_t samples_per_pixel = 4;
+  size_t samples_per_pixel = 4;  ///< an even number
 };
 
 /// The grey picture [y, x], values in [0, 1]. Pixel (y, x) covers [y, y + 1) x [x, x + 1); samples lie on the same
