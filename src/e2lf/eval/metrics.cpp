@@ -117,6 +117,7 @@ Result<LightFieldMetrics> compare(const LightField& truth, const LightField& rec
     }
   });
   result.mean = mean_of(result.views);
+  result.epi = epi_error(truth, reconstruction, options.clamp);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/eval/epi_error.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::eval {
@@ -35,6 +36,7 @@ struct ViewMetrics {
 /// How well a light field was reconstructed: each view, and the plain mean over views (of the decibels, as papers do).
 struct LightFieldMetrics {
   Metrics mean;
+  EpiError epi;
   std::vector<ViewMetrics> views;  ///< in view order
 };
 

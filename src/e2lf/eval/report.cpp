@@ -55,7 +55,12 @@ std::string aligned(const std::vector<Cells>& lines, size_t text_columns) {
 
 Cells quality_cells(const EvalRow& row) {
   const Metrics& mean = row.quality.mean;
-  return {row.method, row.scene, fixed(mean.psnr_db, 2), fixed(mean.ssim_uniform7, 4), fixed(mean.ssim_gaussian, 4)};
+  return {row.method,
+          row.scene,
+          fixed(mean.psnr_db, 2),
+          fixed(mean.ssim_uniform7, 4),
+          fixed(mean.ssim_gaussian, 4),
+          fixed(row.quality.epi.relative, 3)};
 }
 
 /// The cells for events: as many as the heading has, empty without events.
@@ -102,6 +107,8 @@ std::string latex_text(const std::string& text) {
 Json to_json(const LightFieldMetrics& quality) {
   Json json;
   add_metrics(quality.mean, json);
+  json["epi_rms_error"] = number(quality.epi.rms);
+  json["epi_relative_error"] = number(quality.epi.relative);
   json["views"] = Json::array();
   for (const ViewMetrics& view : quality.views) {
     Json entry{{"view_y", view.view_y}, {"view_x", view.view_x}};
@@ -129,7 +136,7 @@ Json to_json(const EvalRow& row) {
 
 std::string table_text(std::span<const EvalRow> rows) {
   const bool with_events = std::any_of(rows.begin(), rows.end(), [](const EvalRow& row) { return !!row.events; });
-  std::vector<Cells> lines{{"method", "scene", "PSNR dB", "SSIM 7x7", "SSIM Gauss"}};
+  std::vector<Cells> lines{{"method", "scene", "PSNR dB", "SSIM 7x7", "SSIM Gauss", "EPI error"}};
   if (with_events) append(lines.front(), {"events/px", "min ms", "bits/LF px"});
   for (const EvalRow& row : rows) {
     lines.push_back(quality_cells(row));
@@ -149,8 +156,8 @@ std::string view_grid_text(const LightFieldMetrics& quality) {
 }
 
 std::string csv_text(std::span<const EvalRow> rows) {
-  std::string text = csv_line({"method", "scene", "psnr_db", "ssim_uniform7", "ssim_gaussian", "events_per_pixel",
-                               "min_measurement_ms", "bits_per_light_field_pixel"});
+  std::string text = csv_line({"method", "scene", "psnr_db", "ssim_uniform7", "ssim_gaussian", "epi_relative_error",
+                               "events_per_pixel", "min_measurement_ms", "bits_per_light_field_pixel"});
   for (const EvalRow& row : rows) {
     Cells cells = quality_cells(row);
     append(cells, event_cells(row));

@@ -18,8 +18,8 @@ struct EvalRow {
   std::optional<EventStatistics> events;  ///< absent when only pictures were compared
 };
 
-/// {"psnr_db", "ssim_uniform7", "ssim_gaussian", "views": [{"view_y", "view_x", and the same three}]}. The infinite
-/// PSNR of equal pictures is null: JSON has no infinity.
+/// {"psnr_db", "ssim_uniform7", "ssim_gaussian", "epi_rms_error", "epi_relative_error", "views": [{"view_y", "view_x",
+/// and the first three}]}. The infinite PSNR of equal pictures is null: JSON has no infinity.
 [[nodiscard]] Json to_json(const LightFieldMetrics& quality);
 
 /// {"events_per_pixel", "total_events_per_pixel", "min_measurement_ms", "bits_per_sensor_pixel", ...}: the field names.

@@ -10,6 +10,7 @@ namespace {
 EvalRow lego_row() {
   EvalRow row{"BF+RA", "lego, small", {}, {}};
   row.quality.mean = {28.404, 0.83321, 0.8512};
+  row.quality.epi = {0.0123, 0.456};
   row.quality.views = {{0, 0, {28, 0.8, 0.81}}, {0, 1, {29, 0.9, 0.91}}, {1, 0, {30, 0.7, 0.71}}};
   return row;
 }
@@ -19,6 +20,7 @@ TEST(ReportJson, HoldsTheMeansAndEachView) {
   EXPECT_DOUBLE_EQ(json["psnr_db"].get<double>(), 28.404);
   EXPECT_DOUBLE_EQ(json["ssim_uniform7"].get<double>(), 0.83321);
   EXPECT_DOUBLE_EQ(json["ssim_gaussian"].get<double>(), 0.8512);
+  EXPECT_DOUBLE_EQ(json["epi_relative_error"].get<double>(), 0.456);
   ASSERT_EQ(json["views"].size(), 3U);
   EXPECT_EQ(json["views"][2].dump(),
             R"({"view_y":1,"view_x":0,"psnr_db":30.0,"ssim_uniform7":0.7,"ssim_gaussian":0.71})");
@@ -43,18 +45,18 @@ TEST(ReportTable, AlignsItsColumns) {
   other.quality.mean = {7.5, 0.1, 0.2};
   const std::vector<EvalRow> rows{lego_row(), other};
   EXPECT_EQ(table_text(rows),
-            "method    scene        PSNR dB  SSIM 7x7  SSIM Gauss\n"
-            "BF+RA     lego, small    28.40    0.8332      0.8512\n"
-            "Baseline  cotton          7.50    0.1000      0.2000\n");
+            "method    scene        PSNR dB  SSIM 7x7  SSIM Gauss  EPI error\n"
+            "BF+RA     lego, small    28.40    0.8332      0.8512      0.456\n"
+            "Baseline  cotton          7.50    0.1000      0.2000      0.000\n");
 }
 
 TEST(ReportTable, ShowsEventsWhenAnyRowHasThem) {
   std::vector<EvalRow> rows{lego_row(), lego_row()};
   rows[1].events = event_cost(7.175);
   EXPECT_EQ(table_text(rows),
-            "method  scene        PSNR dB  SSIM 7x7  SSIM Gauss  events/px  min ms  bits/LF px\n"
-            "BF+RA   lego, small    28.40    0.8332      0.8512\n"
-            "BF+RA   lego, small    28.40    0.8332      0.8512      7.175    6.20        3.25\n");
+            "method  scene        PSNR dB  SSIM 7x7  SSIM Gauss  EPI error  events/px  min ms  bits/LF px\n"
+            "BF+RA   lego, small    28.40    0.8332      0.8512      0.456\n"
+            "BF+RA   lego, small    28.40    0.8332      0.8512      0.456      7.175    6.20        3.25\n");
 }
 
 TEST(ReportViewGrid, PutsEachRowOfViewsOnALine) {
@@ -64,9 +66,9 @@ TEST(ReportViewGrid, PutsEachRowOfViewsOnALine) {
 TEST(ReportCsv, QuotesWhatNeedsIt) {
   const std::vector<EvalRow> rows{lego_row()};
   EXPECT_EQ(csv_text(rows),
-            "method,scene,psnr_db,ssim_uniform7,ssim_gaussian,events_per_pixel,min_measurement_ms,"
+            "method,scene,psnr_db,ssim_uniform7,ssim_gaussian,epi_relative_error,events_per_pixel,min_measurement_ms,"
             "bits_per_light_field_pixel\r\n"
-            "BF+RA,\"lego, small\",28.40,0.8332,0.8512,,,\r\n");
+            "BF+RA,\"lego, small\",28.40,0.8332,0.8512,0.456,,,\r\n");
 }
 
 TEST(ReportLatex, WritesPsnrAndSsimForEachScene) {

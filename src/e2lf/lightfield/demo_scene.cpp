@@ -113,7 +113,7 @@ Scene demo_scene(uint64_t seed) {
 Scene textured_plane_scene(float disparity_px, uint64_t seed) {
   Scene scene;
   const float z = depth_at_disparity(scene.camera, disparity_px);
-  Material material{TextureKind::kNoise, 0.0F, 1.0F, 0.1F};
+  Material material{TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
   material.grain = 0;
   material.seed = CounterRng(seed, 1).bits(0)[0];
   // Larger than any view, in units of the field at that depth.

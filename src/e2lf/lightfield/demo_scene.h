@@ -13,8 +13,8 @@ namespace e2lf::lightfield {
 [[nodiscard]] Scene demo_scene(uint64_t seed = 0);
 
 /// A single plane that faces the camera at this disparity (px per view step) and fills every view, lit evenly, with a
-/// noise texture whose contrast is high and whose finest detail is a few pixels wide. All views are shifted copies of
-/// each other. Disparities of 4 and more break the contract.
+/// noise texture of high contrast: detail from a quarter of the picture down to two or three pixels, whatever the size
+/// (16 px wide or more). All views are shifted copies of each other. Disparities of 4 and more break the contract.
 [[nodiscard]] Scene textured_plane_scene(float disparity_px, uint64_t seed = 0);
 
 }  // namespace e2lf::lightfield
