@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 #include <set>
+#include <vector>
 
 #include "e2lf/base/log.h"
 
@@ -51,6 +52,15 @@ TEST(Result, MovesWhatCannotBeCopied) {
   Result<std::unique_ptr<int>> result(std::make_unique<int>(5));
   const std::unique_ptr<int> value = *std::move(result);
   EXPECT_EQ(*value, 5);
+}
+
+TEST(Result, AValueTakenFromATemporaryOutlivesIt) {
+  const auto numbers = []() -> Result<std::vector<int>> { return std::vector<int>{1, 2, 3}; };
+  int sum = 0;
+  for (const int number : numbers().value()) sum += number;
+  const auto& kept = *numbers();
+  EXPECT_EQ(sum, 6);
+  EXPECT_EQ(kept.size(), 3U);
 }
 
 TEST(Result, ReadingTheOtherOneBreaksTheContract) {
