@@ -58,14 +58,13 @@ class [[nodiscard]] Result {
     require_ok();
     return std::get<0>(state_);
   }
-  /// By value, so that `for (auto& item : read().value())` does not walk a destroyed temporary.
-  [[nodiscard]] T value() && {
+  [[nodiscard]] T&& value() && {
     require_ok();
     return std::get<0>(std::move(state_));
   }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
-  T operator*() && { return std::move(*this).value(); }
+  T&& operator*() && { return std::move(*this).value(); }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
 

@@ -60,5 +60,17 @@ TEST(ContainerData, OldDatFileHasItsEvents) {
   EXPECT_EQ(batch.events[1], (Event{67, 35, 0, 35}));
 }
 
+TEST(ContainerData, Aedat4FilesHaveTheirEvents) {
+  for (const auto& [name, count, width] : {std::tuple("sample", 111954u, 320u), std::tuple("davis", 117667u, 346u)}) {
+    const auto path = data_file(std::string("events/other/") + name + ".aedat4");
+    E2LF_SKIP_WITHOUT(path);
+    const EventBatch batch = read_file_of(path);
+    EXPECT_EQ(batch.events.size(), count) << name;
+    auto reader = open_recording(path);
+    EXPECT_EQ((*reader)->info().width, width);
+    EXPECT_EQ((*reader)->info().format, "aedat4");
+  }
+}
+
 }  // namespace
 }  // namespace e2lf::events

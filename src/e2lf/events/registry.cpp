@@ -4,9 +4,12 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/events/aedat4/aedat4.h"
+#include "e2lf/events/csv/csv.h"
 #include "e2lf/events/dat/dat.h"
 #include "e2lf/events/hdf5/dsec_hdf5.h"
 #include "e2lf/events/hdf5/metavision_hdf5.h"
+#include "e2lf/events/npy_events/npy_events.h"
 
 namespace e2lf::events {
 namespace {
@@ -31,6 +34,35 @@ const std::vector<Codec>& table() {
        .description = "HDF5 with columns as in the DSEC data set",
        .open = hdf5::open,
        .create_file = hdf5::create_dsec_file},
+      {.name = "aedat4",
+       .extensions = {".aedat4"},
+       .description = "iniVation AEDAT 4",
+       .detect = aedat4::detect,
+       .open = aedat4::open},
+      {.name = "npy",
+       .extensions = {".npy"},
+       .description = "numpy array of records x, y, p, t",
+       .detect = npy_events::detect_npy,
+       .open = npy_events::open_npy,
+       .create_file = npy_events::create_npy_file},
+      {.name = "npz",
+       .extensions = {".npz"},
+       .description = "numpy arrays x, y, p, t, held in memory",
+       .detect = npy_events::detect_npz,
+       .open = npy_events::open_npz,
+       .create = npy_events::create_npz},
+      {.name = "csv",
+       .extensions = {".csv"},
+       .description = "text, x,y,p,t with t in microseconds",
+       .detect = csv::detect_csv,
+       .open = csv::open_csv,
+       .create = csv::create_csv},
+      {.name = "txt",
+       .extensions = {".txt"},
+       .description = "text, t x y p with t in seconds",
+       .detect = csv::detect_txt,
+       .open = csv::open_txt,
+       .create = csv::create_txt},
   };
   return codecs;
 }

@@ -35,8 +35,10 @@ class DsecColumns final : public EventBlocks {
     return blocks;
   }
 
-  Result<bool> next(EventColumns& events, DecodeSummary&) override {
+  Result<bool> next(EventBatch& block, DecodeSummary&) override {
     const LibraryLock lock;
+    block.clear();
+    EventColumns& events = block.events;
     const uint64_t count = std::min(kBlock, t_.length - next_);
     events.resize(count);
     if (count == 0) return false;

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "e2lf/events/hdf5/event_chunks.h"
-#include "e2lf/events/recording.h"
+#include "e2lf/events/event_blocks.h"
+#include "e2lf/events/hdf5/hdf5_file.h"
 
 namespace e2lf::events::hdf5 {
 

@@ -174,9 +174,10 @@ void EventChunks::keep_believable(const Chunk& chunk, const Chunk* after, size_t
   erase(events, begin + kept, end);
 }
 
-Result<bool> EventChunks::next(EventColumns& events, DecodeSummary& summary) {
+Result<bool> EventChunks::next(EventBatch& block, DecodeSummary& summary) {
   const LibraryLock lock;
-  events.clear();
+  block.clear();
+  EventColumns& events = block.events;
   if (next_event_ >= shape_.length && std::exchange(is_cut_untold_, false)) summary.add(Violation::kTruncated, 0);
   if (!is_direct_) return next_records(events);
   E2LF_ASSIGN_OR_RETURN(std::vector<Chunk> chunks, fetch_block());

@@ -7,22 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/events/decode_summary.h"
+#include "e2lf/events/event_blocks.h"
 #include "e2lf/events/hdf5/metavision_layout.h"
 
 namespace e2lf::events::hdf5 {
-
-/// A source of events in blocks of a size it chooses.
-class EventBlocks {
- public:
-  virtual ~EventBlocks() = default;
-
-  /// Replaces `events` by those of the next block, maybe none; false at the end.
-  [[nodiscard]] virtual Result<bool> next(EventColumns& events, DecodeSummary& summary) = 0;
-
-  /// Goes to a block that begins before t_us, as near as is cheap, or to the first.
-  [[nodiscard]] virtual Result<void> seek_before(int64_t t_us) = 0;
-};
 
 /// Reads /CD/events block by block. ECF chunks are fetched as stored and decoded here, several at once; anything else
 /// goes through the HDF5 library.
@@ -33,7 +21,7 @@ class EventChunks final : public EventBlocks {
 
   /// A chunk that cannot be decoded is counted as kBadRecord and skipped; of a damaged chunk, events later than the
   /// next chunk's first time are dropped (kTimeJump).
-  [[nodiscard]] Result<bool> next(EventColumns& events, DecodeSummary& summary) override;
+  [[nodiscard]] Result<bool> next(EventBatch& block, DecodeSummary& summary) override;
 
   /// Goes to the last chunk whose first event is before t_us.
   [[nodiscard]] Result<void> seek_before(int64_t t_us) override;

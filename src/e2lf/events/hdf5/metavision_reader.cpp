@@ -5,11 +5,10 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/events/batch_check.h"
-#include "e2lf/events/event_gate.h"
 #include "e2lf/events/hdf5/dsec_hdf5.h"
 #include "e2lf/events/hdf5/event_chunks.h"
 #include "e2lf/events/hdf5/metavision_hdf5.h"
-#include "e2lf/events/trigger_feed.h"
+#include "e2lf/events/side_triggers.h"
 
 namespace e2lf::events::hdf5 {
 namespace {
@@ -45,58 +44,6 @@ class TriggerDataset final : public TriggerSource {
   std::vector<TriggerRecord> records_;
 };
 
-/// Both layouts: blocks of events, and triggers beside them.
-class Hdf5Reader final : public RecordingReader {
- public:
-  Hdf5Reader(Handle file, RecordingInfo info, std::string name, std::unique_ptr<EventBlocks> blocks,
-             TriggerFeed triggers, const OpenOptions& options)
-      : RecordingReader(options),
-        file_(std::move(file)),
-        blocks_(std::move(blocks)),
-        triggers_(std::move(triggers)),
-        gate_(info.width, info.height, 0) {
-    info_ = std::move(info);
-    name_ = std::move(name);
-  }
-
- protected:
-  Result<bool> read_next(EventBatch& batch, size_t max_events) override {
-    const size_t begin = batch.events.size();
-    bool more = true;
-    if (next_ == block_.size()) E2LF_RETURN_IF_ERROR(read_block(more));
-    const size_t end = std::min(block_.size(), next_ + max_events);
-    batch.events.append(block_, next_, end);
-    next_ = end;
-    return triggers_.take_beside(batch, begin, more, max_events, summary_);
-  }
-
-  Result<void> seek_before(int64_t t_us) override {
-    E2LF_RETURN_IF_ERROR(blocks_->seek_before(t_us));
-    block_.clear();
-    next_ = 0;
-    gate_.reset();
-    return triggers_.rewind();
-  }
-
- private:
-  Result<void> read_block(bool& more) {
-    E2LF_ASSIGN_OR_RETURN(more, blocks_->next(decoded_, summary_));
-    block_.clear();
-    next_ = 0;
-    gate_.release(block_);
-    block_.append(decoded_);
-    gate_.filter(block_, 0, !more, 0, summary_);
-    return {};
-  }
-
-  Handle file_;
-  std::unique_ptr<EventBlocks> blocks_;
-  TriggerFeed triggers_;
-  EventGate gate_;
-  EventColumns decoded_, block_;
-  size_t next_ = 0;
-};
-
 /// "1280x720".
 void parse_geometry(const std::string& text, RecordingInfo& info) {
   size_t width = 0, height = 0;
@@ -127,7 +74,8 @@ bool detect(std::span<const uint8_t> head) {
 Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
   const LibraryLock lock;
   const std::string name = source->name();
-  E2LF_ASSIGN_OR_RETURN(Handle file, open_file(*source));
+  // The data sets keep the file open.
+  E2LF_ASSIGN_OR_RETURN(const Handle file, open_file(*source));
   RecordingInfo info = read_info(file.get());
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
@@ -141,10 +89,9 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   } else {
     info.format = "dsec";
     E2LF_ASSIGN_OR_RETURN(blocks, open_dsec(file.get(), name));
+    E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->path()));
   }
-  std::unique_ptr<RecordingReader> reader = std::make_unique<Hdf5Reader>(
-      std::move(file), std::move(info), name, std::move(blocks), std::move(triggers), options);
-  return reader;
+  return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }
 
 }  // namespace e2lf::events::hdf5

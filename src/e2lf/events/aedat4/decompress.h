@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::events::aedat4 {
+
+/// The header's codes.
+enum class Compression : int32_t { kNone = 0, kLz4 = 1, kLz4High = 2, kZstd = 3, kZstdHigh = 4 };
+
+/// Largest packet, uncompressed: a claim beyond it is taken as damage.
+inline constexpr size_t kMaxPacketBytes = size_t{1} << 26;
+
+/// Unpacks packets, one after the other, with the state its library needs.
+class Decompressor {
+ public:
+  virtual ~Decompressor() = default;
+
+  /// Replaces `out` by the packet's contents. Fails with kFormat (damaged), kTruncated and kUnsupported (too large).
+  [[nodiscard]] virtual Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) = 0;
+};
+
+/// Fails with kUnsupported (unknown code) and kMissingDependency (Zstd in a build without it).
+[[nodiscard]] Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression);
+
+}  // namespace e2lf::events::aedat4

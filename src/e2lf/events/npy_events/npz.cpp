@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <string_view>
+
+#include "e2lf/base/npy.h"
+#include "e2lf/base/text.h"
+#include "e2lf/events/batch_check.h"
+#include "e2lf/events/event_blocks.h"
+#include "e2lf/events/little_endian.h"
+#include "e2lf/events/npy_events/column_convert.h"
+#include "e2lf/events/npy_events/npy_events.h"
+
+namespace e2lf::events::npy_events {
+namespace {
+
+constexpr size_t kBlockEvents = size_t{1} << 17;
+
+/// A column of the archive, checked to be one-dimensional and of whole numbers.
+Result<const NpyArray*> find_column(const NpzArrays& arrays, const std::string& key, const std::string& name) {
+  const auto found = arrays.find(key);
+  if (found == arrays.end()) {
+    return Error{ErrorCode::kNotFound, cat("the archive has no array \"", key, "\"; is it an event recording?"), name};
+  }
+  const NpyArray& array = found->second;
+  if (array.shape.size() != 1 || !is_integer_type(array.type)) {
+    return Error{ErrorCode::kShape, cat("array \"", key, "\" is not a column of whole numbers"), name};
+  }
+  return &array;
+}
+
+template <typename T>
+Result<Column<T>> read_column(const NpzArrays& arrays, const std::string& key, const std::string& name,
+                              Column<uint8_t>& bad) {
+  E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, key, name));
+  const size_t count = array->shape[0];
+  if (bad.empty()) bad.assign(count, 0);
+  if (count != bad.size()) return Error{ErrorCode::kShape, cat("array \"", key, "\" differs in length"), name};
+  Column<T> column(count);
+  to_column(array->bytes.data(), {array->type, 0, array->item_size}, count, column.data(), bad.data());
+  return column;
+}
+
+Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::string& name) {
+  std::vector<Trigger> triggers;
+  if (arrays.count("trigger_t") == 0) return triggers;
+  Column<uint8_t> bad;
+  E2LF_ASSIGN_OR_RETURN(const auto t, read_column<int64_t>(arrays, "trigger_t", name, bad));
+  E2LF_ASSIGN_OR_RETURN(const auto p, read_column<uint8_t>(arrays, "trigger_p", name, bad));
+  E2LF_ASSIGN_OR_RETURN(const auto id, read_column<uint16_t>(arrays, "trigger_id", name, bad));
+  for (size_t i = 0; i < t.size(); ++i) {
+    if (bad[i] == 0) triggers.push_back({t[i], id[i], static_cast<uint8_t>(p[i] != 0)});
+  }
+  std::stable_sort(triggers.begin(), triggers.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
+  return triggers;
+}
+
+/// A whole recording in memory, handed out block by block.
+class MemoryBlocks final : public EventBlocks {
+ public:
+  MemoryBlocks(EventBatch all, size_t bad) : all_(std::move(all)), bad_(bad) {}
+
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    if (next_ == 0) {
+      block.triggers = all_.triggers;
+      if (bad_ > 0) summary.add(Violation::kBadRecord, 0, bad_);
+      summary.dropped_words += bad_;
+    }
+    const size_t end = std::min(all_.events.size(), next_ + kBlockEvents);
+    block.events.append(all_.events, next_, end);
+    const bool more = next_ < end;
+    next_ = end;
+    return more;
+  }
+
+  Result<void> seek_before(int64_t) override {
+    next_ = 0;
+    return {};
+  }
+
+ private:
+  EventBatch all_;
+  size_t bad_;
+  size_t next_ = 0;
+};
+
+class NpzWriter final : public RecordingWriter {
+ public:
+  NpzWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info)
+      : sink_(std::move(sink)), info_(info), check_(info.width, info.height, sink_->name()) {}
+
+  bool holds_triggers() const override { return true; }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    all_.events.append(batch.events);
+    all_.triggers.insert(all_.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+    return {};
+  }
+
+  Result<void> finish() override {
+    NpzArrays arrays;
+    const auto put = [&arrays](const char* key, const auto& column) {
+      arrays.emplace(key, make_npy({column.size()}, std::span(std::as_const(column))));
+    };
+    put("x", all_.events.x);
+    put("y", all_.events.y);
+    put("p", all_.events.p);
+    put("t", all_.events.t);
+    std::vector<int64_t> t;
+    std::vector<uint8_t> p;
+    std::vector<uint16_t> id;
+    for (const Trigger& trigger : all_.triggers) {
+      t.push_back(trigger.t);
+      p.push_back(trigger.p);
+      id.push_back(trigger.id);
+    }
+    put("trigger_t", t);
+    put("trigger_p", p);
+    put("trigger_id", id);
+    put("size", std::vector<int64_t>{static_cast<int64_t>(info_.width), static_cast<int64_t>(info_.height)});
+    // Stored: deflate takes longer than everything else together and wins little on such columns.
+    E2LF_RETURN_IF_ERROR(sink_->write(encode_npz(arrays, /*compress=*/false)));
+    return sink_->commit();
+  }
+
+ private:
+  std::unique_ptr<ByteSink> sink_;
+  RecordingInfo info_;
+  BatchCheck check_;
+  EventBatch all_;
+};
+
+void read_size(const NpzArrays& arrays, RecordingInfo& info) {
+  const auto found = arrays.find("size");
+  if (found == arrays.end()) return;
+  const auto size = found->second.to_int32("size");
+  if (!size || size->size() != 2 || (*size)[0] < 0 || (*size)[1] < 0) return;
+  info.width = static_cast<size_t>((*size)[0]);
+  info.height = static_cast<size_t>((*size)[1]);
+}
+
+}  // namespace
+
+bool detect_npz(std::span<const uint8_t> head) {
+  constexpr size_t kLocalHeader = 30;
+  if (head.size() < kLocalHeader + 5 || load_le<uint32_t>(head.data()) != 0x04034B50) return false;
+  const std::string_view first(reinterpret_cast<const char*>(&head[kLocalHeader]), 5);
+  return first == "x.npy" || first == "y.npy" || first == "p.npy" || first == "t.npy";
+}
+
+Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  const std::string name = source->name();
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
+  E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, decode_npz(bytes, name));
+  RecordingInfo info;
+  info.format = "npz";
+  read_size(arrays, info);
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+
+  EventBatch all;
+  Column<uint8_t> bad;
+  E2LF_ASSIGN_OR_RETURN(all.events.x, read_column<uint16_t>(arrays, "x", name, bad));
+  E2LF_ASSIGN_OR_RETURN(all.events.y, read_column<uint16_t>(arrays, "y", name, bad));
+  E2LF_ASSIGN_OR_RETURN(all.events.p, read_column<uint8_t>(arrays, "p", name, bad));
+  E2LF_ASSIGN_OR_RETURN(all.events.t, read_column<int64_t>(arrays, "t", name, bad));
+  for (size_t i = 0; i < bad.size(); ++i) bad[i] |= all.events.p[i] > 1;
+  const size_t num_bad = remove_bad(all.events, 0, bad);
+  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name));
+  return make_block_reader(std::make_unique<MemoryBlocks>(std::move(all), num_bad), std::move(info), name, options);
+}
+
+Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+  std::unique_ptr<RecordingWriter> writer = std::make_unique<NpzWriter>(std::move(sink), info);
+  return writer;
+}
+
+}  // namespace e2lf::events::npy_events

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/events/side_triggers.h"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include "e2lf/base/text.h"
+#include "e2lf/events/byte_source.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr size_t kLongestLine = 256;
+
+std::optional<Trigger> parse_line(std::string_view line) {
+  int64_t values[3] = {};
+  const char* next = line.data();
+  const char* const end = next + line.size();
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0 && (next == end || *next++ != ',')) return std::nullopt;
+    const auto [after, error] = std::from_chars(next, end, values[i]);
+    if (error != std::errc()) return std::nullopt;
+    next = after;
+  }
+  if (values[1] < 0 || values[1] > UINT16_MAX) return std::nullopt;
+  return Trigger{values[2], static_cast<uint16_t>(values[1]), static_cast<uint8_t>(values[0] > 0)};
+}
+
+class SideTriggerFile final : public TriggerSource {
+ public:
+  explicit SideTriggerFile(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+
+  Result<bool> next(std::vector<Trigger>& block) override {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
+    if (bytes.empty()) return false;
+    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    size_t used = 0;
+    for (size_t end = 0; (end = text.find('\n', used)) != std::string_view::npos; used = end + 1) {
+      if (const auto trigger = parse_line(text.substr(used, end - used))) block.push_back(*trigger);
+    }
+    // What is left is the last line of the file, or of the bytes at hand, or no line at all.
+    if (used == 0) {
+      if (const auto trigger = parse_line(text)) block.push_back(*trigger);
+      used = text.size();
+    }
+    source_->consume(used);
+    return true;
+  }
+
+  Result<void> rewind() override { return source_->seek(0); }
+
+ private:
+  std::unique_ptr<ByteSource> source_;
+};
+
+}  // namespace
+
+std::filesystem::path side_trigger_path(const std::filesystem::path& recording) {
+  return recording.parent_path() / (recording.stem().string() + "_triggers.csv");
+}
+
+Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
+  if (recording.empty() || !std::filesystem::exists(side_trigger_path(recording))) return TriggerFeed();
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
+  return TriggerFeed(std::make_unique<SideTriggerFile>(std::move(source)));
+}
+
+Result<void> SideTriggerWriter::write(std::span<const Trigger> triggers) {
+  if (triggers.empty()) return {};
+  std::string text;
+  if (sink_ == nullptr) {
+    E2LF_ASSIGN_OR_RETURN(sink_, open_file_sink(path_));
+    text = "p,id,t\n";
+  }
+  for (const Trigger& trigger : triggers) text += cat(int{trigger.p}, ',', trigger.id, ',', trigger.t, '\n');
+  return sink_->write({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+Result<void> SideTriggerWriter::finish() {
+  return sink_ == nullptr ? Result<void>{} : sink_->commit();
+}
+
+}  // namespace e2lf::events
