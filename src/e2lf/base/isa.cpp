@@ -32,7 +32,8 @@ const std::vector<Isa>& isas() {
 }  // namespace
 
 Result<void> set_max_isa(const std::string& word) {
-  hwy::DisableTargets(0);
+  // Not DisableTargets(): in Highway 1.0 every call of SupportedTargets() dispatches to the disabled ones again.
+  hwy::SetSupportedTargetsForTest(0);
   if (!word.empty()) {
     const Isa* chosen = nullptr;
     std::vector<std::string> names;
@@ -44,10 +45,9 @@ Result<void> set_max_isa(const std::string& word) {
       return Error{ErrorCode::kInvalidValue, cat("unknown instruction set \"", word, "\"; use one of ", join(names)),
                    "E2LF_MAX_ISA"};
     }
-    hwy::DisableTargets(~chosen->targets);
+    hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & chosen->targets);
     ::setenv("ONEDNN_MAX_CPU_ISA", chosen->onednn_isa, /*overwrite=*/0);
   }
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
   return {};
 }
 
@@ -57,12 +57,7 @@ Result<void> apply_isa_cap() {
 }
 
 std::string current_isa() {
-  const int64_t targets = hwy::SupportedTargets();
-  const Isa* best = &isas().front();
-  for (const Isa& isa : isas()) {
-    if ((targets & isa.targets) != 0 && (best->targets & targets) != (isa.targets & targets)) best = &isa;
-  }
-  return best->name;
+  return available_isas().back();
 }
 
 std::vector<std::string> available_isas() {

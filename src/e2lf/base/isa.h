@@ -19,7 +19,7 @@ namespace e2lf {
 /// What vector kernels run as now: "scalar", "sse4", "avx2" or "avx512".
 [[nodiscard]] std::string current_isa();
 
-/// The words this CPU can run, slowest first; tests of kernels loop over them.
+/// The words this CPU can run under the present cap, slowest first; tests of kernels loop over them.
 [[nodiscard]] std::vector<std::string> available_isas();
 
 }  // namespace e2lf

@@ -244,8 +244,8 @@ Result<NpyHeader> parse_npy_header(std::span<const uint8_t> bytes, const std::st
 
 std::vector<uint8_t> npy_header_bytes(const NpyArray& array) {
   std::string shape;
-  for (const size_t extent : array.shape) shape += cat(extent, ", ");
-  if (array.shape.size() > 1) shape.resize(shape.size() - 2);
+  for (const size_t extent : array.shape) shape += cat(shape.empty() ? "" : " ", extent, ",");
+  if (array.shape.size() > 1) shape.pop_back();
   std::string text = cat("{'descr': ", descr_text(array), ", 'fortran_order': False, 'shape': (", shape, "), }");
   // The data begin at a multiple of 64 bytes, the text ends with a newline; long record types need version 2.
   const size_t version = text.size() + 80 > 0xFFFF ? 2 : 1;

@@ -2,8 +2,17 @@
 #include "e2lf/base/options.h"
 
 #include <algorithm>
+#include <charconv>
 
 namespace e2lf {
+
+Json json_number(float value) {
+  char text[32];
+  const auto written = std::to_chars(text, text + sizeof(text), value);
+  double shortest = 0.0;
+  std::from_chars(text, written.ptr, shortest);
+  return shortest;
+}
 
 Result<Json> parse_json(const std::string& text, const std::string& name) {
   try {
@@ -56,10 +65,10 @@ const Json& OptionReader::child(const std::string& key) {
 
 void OptionReader::fail(const std::string& key) {
   if (error_) return;
-  error_ =
-      Error{ErrorCode::kInvalidValue,
-            cat("a value of the wrong type (", object_->at(key).type_name(), "); see the documentation of this key"),
-            child_location(key)};
+  error_ = Error{ErrorCode::kInvalidValue,
+                 cat("a value of the wrong type or out of range (", object_->at(key).dump(),
+                     "); see the documentation of this key"),
+                 child_location(key)};
 }
 
 Result<void> OptionReader::finish() const {

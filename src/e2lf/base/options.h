@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "e2lf/base/file.h"
@@ -14,6 +17,9 @@
 namespace e2lf {
 
 using Json = nlohmann::ordered_json;
+
+/// The number as it is usually written (0.3, not 0.30000001192092896); reading it as float gives the same float.
+[[nodiscard]] Json json_number(float value);
 
 /// Parses JSON text (comments allowed). Fails with kFormat; the location is `name` and the byte.
 [[nodiscard]] Result<Json> parse_json(const std::string& text, const std::string& name);
@@ -36,11 +42,11 @@ class OptionReader {
 
   template <typename T>
   OptionReader& read(const std::string& key, T& field) {
-    return convert(key, [&](const Json& value) { field = value.get<T>(); });
+    return convert<T>(key, [&](T value) { field = std::move(value); });
   }
   template <typename T>
   OptionReader& read(const std::string& key, std::optional<T>& field) {
-    return convert(key, [&](const Json& value) { field = value.get<T>(); });
+    return convert<T>(key, [&](T value) { field = std::move(value); });
   }
 
   /// The nested object under `key` (null when absent), to be read by another reader.
@@ -51,16 +57,36 @@ class OptionReader {
   [[nodiscard]] Result<void> finish() const;
 
  private:
-  template <typename Convert>
-  OptionReader& convert(const std::string& key, Convert&& set) {
+  template <typename T, typename Set>
+  OptionReader& convert(const std::string& key, Set&& set) {
     known_.push_back(key);
     if (!object_->is_object() || !object_->contains(key)) return *this;
+    const Json& value = object_->at(key);
     try {
-      set(object_->at(key));
+      if (!fits<T>(value)) {
+        fail(key);
+      } else {
+        set(value.get<T>());
+      }
     } catch (const nlohmann::json::exception&) {
       fail(key);
     }
     return *this;
+  }
+
+  /// Stricter than the JSON library, which turns -1, 2.5 and true into any number type.
+  template <typename T>
+  static bool fits(const Json& value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      return value.is_boolean();
+    } else if constexpr (std::is_integral_v<T>) {
+      return value.is_number_unsigned() ? std::in_range<T>(value.get<uint64_t>())
+                                        : value.is_number_integer() && std::in_range<T>(value.get<int64_t>());
+    } else if constexpr (std::is_floating_point_v<T>) {
+      return value.is_number();
+    } else {
+      return true;
+    }
   }
   void fail(const std::string& key);
 

@@ -58,13 +58,14 @@ class [[nodiscard]] Result {
     require_ok();
     return std::get<0>(state_);
   }
-  [[nodiscard]] T&& value() && {
+  /// By value, so that `for (auto& item : read().value())` does not walk a destroyed temporary.
+  [[nodiscard]] T value() && {
     require_ok();
     return std::get<0>(std::move(state_));
   }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
-  T&& operator*() && { return std::move(*this).value(); }
+  T operator*() && { return std::move(*this).value(); }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "e2lf/base/file.h"
+#include "e2lf/base/text.h"
 #include "e2lf/lightfield/formats/raw_image.h"
 
 namespace e2lf::lightfield {
@@ -58,6 +59,21 @@ Image to_float(const RawImage& raw) {
 }
 
 }  // namespace
+
+Result<void> check_image_size(const RawImage& image, double least_bytes, size_t file_bytes, const std::string& name) {
+  constexpr double kMaxPixels = 268435456.0;
+  const double pixels = static_cast<double>(image.width) * static_cast<double>(image.height);
+  if (least_bytes > static_cast<double>(file_bytes)) {
+    return Error{ErrorCode::kTruncated,
+                 cat("the image claims ", image.width, "x", image.height, " pixels, more than its ", file_bytes,
+                     " bytes can hold; copy it again"),
+                 name};
+  }
+  if (pixels <= kMaxPixels) return {};
+  return Error{ErrorCode::kUnsupported,
+               cat("the image has ", image.width, "x", image.height, " pixels; only 2^28 are read, cut it in parts"),
+               name};
+}
 
 Image to_grey(Image image) {
   if (image.channels == 1) return image;

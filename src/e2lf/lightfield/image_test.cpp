@@ -5,13 +5,14 @@
 #include <cstdio>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <jpeglib.h>
 #include <limits>
 #include <png.h>
 #include <zlib.h>
 
 #include "e2lf/base/file.h"
 #include "e2lf/base/test_files.h"
+#include "e2lf/lightfield/formats/raw_image.h"
+#include "e2lf/lightfield/test_jpeg.h"
 
 namespace e2lf::lightfield {
 namespace {
@@ -60,33 +61,6 @@ std::vector<uint8_t> make_png(PngParts parts) {
   png_write_image(png, rows.data());
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
-  return bytes;
-}
-
-std::vector<uint8_t> make_jpeg(const std::vector<uint8_t>& samples, int width, int height, int components,
-                               J_COLOR_SPACE space) {
-  jpeg_compress_struct codec{};
-  jpeg_error_mgr errors{};
-  codec.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&codec);
-  unsigned char* data = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&codec, &data, &size);
-  codec.image_width = static_cast<JDIMENSION>(width);
-  codec.image_height = static_cast<JDIMENSION>(height);
-  codec.input_components = components;
-  codec.in_color_space = space;
-  jpeg_set_defaults(&codec);
-  jpeg_set_quality(&codec, 100, TRUE);
-  jpeg_start_compress(&codec, TRUE);
-  for (int y = 0; y < height; ++y) {
-    JSAMPROW row = const_cast<JSAMPROW>(samples.data() + static_cast<size_t>(y * width * components));
-    jpeg_write_scanlines(&codec, &row, 1);
-  }
-  jpeg_finish_compress(&codec);
-  std::vector<uint8_t> bytes(data, data + size);
-  jpeg_destroy_compress(&codec);
-  std::free(data);
   return bytes;
 }
 
@@ -179,6 +153,15 @@ TEST(Png, ASizeBeyondTheFileIsRefusedBeforeAllocation) {
   const Error error = decode_image(bytes, "big.png").error();
   EXPECT_EQ(error.code, ErrorCode::kTruncated) << error.text();
   EXPECT_THAT(error.text(), HasSubstr("1000000x1000000"));
+}
+
+TEST(ImageSize, IsBoundedWhateverTheFileHolds) {
+  RawImage image;
+  image.width = image.height = 16384;
+  EXPECT_TRUE(check_image_size(image, 10.0, 10, "a").ok());
+  EXPECT_EQ(check_image_size(image, 10.5, 10, "a").error().code, ErrorCode::kTruncated);
+  image.width = 16385;
+  EXPECT_EQ(check_image_size(image, 10.0, 10, "a").error().code, ErrorCode::kUnsupported);
 }
 
 TEST(Png, AWriteUnderARegularFileIsAnIoError) {

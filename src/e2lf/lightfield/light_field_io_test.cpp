@@ -15,6 +15,7 @@
 #include "e2lf/base/test_files.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/test_jpeg.h"
 #include "e2lf/lightfield/test_light_field.h"
 
 namespace e2lf::lightfield {
@@ -64,6 +65,18 @@ TEST(ViewFolder, AcceptsAnyPaddingAndIgnoresOtherFiles) {
   for (size_t row = 0; row < 8; ++row) {
     for (size_t column = 0; column < 8; ++column) EXPECT_EQ(read.at(row, column, 1, 2), label(row, column));
   }
+}
+
+TEST(ViewFolder, ReadsJpegViews) {
+  const TestFolder folder;
+  for (size_t view = 0; view < 64; ++view) {
+    const std::vector<uint8_t> flat(16 * 8, static_cast<uint8_t>(3 * view));
+    const std::string name = two_digits(view / 8) + "_" + two_digits(view % 8) + (view % 2 == 0 ? ".jpg" : ".JPEG");
+    ASSERT_TRUE(write_file(folder / name, make_jpeg(flat, 16, 8, 1, JCS_GRAYSCALE)).ok());
+  }
+  const LightField read = read_light_field(folder.path()).value();
+  EXPECT_EQ(read.shape(), (Shape{8, 8, 8, 16, 1}));
+  EXPECT_NEAR(read.at(5, 6, 7, 15), 3 * 46 / 255.0F, 1 / 255.0F);
 }
 
 TEST(ViewFolder, CountsFromTheSmallestNumber) {

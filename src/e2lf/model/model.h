@@ -46,16 +46,23 @@ struct Model {
   Json provenance = Json::object();     ///< data, samples seen, seed, command, figures reached: free form
 };
 
+/// The words of model files: "counts", "cumulative", "intensity".
+[[nodiscard]] const char* input_kind_name(InputKind kind);
+
 /// Success when every field fits every other: channels, codes, weights (each present, its size right, all finite).
 /// `location` (a file) goes into errors.
 [[nodiscard]] Result<void> validate(const Model& model, const std::string& location);
 
-/// Reads a model file: one .safetensors with the weights, `aperture.codes` and JSON under `e2lf` in its metadata.
-/// Fails with a message that names file and field on an unknown version, network type, wrong shape or truncation.
+/// Reads a model file (format version 1): one .safetensors with float32 weights, `aperture.codes` [N, view_y, view_x]
+/// where the model has codes, and JSON under `e2lf` in its metadata. Fails with a message that names file and field on
+/// an unknown version, network type or key, a wrong shape, truncation, and as validate() does.
 [[nodiscard]] Result<Model> read_model(const std::filesystem::path& path);
+
+/// Writes a model file. Fails as validate() does, before anything is written, and with kIo.
 [[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model);
 
-/// The paper's released weights as a model: `folder` holds RecNet.safetensors and AcqNet.safetensors.
+/// The paper's released weights as a model: `folder` holds RecNet.safetensors and AcqNet.safetensors. Fails with
+/// kNotFound and kShape where they are not the released ones, and as read_safetensors does.
 [[nodiscard]] Result<Model> import_release(const std::filesystem::path& folder);
 
 }  // namespace e2lf::model

@@ -52,21 +52,36 @@ struct LayerShape {
 };
 
 /// The shape of every layer's output, in order. Fails with kInvalidValue (a name used twice or unknown, an even kernel,
-/// a stride that is not the kernel) and kShape (channels or scales that do not fit), naming the layer.
+/// a stride that is not the kernel, sizes beyond any use: 65536 channels, kernels of 127, scales of 1024) and kShape
+/// (channels or scales that do not fit); the location is the layer. The functions below need a network that passes.
 [[nodiscard]] Result<std::vector<LayerShape>> infer_shapes(const Network& network);
 
 /// The smallest common factor that the height and width of an input must be a multiple of (1 for plain networks);
 /// reconstruction pads to it.
 [[nodiscard]] size_t size_multiple(const Network& network);
 
+/// A tensor of weights: its name ("<layer>.weight", "<layer>.bias") and shape as documented at Layer.
+struct WeightShape {
+  std::string name;
+  std::vector<size_t> shape;
+};
+
+/// Every tensor that the network's layers need, in their order.
+[[nodiscard]] std::vector<WeightShape> weight_shapes(const Network& network);
+
 /// Multiply-adds per input pixel, and the number of weights and biases.
 [[nodiscard]] double macs_per_pixel(const Network& network);
 [[nodiscard]] size_t num_parameters(const Network& network);
 
-/// Rows (and columns) of context on each side that one output pixel sees: 26 for the paper's network.
+/// Rows (and columns) of context on each side that one output pixel sees at most: 26 for the paper's network.
 [[nodiscard]] size_t receptive_radius(const Network& network);
 
+/// {"type": "conv-graph", "input_channels": 3, "layers": [{"name": "conv1", "op": "conv", "inputs": ["input"],
+/// "out_channels": 64, "kernel": 5, ...}, ...]}; fields at their default are left out.
 [[nodiscard]] Json to_json(const Network& network);
+
+/// Fails with kUnsupported (another type or operation; the message names the known ones), kFormat, kInvalidValue (an
+/// unknown key) and as infer_shapes() does, with `location` and the JSON path or layer.
 [[nodiscard]] Result<Network> network_from_json(const Json& json, const std::string& location);
 
 /// The paper's RecNet for N - 1 event images in and 64 views out: three linear 5x5 convolutions, 19 3x3 ones with ReLU

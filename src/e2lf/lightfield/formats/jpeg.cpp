@@ -12,7 +12,7 @@ namespace e2lf::lightfield {
 namespace {
 
 // A block of 8x8 pixels takes one bit or more.
-constexpr size_t kMaxPixelsPerByte = 8 * 64;
+constexpr double kMaxPixelsPerByte = 8.0 * 64.0;
 
 struct JpegErrors {
   jpeg_error_mgr manager{};
@@ -98,12 +98,8 @@ Result<RawImage> decode_jpeg(std::span<const uint8_t> bytes, const std::string& 
   JpegReader reader;
   if (!reader.read_header(bytes, image)) return reader.error(name);
   if (reader.is_cmyk()) return Error{ErrorCode::kUnsupported, "a CMYK JPEG; convert it to RGB or PNG", name};
-  if (image.width * image.height / kMaxPixelsPerByte > bytes.size()) {
-    return Error{ErrorCode::kTruncated,
-                 cat("the JPEG claims ", image.width, "x", image.height, " pixels, more than its ", bytes.size(),
-                     " bytes can hold; copy it again"),
-                 name};
-  }
+  const double pixels = static_cast<double>(image.width) * static_cast<double>(image.height);
+  E2LF_RETURN_IF_ERROR(check_image_size(image, pixels / kMaxPixelsPerByte, bytes.size(), name));
   image.samples.resize(image.height * image.row_bytes());
   if (!reader.read_rows(image)) return reader.error(name);
   return image;

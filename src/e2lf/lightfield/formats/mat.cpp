@@ -39,7 +39,7 @@ std::vector<float> divide(std::span<const uint8_t> data, float divisor) {
 /// Samples that are not stored as their class's own type: MATLAB takes a smaller one where all values fit. Empty where
 /// the type is none of these.
 std::vector<float> from_smaller(const MatArray& variable, SampleType type) {
-  const float divisor = type == SampleType::kUint16 ? 65535.0F : 1.0F;
+  const float divisor = type == SampleType::kUint8 ? 255.0F : type == SampleType::kUint16 ? 65535.0F : 1.0F;
   switch (static_cast<MatStorage>(variable.storage)) {
     case MatStorage::kUint8:
       return divide<uint8_t>(variable.data, divisor);
@@ -51,6 +51,8 @@ std::vector<float> from_smaller(const MatArray& variable, SampleType type) {
       return divide<uint16_t>(variable.data, divisor);
     case MatStorage::kInt32:
       return divide<int32_t>(variable.data, divisor);
+    case MatStorage::kUint32:
+      return divide<uint32_t>(variable.data, divisor);
     default:
       return {};
   }

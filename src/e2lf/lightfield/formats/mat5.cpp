@@ -112,8 +112,8 @@ Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<
   const uint64_t size = kTagBytes + uint64_t{load32(preview.subspan(4))};
   // Deflate cannot make one byte stand for more than 1032.
   if (size / 1032 > element.size) return damaged(location);
-  // Some room for what surrounds the samples; the caller checks those against the same limit.
-  if (size > max_bytes + kPreviewBytes) {
+  // Some room for what surrounds the samples, whose size the caller checks too. zlib counts in 32 bits.
+  if (size > max_bytes + kPreviewBytes || size > UINT32_MAX) {
     return Error{ErrorCode::kUnsupported, cat("inflates to ", size, " bytes, more than the limit; raise the limit"),
                  location};
   }

@@ -47,6 +47,7 @@ class PngReader {
     png_read_info(png_, info_);
     image.width = png_get_image_width(png_, info_);
     image.height = png_get_image_height(png_, info_);
+    stored_bytes_ = static_cast<double>(png_get_rowbytes(png_, info_)) * static_cast<double>(image.height);
     png_set_expand(png_);
     png_set_strip_alpha(png_);
     if (std::endian::native == std::endian::little) png_set_swap(png_);
@@ -63,6 +64,9 @@ class PngReader {
     png_read_end(png_, nullptr);
     return true;
   }
+
+  /// What the rows take before compression.
+  [[nodiscard]] double stored_bytes() const { return stored_bytes_; }
 
   [[nodiscard]] Error error(const std::string& name) const {
     if (failure_.ended) return {ErrorCode::kTruncated, "the PNG ends before its image does; copy it again", name};
@@ -81,6 +85,7 @@ class PngReader {
   }
 
   std::span<const uint8_t> rest_;
+  double stored_bytes_ = 0.0;
   PngFailure failure_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
@@ -106,7 +111,8 @@ class PngWriter {
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png_, 1);
-    png_set_compression_strategy(png_, Z_RLE);
+    // After a difference filter, matches are rare in real pictures and looking for them is what takes time.
+    png_set_compression_strategy(png_, Z_HUFFMAN_ONLY);
     png_set_compression_buffer_size(png_, size_t{1} << 18);
     png_write_info(png_, info_);
     png_write_image(png_, rows);
@@ -151,14 +157,7 @@ Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& n
   RawImage image;
   PngReader reader(bytes);
   if (!reader.read_header(image)) return reader.error(name);
-  // One bit per pixel is the least a PNG can store.
-  const double least_bytes = static_cast<double>(image.width) * static_cast<double>(image.height) / 8.0;
-  if (least_bytes > kMaxDeflateRatio * static_cast<double>(bytes.size())) {
-    return Error{ErrorCode::kTruncated,
-                 cat("the PNG claims ", image.width, "x", image.height, " pixels, more than its ", bytes.size(),
-                     " bytes can hold; copy it again"),
-                 name};
-  }
+  E2LF_RETURN_IF_ERROR(check_image_size(image, reader.stored_bytes() / kMaxDeflateRatio, bytes.size(), name));
   image.samples.resize(image.height * image.row_bytes());
   std::vector<png_bytep> rows = row_pointers(image);
   if (!reader.read_rows(rows.data())) return reader.error(name);

@@ -23,6 +23,11 @@ struct RawImage {
 [[nodiscard]] bool is_png(std::span<const uint8_t> bytes);
 [[nodiscard]] bool is_jpeg(std::span<const uint8_t> bytes);
 
+/// Refuses a size that an image file claims but cannot hold (`least_bytes`: the fewest it would take), or that is
+/// beyond 2^28 pixels. Called before anything is allocated for the pixels.
+[[nodiscard]] Result<void> check_image_size(const RawImage& image, double least_bytes, size_t file_bytes,
+                                            const std::string& name);
+
 /// What decode_image does for one kind, without the conversion to float.
 [[nodiscard]] Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& name);
 [[nodiscard]] Result<RawImage> decode_jpeg(std::span<const uint8_t> bytes, const std::string& name);

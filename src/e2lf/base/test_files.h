@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <string>
+#include <unistd.h>
+
+/// What tests of every module need: a folder of their own and the data at hand.
+namespace e2lf {
+
+/// An empty folder for one test, removed with everything in it at the end.
+class TestFolder {
+ public:
+  TestFolder() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = "e2lf." + std::to_string(::getpid()) + "." + test->test_suite_name() + "." + test->name();
+    // The name of a parametrised test has slashes.
+    std::replace(name.begin(), name.end(), '/', '.');
+    path_ = std::filesystem::temp_directory_path() / name;
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+  ~TestFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A file or folder below E2LF_DATA; empty when it is not there.
+inline std::filesystem::path test_data(const std::string& name) {
+  const char* root = std::getenv("E2LF_DATA");
+  if (root == nullptr) return {};
+  const auto path = std::filesystem::path(root) / name;
+  return std::filesystem::exists(path) ? path : std::filesystem::path();
+}
+
+}  // namespace e2lf
+
+/// Skips the test, saying why, when `name` is not below E2LF_DATA.
+#define E2LF_REQUIRE_DATA(name) \
+  if (::e2lf::test_data(name).empty()) GTEST_SKIP() << "no " << (name) << " below E2LF_DATA"

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/base/text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/progress.h"
+
+namespace e2lf {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+TEST(Text, JoinsAndDescribesShapes) {
+  EXPECT_EQ(cat("view ", 3, " of ", 1.5), "view 3 of 1.5");
+  EXPECT_EQ(join({"a", "b", "c"}), "a, b, c");
+  EXPECT_EQ(join({"a", "b"}, "/"), "a/b");
+  EXPECT_EQ(join({}), "");
+  EXPECT_EQ(shape_text({3, 720, 1280}), "[3, 720, 1280]");
+  EXPECT_EQ(shape_text({}), "[]");
+}
+
+TEST(Text, JoinKeepsEmptyParts) {
+  EXPECT_EQ(join({"", "b", ""}), ", b, ");
+}
+
+TEST(NearestWord, HasTheSmallestEditDistance) {
+  const std::vector<std::string> words = {"batch", "steps", "rate"};
+  EXPECT_EQ(nearest_word("bacth", words), "batch");
+  EXPECT_EQ(nearest_word("step", words), "steps");
+  EXPECT_EQ(nearest_word("learning_rate", words), "rate");
+  EXPECT_EQ(nearest_word("x", {}), "");
+}
+
+TEST(ProgressLine, ShowsShareAndRemainingTime) {
+  EXPECT_EQ(progress_line("reconstruct", 1, 2, 3.0),
+            "reconstruct  [" + std::string(15, '#') + std::string(15, '.') + "] 50 %  3 s left");
+  EXPECT_THAT(progress_line("x", 1, 10, 10.0), HasSubstr("1 min 30 s left"));
+  EXPECT_THAT(progress_line("x", 1, 101, 72.6), HasSubstr("2 h 1 min left"));
+}
+
+TEST(ProgressLine, LeavesTheTimeOutWhenItIsNotKnown) {
+  EXPECT_THAT(progress_line("x", 0, 10, 5.0), Not(HasSubstr("left")));
+  EXPECT_THAT(progress_line("x", 5, 10, 0.1), Not(HasSubstr("left")));
+  EXPECT_THAT(progress_line("x", 10, 10, 5.0), testing::EndsWith("100 %"));
+  EXPECT_THAT(progress_line("x", 12, 10, 5.0), HasSubstr("100 %"));
+  EXPECT_THAT(progress_line("x", 0, 0, 5.0), HasSubstr("100 %"));
+}
+
+TEST(ProgressBar, IsSilentWhenQuietOrNotATerminal) {
+  testing::internal::CaptureStderr();
+  {
+    ProgressBar bar("work");
+    bar.callback()(1, 2);
+    ProgressBar quiet("work", /*quiet=*/true);
+    quiet.update(1, 2);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace e2lf

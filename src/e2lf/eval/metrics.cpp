@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/eval/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/eval/ssim.h"
+
+namespace e2lf::eval {
+namespace {
+
+using lightfield::LightField;
+using lightfield::Shape;
+
+std::string describe(const Shape& shape) {
+  return shape_text({shape.views_y, shape.views_x, shape.height, shape.width, shape.channels});
+}
+
+Result<void> check_finite(const LightField& light_field, const std::string& which) {
+  const Shape& shape = light_field.shape();
+  for (size_t view = 0; view < shape.num_views(); ++view) {
+    const auto values = light_field.view(view / shape.views_x, view % shape.views_x);
+    if (std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) continue;
+    return Error{ErrorCode::kInvalidValue, cat("the ", which, " has a value that is not finite; check what wrote it"),
+                 cat("view (", view / shape.views_x, ", ", view % shape.views_x, ")")};
+  }
+  return {};
+}
+
+Result<void> check(const LightField& truth, const LightField& reconstruction) {
+  const Shape& shape = truth.shape();
+  if (shape != reconstruction.shape()) {
+    return Error{ErrorCode::kShape,
+                 cat("the light fields differ in shape: truth ", describe(shape), ", reconstruction ",
+                     describe(reconstruction.shape()), "; crop or convert one of them"),
+                 ""};
+  }
+  const size_t smallest = ssim_window_size(SsimWindow::kGaussian11);
+  if (shape.num_views() == 0 || shape.channels == 0 || shape.height < smallest || shape.width < smallest) {
+    return Error{ErrorCode::kShape,
+                 cat("light field ", describe(shape), " is too small to measure; views need ", smallest, "x", smallest,
+                     " pixels"),
+                 ""};
+  }
+  E2LF_RETURN_IF_ERROR(check_finite(truth, "true light field"));
+  return check_finite(reconstruction, "reconstruction");
+}
+
+/// One channel of an interleaved view as a plane [y, x].
+std::vector<float> take_channel(std::span<const float> view, size_t channel, size_t channels) {
+  std::vector<float> plane(view.size() / channels);
+  for (size_t i = 0; i < plane.size(); ++i) plane[i] = view[i * channels + channel];
+  return plane;
+}
+
+Metrics compare_views(std::span<const float> truth, std::span<const float> reconstruction, const Shape& shape,
+                      const MetricOptions& options) {
+  std::vector<float> measured(reconstruction.begin(), reconstruction.end());
+  if (options.clamp) {
+    for (float& value : measured) value = std::clamp(value, 0.0F, 1.0F);
+  }
+  Metrics metrics;
+  metrics.psnr_db = psnr_from_mse(mean_squared_error(truth, measured));
+  for (size_t channel = 0; channel < shape.channels; ++channel) {
+    const auto a = take_channel(truth, channel, shape.channels);
+    const auto b = take_channel(measured, channel, shape.channels);
+    metrics.ssim_uniform7 += ssim(a, b, shape.height, shape.width, SsimWindow::kUniform7);
+    metrics.ssim_gaussian += ssim(a, b, shape.height, shape.width, SsimWindow::kGaussian11);
+  }
+  metrics.ssim_uniform7 /= static_cast<double>(shape.channels);
+  metrics.ssim_gaussian /= static_cast<double>(shape.channels);
+  return metrics;
+}
+
+Metrics mean_of(const std::vector<ViewMetrics>& views) {
+  Metrics mean;
+  for (const ViewMetrics& view : views) {
+    mean.psnr_db += view.metrics.psnr_db;
+    mean.ssim_uniform7 += view.metrics.ssim_uniform7;
+    mean.ssim_gaussian += view.metrics.ssim_gaussian;
+  }
+  const auto count = static_cast<double>(views.size());
+  return {mean.psnr_db / count, mean.ssim_uniform7 / count, mean.ssim_gaussian / count};
+}
+
+}  // namespace
+
+double mean_squared_error(std::span<const float> values_a, std::span<const float> values_b) {
+  E2LF_REQUIRE(values_a.size() == values_b.size() && !values_a.empty(), "spans must have the same length, not zero");
+  double sum = 0;
+  for (size_t i = 0; i < values_a.size(); ++i) {
+    const double difference = double{values_a[i]} - double{values_b[i]};
+    sum += difference * difference;
+  }
+  return sum / static_cast<double>(values_a.size());
+}
+
+double psnr_from_mse(double mse) {
+  return mse > 0 ? -10 * std::log10(mse) : std::numeric_limits<double>::infinity();
+}
+
+Result<LightFieldMetrics> compare(const LightField& truth, const LightField& reconstruction,
+                                  const MetricOptions& options) {
+  E2LF_RETURN_IF_ERROR(check(truth, reconstruction));
+  const Shape& shape = truth.shape();
+  LightFieldMetrics result;
+  result.views.resize(shape.num_views());
+  parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
+    for (size_t view = begin; view < end; ++view) {
+      const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
+      result.views[view] = {
+          view_y, view_x,
+          compare_views(truth.view(view_y, view_x), reconstruction.view(view_y, view_x), shape, options)};
+    }
+  });
+  result.mean = mean_of(result.views);
+  result.epi = epi_error(truth, reconstruction, options.clamp);
+  return result;
+}
+
+}  // namespace e2lf::eval

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/eval/metrics.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "e2lf/base/rng.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/eval/ssim.h"
+
+namespace e2lf::eval {
+namespace {
+
+using lightfield::LightField;
+
+LightField noise_light_field(const lightfield::Shape& shape, uint64_t seed) {
+  LightField light_field(shape);
+  const CounterRng rng(seed, 0);
+  for (size_t i = 0; i < shape.size(); ++i) light_field.data()[i] = rng.uniform(i);
+  return light_field;
+}
+
+TEST(Psnr, FollowsFromTheMeanSquaredError) {
+  EXPECT_DOUBLE_EQ(psnr_from_mse(0.01), 20.0);
+  EXPECT_EQ(psnr_from_mse(0), std::numeric_limits<double>::infinity());
+  const std::vector<float> a{0.0F, 0.5F}, b{0.5F, 0.5F};
+  EXPECT_DOUBLE_EQ(mean_squared_error(a, b), 0.125);
+}
+
+TEST(Compare, AveragesTheDecibelsOfTheViews) {
+  const LightField truth({1, 2, 12, 13, 1});
+  LightField reconstruction(truth.shape());
+  for (float& value : reconstruction.view(0, 0)) value = 0.5F;
+  for (float& value : reconstruction.view(0, 1)) value = 0.125F;
+  const auto result = compare(truth, reconstruction).value();
+  ASSERT_EQ(result.views.size(), 2U);
+  EXPECT_EQ(result.views[1].view_x, 1U);
+  EXPECT_NEAR(result.views[0].metrics.psnr_db, -20 * std::log10(0.5), 1e-9);
+  EXPECT_NEAR(result.views[1].metrics.psnr_db, -20 * std::log10(0.125), 1e-9);
+  EXPECT_NEAR(result.mean.psnr_db, -20 * std::log10(0.25), 1e-9);
+}
+
+TEST(Compare, ClampsTheReconstructionUnlessToldNotTo) {
+  LightField truth({1, 1, 11, 11, 1}), reconstruction({1, 1, 11, 11, 1});
+  for (float& value : truth.data()) value = 1.0F;
+  for (float& value : reconstruction.data()) value = 1.5F;
+  EXPECT_EQ(compare(truth, reconstruction)->mean.psnr_db, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(compare(truth, reconstruction, {.clamp = false})->mean.psnr_db, -20 * std::log10(0.5), 1e-9);
+}
+
+TEST(Compare, AveragesTheSsimOfColourChannels) {
+  const lightfield::Shape grey{1, 1, 14, 17, 1}, colour{1, 1, 14, 17, 3};
+  LightField truth(colour), reconstruction(colour);
+  double uniform = 0, gaussian = 0;
+  for (size_t channel = 0; channel < 3; ++channel) {
+    const auto a = noise_light_field(grey, channel), b = noise_light_field(grey, 10 + channel);
+    for (size_t i = 0; i < grey.size(); ++i) {
+      truth.data()[3 * i + channel] = a.data()[i];
+      reconstruction.data()[3 * i + channel] = b.data()[i];
+    }
+    uniform += ssim(a.data(), b.data(), 14, 17, SsimWindow::kUniform7) / 3;
+    gaussian += ssim(a.data(), b.data(), 14, 17, SsimWindow::kGaussian11) / 3;
+  }
+  const auto result = compare(truth, reconstruction).value();
+  EXPECT_NEAR(result.mean.ssim_uniform7, uniform, 1e-12);
+  EXPECT_NEAR(result.mean.ssim_gaussian, gaussian, 1e-12);
+}
+
+TEST(Compare, DoesNotDependOnTheNumberOfThreads) {
+  const auto truth = noise_light_field({3, 3, 20, 21, 1}, 1), reconstruction = noise_light_field({3, 3, 20, 21, 1}, 2);
+  set_num_threads(1);
+  const auto one = compare(truth, reconstruction).value();
+  set_num_threads(3);
+  const auto three = compare(truth, reconstruction).value();
+  set_num_threads(0);
+  EXPECT_EQ(one.mean.psnr_db, three.mean.psnr_db);
+  EXPECT_EQ(one.mean.ssim_uniform7, three.mean.ssim_uniform7);
+  EXPECT_EQ(one.mean.ssim_gaussian, three.mean.ssim_gaussian);
+}
+
+TEST(Compare, RefusesDifferentShapes) {
+  const auto result = compare(LightField({8, 8, 20, 20, 1}), LightField({8, 8, 20, 21, 1}));
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kShape);
+  EXPECT_NE(result.error().message.find("[8, 8, 20, 21, 1]"), std::string::npos);
+}
+
+TEST(Compare, RefusesViewsSmallerThanTheWindow) {
+  const LightField tiny({1, 1, 10, 40, 1});
+  ASSERT_FALSE(compare(tiny, tiny));
+  EXPECT_EQ(compare(tiny, tiny).error().code, ErrorCode::kShape);
+}
+
+TEST(Compare, NamesTheViewThatHoldsNan) {
+  const LightField truth({2, 3, 11, 11, 1});
+  LightField reconstruction(truth.shape());
+  reconstruction.at(1, 2, 5, 5) = std::numeric_limits<float>::quiet_NaN();
+  const auto result = compare(truth, reconstruction);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(result.error().location, "view (1, 2)");
+}
+
+}  // namespace
+}  // namespace e2lf::eval

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/lightfield/demo_scene.h"
+
+#include "e2lf/base/rng.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+constexpr float kFloor = 0.3F;  ///< y of the table
+constexpr float kWall = 1.5F;   ///< z of the wall
+
+/// A material with its own texture for each seed of the scene.
+class Materials {
+ public:
+  explicit Materials(uint64_t seed) : rng_(seed, 1) {}
+
+  Material operator()(TextureKind texture, float dark, float bright, float period) {
+    Material material{texture, dark, bright, period};
+    material.seed = rng_.bits(count_++)[0];
+    return material;
+  }
+
+ private:
+  CounterRng rng_;
+  uint64_t count_ = 0;
+};
+
+Material shiny(Material material) {
+  material.specular = 0.35F;
+  return material;
+}
+
+Material grainy(Material material) {
+  material.grain = 0.35F;
+  return material;
+}
+
+void add_room(Scene& scene, Materials& material) {
+  scene.quads.push_back(
+      {{-1.5F, -1.2F, kWall}, {3, 0, 0}, {0, 2.4F, 0}, grainy(material(TextureKind::kBricks, 0.15F, 1.0F, 0.16F))});
+  scene.quads.push_back(
+      {{-1.5F, kFloor, 0.3F}, {3, 0, 0}, {0, 0, kWall}, material(TextureKind::kWood, 0.12F, 0.8F, 0.17F)});
+  // A poster on the wall.
+  scene.quads.push_back(
+      {{0.0F, -0.25F, 1.49F}, {0.34F, 0, 0}, {0, 0.24F, 0}, material(TextureKind::kMarks, 0.03F, 0.95F, 0.035F)});
+}
+
+/// Turns what stands and rolls what lies on the table a little.
+void rearrange(Scene& scene, uint64_t seed) {
+  constexpr float kTurn = 0.25F, kRoll = 0.04F;
+  const CounterRng rng(seed, 2);
+  uint64_t draws = 0;
+  for (Block& block : scene.blocks) block.yaw += kTurn * (rng.uniform(draws++) - 0.5F);
+  for (Sphere& sphere : scene.spheres) {
+    const bool on_the_table = sphere.centre.y + sphere.radius > kFloor - 1e-3F;
+    if (on_the_table) sphere.centre.x += kRoll * (rng.uniform(draws++) - 0.5F);
+  }
+}
+
+/// Things that stand on the table have their lower edge at kFloor.
+Block standing(float x, float z, const Vec3& half_size, float yaw, const Material& material) {
+  return {{x, kFloor - half_size.y, z}, half_size, yaw, material};
+}
+
+Sphere lying(float x, float z, float radius, const Material& material) {
+  return {{x, kFloor - radius, z}, radius, material};
+}
+
+void add_blocks(Scene& scene, Materials& material) {
+  using enum TextureKind;
+  scene.blocks = {
+      standing(0.31F, 1.28F, {0.085F, 0.17F, 0.06F}, 0.5F, grainy(material(kNoise, 0.03F, 1.0F, 0.035F))),
+      standing(0.02F, 1.16F, {0.085F, 0.06F, 0.075F}, -0.45F, material(kChecks, 0.04F, 0.95F, 0.05F)),
+      standing(-0.38F, 1.3F, {0.03F, 0.16F, 0.07F}, 0.15F, material(kMarks, 0.1F, 0.7F, 0.03F)),
+      standing(-0.30F, 1.3F, {0.035F, 0.13F, 0.07F}, 0.15F, material(kStripes, 0.2F, 0.95F, 0.035F)),
+      standing(0.01F, 0.86F, {0.075F, 0.012F, 0.055F}, 0.35F, material(kMarks, 0.03F, 0.98F, 0.014F)),
+      standing(-0.235F, 0.7F, {0.006F, 0.11F, 0.006F}, 0.6F, material(kChecks, 0.05F, 0.95F, 0.025F)),
+  };
+}
+
+void add_spheres(Scene& scene, Materials& material) {
+  using enum TextureKind;
+  scene.spheres = {
+      lying(-0.2F, 1.04F, 0.095F, shiny(material(kStripes, 0.06F, 0.9F, 0.045F))),
+      lying(0.2F, 0.98F, 0.06F, shiny(material(kDots, 0.12F, 0.98F, 0.03F))),
+      lying(-0.14F, 0.8F, 0.035F, shiny(material(kNoise, 0.1F, 0.95F, 0.03F))),
+      {{0.02F, kFloor - 0.12F - 0.055F, 1.16F}, 0.055F, shiny(material(kNoise, 0.02F, 0.6F, 0.05F))},
+  };
+}
+
+}  // namespace
+
+Scene demo_scene(uint64_t seed) {
+  Scene scene;
+  scene.camera.disparity_at_infinity_px = 4.6F;
+  scene.camera.centre_y = 0.1F;
+  scene.light.direction = {-0.55F, -0.75F, -0.75F};
+  scene.light.intensity = 0.95F;
+  scene.light.ambient = 0.34F;
+  Materials material(seed);
+  add_room(scene, material);
+  add_blocks(scene, material);
+  add_spheres(scene, material);
+  rearrange(scene, seed);
+  // A test chart that leans backwards.
+  scene.quads.push_back({{0.19F, kFloor - 0.13F, 0.86F},
+                         {0.11F, 0, -0.03F},
+                         {0, 0.13F, -0.04F},
+                         material(TextureKind::kStar, 0.03F, 0.95F, 0.14F)});
+  return scene;
+}
+
+Scene textured_plane_scene(float disparity_px, uint64_t seed) {
+  Scene scene;
+  const float z = depth_at_disparity(scene.camera, disparity_px);
+  Material material{TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
+  material.grain = 0;
+  material.seed = CounterRng(seed, 1).bits(0)[0];
+  // Larger than any view, in units of the field at that depth.
+  const float half = 8 * z * scene.camera.field_width;
+  scene.quads.push_back({{-half, -half, z}, {2 * half, 0, 0}, {0, 2 * half, 0}, material});
+  scene.light.direction = {0, 0, -1};
+  scene.light.intensity = 0;
+  scene.light.ambient = 1 / 0.75F;
+  return scene;
+}
+
+}  // namespace e2lf::lightfield

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/lightfield/epi.h"
+
+#include <algorithm>
+#include <array>
+
+#include "e2lf/lightfield/crop.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+using Colour = std::array<float, 3>;
+constexpr Colour kRowColour{0.16F, 0.39F, 1.0F};
+constexpr Colour kColumnColour{0.1F, 0.75F, 0.25F};
+
+/// A rectangle of pixels on a canvas.
+struct Box {
+  size_t y, x, height, width;
+};
+
+void set_pixel(Image& canvas, size_t y, size_t x, const Colour& colour) {
+  std::copy(colour.begin(), colour.end(), canvas.pixels.begin() + static_cast<ptrdiff_t>((y * canvas.width + x) * 3));
+}
+
+/// Draws an image into a box that may be larger, each pixel repeated; grey becomes colour, values are clamped.
+void paste(Image& canvas, const Image& image, const Box& box) {
+  for (size_t y = 0; y < box.height; ++y) {
+    for (size_t x = 0; x < box.width; ++x) {
+      const size_t from_y = y * image.height / box.height, from_x = x * image.width / box.width;
+      const float* pixel = image.pixels.data() + (from_y * image.width + from_x) * image.channels;
+      Colour colour;
+      for (size_t c = 0; c < 3; ++c) colour[c] = std::clamp(pixel[image.channels == 3 ? c : 0], 0.0F, 1.0F);
+      set_pixel(canvas, box.y + y, box.x + x, colour);
+    }
+  }
+}
+
+void frame(Image& canvas, const Box& box, const Colour& colour) {
+  for (size_t x = box.x; x < box.x + box.width; ++x) {
+    set_pixel(canvas, box.y, x, colour);
+    set_pixel(canvas, box.y + box.height - 1, x, colour);
+  }
+  for (size_t y = box.y; y < box.y + box.height; ++y) {
+    set_pixel(canvas, y, box.x, colour);
+    set_pixel(canvas, y, box.x + box.width - 1, colour);
+  }
+}
+
+}  // namespace
+
+Image horizontal_epi(const LightField& light_field, size_t view_y, size_t y) {
+  const Shape& shape = light_field.shape();
+  E2LF_REQUIRE(view_y < shape.views_y && y < shape.height, "the light field has no such row");
+  Image epi(shape.width, shape.views_x, shape.channels);
+  const size_t row_size = shape.width * shape.channels;
+  for (size_t view_x = 0; view_x < shape.views_x; ++view_x) {
+    std::copy_n(light_field.view(view_y, view_x).data() + y * row_size, row_size,
+                epi.pixels.data() + view_x * row_size);
+  }
+  return epi;
+}
+
+Image vertical_epi(const LightField& light_field, size_t view_x, size_t x) {
+  const Shape& shape = light_field.shape();
+  E2LF_REQUIRE(view_x < shape.views_x && x < shape.width, "the light field has no such column");
+  Image epi(shape.views_y, shape.height, shape.channels);
+  for (size_t view_y = 0; view_y < shape.views_y; ++view_y) {
+    const auto view = light_field.view(view_y, view_x);
+    for (size_t y = 0; y < shape.height; ++y) {
+      std::copy_n(view.data() + (y * shape.width + x) * shape.channels, shape.channels,
+                  epi.pixels.data() + (y * shape.views_y + view_y) * shape.channels);
+    }
+  }
+  return epi;
+}
+
+EpiPictureOptions middle_cut(const Shape& shape) {
+  EpiPictureOptions options;
+  options.view_y = shape.views_y / 2;
+  options.view_x = shape.views_x / 2;
+  options.y = shape.height / 2;
+  options.x = shape.width / 2;
+  return options;
+}
+
+Image epi_picture(const LightField& light_field, const EpiPictureOptions& options) {
+  const Shape& shape = light_field.shape();
+  E2LF_REQUIRE(options.px_per_view > 0, "an EPI needs at least one pixel for each view");
+  const Image view = view_image(light_field, options.view_y, options.view_x);
+  const Image below = horizontal_epi(light_field, options.view_y, options.y);
+  const Image beside = vertical_epi(light_field, options.view_x, options.x);
+
+  const Box below_box{shape.height + options.gap_px, 0, shape.views_x * options.px_per_view, shape.width};
+  const Box beside_box{0, shape.width + options.gap_px, shape.height, shape.views_y * options.px_per_view};
+  Image canvas(beside_box.x + beside_box.width, below_box.y + below_box.height, 3);
+  std::fill(canvas.pixels.begin(), canvas.pixels.end(), 1.0F);
+  paste(canvas, view, {0, 0, shape.height, shape.width});
+  paste(canvas, below, below_box);
+  paste(canvas, beside, beside_box);
+
+  for (size_t x = 0; x < shape.width; ++x) set_pixel(canvas, options.y, x, kRowColour);
+  for (size_t y = 0; y < shape.height; ++y) set_pixel(canvas, y, options.x, kColumnColour);
+  frame(canvas, below_box, kRowColour);
+  frame(canvas, beside_box, kColumnColour);
+  return canvas;
+}
+
+}  // namespace e2lf::lightfield

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "e2lf/lightfield/scene.h"
+
+namespace e2lf::lightfield {
+
+inline Vec3 operator+(const Vec3& a, const Vec3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Vec3 operator-(const Vec3& a, const Vec3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vec3 operator*(float s, const Vec3& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+inline float dot(const Vec3& a, const Vec3& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Vec3 normalised(const Vec3& a) {
+  return (1 / std::sqrt(dot(a, a))) * a;
+}
+
+/// Points origin + t * direction, t > 0; the direction may have any length.
+struct Ray {
+  Vec3 origin, direction;
+};
+
+/// What a ray meets first.
+struct Hit {
+  float t = std::numeric_limits<float>::infinity();
+  Vec3 normal;                         ///< unit length, towards where the ray came from
+  float u = 0, v = 0;                  ///< place on the surface, see SurfacePoint
+  const Material* material = nullptr;  ///< null: nothing was met
+};
+
+/// Indices of the surfaces that some rays can meet.
+struct Candidates {
+  std::vector<size_t> quads, spheres, blocks;
+};
+
+/// Finds the first surface along a ray, and whether any lies on it.
+class SceneRays {
+ public:
+  /// The scene must outlive this.
+  explicit SceneRays(const Scene& scene);
+
+  /// The surfaces that rays can meet which start where `middle` does and whose directions differ from its own by
+  /// vectors no longer than `spread`. Balls around the surfaces are tested, so some may be met by none.
+  [[nodiscard]] Candidates near(const Ray& middle, float spread) const;
+
+  [[nodiscard]] Hit first_hit(const Ray& ray, const Candidates& candidates) const;
+  [[nodiscard]] bool blocked(const Ray& ray) const;
+
+ private:
+  struct Ball {
+    Vec3 centre;
+    float radius;
+  };
+  /// A quad as a plane with coordinates: a = dot(p - corner, to_a), b likewise.
+  struct QuadFrame {
+    Vec3 normal, to_a, to_b;
+    float length_u, length_v;
+    Ball ball;
+  };
+  struct BlockFrame {
+    float cosine, sine;
+    Ball ball;
+  };
+  static bool passes(const Ray& ray, const Ball& ball, float spread);
+  void hit_quad(size_t index, const Ray& ray, Hit& nearest) const;
+  void hit_sphere(size_t index, const Ray& ray, Hit& nearest) const;
+  void hit_block(size_t index, const Ray& ray, Hit& nearest) const;
+
+  const Scene* scene_;
+  std::vector<QuadFrame> quad_frames_;
+  std::vector<BlockFrame> block_frames_;
+};
+
+}  // namespace e2lf::lightfield

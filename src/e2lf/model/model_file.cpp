@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+#include "e2lf/model/model_parts.h"
+
+namespace e2lf::model {
+namespace {
+
+constexpr const char* kMetadataKey = "e2lf";
+constexpr const char* kCodesTensor = "aperture.codes";
+
+Result<const Tensor*> find_float(const Safetensors& tensors, const std::string& name, const std::string& file) {
+  E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(name, file));
+  if (tensor->type == "F32") return tensor;
+  return Error{ErrorCode::kUnsupported, cat("it holds ", tensor->type, " numbers; save it as F32"),
+               cat(file, ": ", name)};
+}
+
+Result<aperture::Codes> codes_from_tensor(const Model& model, const Safetensors& tensors, const std::string& file) {
+  E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find_float(tensors, kCodesTensor, file));
+  const std::vector<size_t> expected = {model.num_patterns, model.views_y, model.views_x};
+  const std::string location = cat(file, ": ", kCodesTensor);
+  if (tensor->shape != expected) {
+    return Error{ErrorCode::kShape,
+                 cat("codes of shape ", shape_text(tensor->shape), ", the model needs ", shape_text(expected),
+                     "; store the patterns of this model"),
+                 location};
+  }
+  aperture::Codes codes(model.num_patterns, model.views_y, model.views_x);
+  E2LF_ASSIGN_OR_RETURN(codes.values, tensor->to_float(location));
+  return codes;
+}
+
+/// A tensor that nothing reads is a sign of another network than the one described.
+Result<void> check_all_used(const Model& model, const Safetensors& tensors, const std::string& file) {
+  for (const auto& entry : tensors.tensors) {
+    if (entry.first == kCodesTensor || model.weights.contains(entry.first)) continue;
+    return Error{ErrorCode::kFormat, "the tensor belongs to no layer of the network; remove it or describe its layer",
+                 cat(file, ": ", entry.first)};
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Weights> weights_from_tensors(const Network& network, const Safetensors& tensors, const std::string& file) {
+  Weights weights;
+  for (const WeightShape& wanted : weight_shapes(network)) {
+    E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find_float(tensors, wanted.name, file));
+    const std::string location = cat(file, ": ", wanted.name);
+    if (tensor->shape != wanted.shape) {
+      return Error{ErrorCode::kShape,
+                   cat("weights of shape ", shape_text(tensor->shape), ", the network needs ", shape_text(wanted.shape),
+                       "; store the weights of this network"),
+                   location};
+    }
+    E2LF_ASSIGN_OR_RETURN(weights[wanted.name], tensor->to_float(location));
+  }
+  return weights;
+}
+
+Result<Model> read_model(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
+  const auto metadata = tensors.metadata.find(kMetadataKey);
+  if (metadata == tensors.metadata.end()) {
+    return Error{ErrorCode::kFormat, "no e2lf model (its metadata has no \"e2lf\"); make one with `e2lf model import`",
+                 file};
+  }
+  const std::string location = cat(file, ": ", kMetadataKey);
+  E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(metadata->second, location));
+  E2LF_ASSIGN_OR_RETURN(Model model, header_from_json(json, location + ": $"));
+  E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, file));
+  if (tensors.tensors.contains(kCodesTensor)) {
+    E2LF_ASSIGN_OR_RETURN(model.codes, codes_from_tensor(model, tensors, file));
+  }
+  E2LF_RETURN_IF_ERROR(check_all_used(model, tensors, file));
+  E2LF_RETURN_IF_ERROR(validate(model, file));
+  return model;
+}
+
+Result<void> write_model(const std::filesystem::path& path, const Model& model) {
+  E2LF_RETURN_IF_ERROR(validate(model, path.string()));
+  Safetensors tensors;
+  tensors.metadata[kMetadataKey] = header_to_json(model).dump();
+  for (const WeightShape& tensor : weight_shapes(model.network)) {
+    tensors.tensors[tensor.name] = make_tensor(tensor.shape, model.weights.at(tensor.name));
+  }
+  if (model.codes) {
+    tensors.tensors[kCodesTensor] =
+        make_tensor({model.codes->num_patterns, model.codes->views_y, model.codes->views_x}, model.codes->values);
+  }
+  return write_safetensors(path, tensors);
+}
+
+}  // namespace e2lf::model

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <utility>
+
+#include "e2lf/base/text.h"
+#include "e2lf/model/model_parts.h"
+
+namespace e2lf::model {
+namespace {
+
+constexpr std::pair<InputKind, const char*> kInputKinds[] = {
+    {InputKind::kCounts, "counts"}, {InputKind::kCumulative, "cumulative"}, {InputKind::kIntensity, "intensity"}};
+
+Result<InputGroup> group_from_json(const Json& json, const std::string& location) {
+  InputGroup group;
+  std::string kind;
+  OptionReader reader(json, location);
+  reader.read("kind", kind).read("scale", group.scale);
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  std::vector<std::string> names;
+  for (const auto& [value, name] : kInputKinds) {
+    names.emplace_back(name);
+    if (kind == name) {
+      group.kind = value;
+      return group;
+    }
+  }
+  return Error{ErrorCode::kUnsupported, cat("unknown input \"", kind, "\"; known are ", join(names)),
+               reader.child_location("kind")};
+}
+
+Result<std::vector<InputGroup>> input_from_json(const Json& json, const std::string& location) {
+  if (!json.is_array()) return Error{ErrorCode::kFormat, "expected a list of inputs", location};
+  std::vector<InputGroup> groups;
+  for (size_t i = 0; i < json.size(); ++i) {
+    E2LF_ASSIGN_OR_RETURN(const InputGroup group, group_from_json(json[i], cat(location, "[", i, "]")));
+    groups.push_back(group);
+  }
+  return groups;
+}
+
+Result<aperture::SensorConstants> constants_from_json(const Json& json, const std::string& location) {
+  aperture::SensorConstants constants;
+  OptionReader reader(json, location);
+  reader.read("eps", constants.eps)
+      .read("tau", constants.tau)
+      .read("sigma_w", constants.sigma_w)
+      .read("sigma_z", constants.sigma_z);
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  return constants;
+}
+
+/// The version is looked at first: another version has other keys.
+Result<void> check_version(const Json& json, const std::string& location) {
+  if (!json.is_object()) return Error{ErrorCode::kFormat, "expected an object; write { ... }", location};
+  const Json version = json.value("format_version", Json());
+  if (version == kFormatVersion) return {};
+  return Error{ErrorCode::kUnsupported,
+               cat("format version ", version.is_null() ? "(none)" : version.dump(), " is not known; this build reads ",
+                   kFormatVersion, "; use a newer build"),
+               location + ".format_version"};
+}
+
+}  // namespace
+
+const char* input_kind_name(InputKind kind) {
+  return std::find_if(std::begin(kInputKinds), std::end(kInputKinds), [&](const auto& k) { return k.first == kind; })
+      ->second;
+}
+
+Json header_to_json(const Model& model) {
+  Json input = Json::array();
+  for (const InputGroup& group : model.input) {
+    input.push_back({{"kind", input_kind_name(group.kind)}, {"scale", json_number(group.scale)}});
+  }
+  return {{"format_version", kFormatVersion},
+          {"name", model.name},
+          {"num_patterns", model.num_patterns},
+          {"views_y", model.views_y},
+          {"views_x", model.views_x},
+          {"event_model", model.event_model},
+          {"black_first", model.black_first},
+          {"constants",
+           {{"eps", json_number(model.constants.eps)},
+            {"tau", json_number(model.constants.tau)},
+            {"sigma_w", json_number(model.constants.sigma_w)},
+            {"sigma_z", json_number(model.constants.sigma_z)}}},
+          {"input", std::move(input)},
+          {"network", to_json(model.network)},
+          {"provenance", model.provenance}};
+}
+
+Result<Model> header_from_json(const Json& json, const std::string& location) {
+  E2LF_RETURN_IF_ERROR(check_version(json, location));
+  Model model;
+  OptionReader reader(json, location);
+  reader.read("name", model.name)
+      .read("num_patterns", model.num_patterns)
+      .read("views_y", model.views_y)
+      .read("views_x", model.views_x)
+      .read("event_model", model.event_model)
+      .read("black_first", model.black_first);
+  (void)reader.child("format_version");
+  const Json& constants = reader.child("constants");
+  const Json& input = reader.child("input");
+  const Json& network = reader.child("network");
+  const Json& provenance = reader.child("provenance");
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  E2LF_ASSIGN_OR_RETURN(model.constants, constants_from_json(constants, reader.child_location("constants")));
+  E2LF_ASSIGN_OR_RETURN(model.input, input_from_json(input, reader.child_location("input")));
+  E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
+  if (!provenance.is_null()) model.provenance = provenance;
+  return model;
+}
+
+}  // namespace e2lf::model

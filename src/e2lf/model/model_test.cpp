@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/model/model.h"
+
+#include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "e2lf/base/file.h"
+#include "e2lf/base/safetensors.h"
+#include "e2lf/base/test_files.h"
+#include "e2lf/model/summary.h"
+
+namespace e2lf::model {
+namespace {
+
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+/// A small model for the default codes: two layers, two input groups.
+Model small_model() {
+  Model model;
+  model.name = "small";
+  model.num_patterns = 4;
+  model.codes = aperture::default_codes();
+  model.constants = {0.02F, 0.3F, 0.1F, 0.0F};
+  model.input = {{InputKind::kCounts, 0.125F}, {InputKind::kIntensity, 4.0F}};
+  model.network.input_channels = 6;
+  Layer first;
+  first.name = "a";
+  first.inputs = {"input"};
+  first.out_channels = 5;
+  first.kernel = 3;
+  first.relu = true;
+  Layer second;
+  second.name = "b";
+  second.inputs = {"a"};
+  second.out_channels = 64;
+  model.network.layers = {first, second};
+  float value = 0.0F;
+  for (const WeightShape& tensor : weight_shapes(model.network)) {
+    size_t size = 1;
+    for (const size_t extent : tensor.shape) size *= extent;
+    for (size_t i = 0; i < size; ++i) model.weights[tensor.name].push_back(value += 0.25F);
+  }
+  model.provenance = {{"seed", 7}, {"command", "e2lf train"}};
+  return model;
+}
+
+/// The small model's file, changed by `change`, read again.
+template <typename Change>
+Error error_after(const Change& change) {
+  const TestFolder folder;
+  EXPECT_TRUE(write_model(folder / "m.safetensors", small_model()).ok());
+  Safetensors file = *read_safetensors(folder / "m.safetensors");
+  change(file);
+  EXPECT_TRUE(write_safetensors(folder / "m.safetensors", file).ok());
+  const auto model = read_model(folder / "m.safetensors");
+  EXPECT_FALSE(model.ok());
+  return model.ok() ? Error{} : model.error();
+}
+
+/// The same with a change of the JSON in its metadata.
+template <typename Change>
+Error error_after_json(const Change& change) {
+  return error_after([&](Safetensors& file) {
+    Json json = Json::parse(file.metadata.at("e2lf"));
+    change(json);
+    file.metadata["e2lf"] = json.dump();
+  });
+}
+
+TEST(ModelFile, RoundTripsEveryField) {
+  const TestFolder folder;
+  const Model model = small_model();
+  ASSERT_TRUE(write_model(folder / "m.safetensors", model).ok());
+  const auto read = read_model(folder / "m.safetensors");
+  ASSERT_TRUE(read.ok()) << read.error().text();
+  EXPECT_EQ(read->name, model.name);
+  EXPECT_EQ(read->num_patterns, model.num_patterns);
+  EXPECT_EQ(read->views_y, model.views_y);
+  EXPECT_EQ(read->views_x, model.views_x);
+  EXPECT_EQ(read->codes, model.codes);
+  EXPECT_EQ(read->event_model, model.event_model);
+  EXPECT_EQ(read->black_first, model.black_first);
+  EXPECT_EQ(read->constants, model.constants);
+  EXPECT_EQ(read->input, model.input);
+  EXPECT_EQ(read->network, model.network);
+  EXPECT_EQ(read->weights, model.weights);
+  EXPECT_EQ(read->provenance, model.provenance);
+}
+
+TEST(ModelFile, RoundTripsWithoutCodes) {
+  const TestFolder folder;
+  Model model = small_model();
+  model.codes.reset();
+  model.black_first = false;
+  model.event_model = "quantised";
+  ASSERT_TRUE(write_model(folder / "m.safetensors", model).ok());
+  const auto read = read_model(folder / "m.safetensors");
+  ASSERT_TRUE(read.ok()) << read.error().text();
+  EXPECT_FALSE(read->codes.has_value());
+  EXPECT_FALSE(read->black_first);
+  EXPECT_EQ(read->event_model, "quantised");
+}
+
+TEST(ModelFile, NamesAFileThatIsMissingOrCutOff) {
+  const TestFolder folder;
+  EXPECT_EQ(read_model(folder / "none.safetensors").error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(write_model(folder / "m.safetensors", small_model()).ok());
+  const auto bytes = *read_file(folder / "m.safetensors");
+  for (const size_t size : {size_t{0}, size_t{7}, size_t{100}, bytes.size() - 1}) {
+    ASSERT_TRUE(write_file(folder / "cut.safetensors", std::span(bytes).first(size)).ok());
+    const Error error = read_model(folder / "cut.safetensors").error();
+    EXPECT_EQ(error.code, ErrorCode::kTruncated) << size;
+    EXPECT_THAT(error.location, HasSubstr("cut.safetensors")) << size;
+  }
+}
+
+TEST(ModelFile, RefusesAHeaderLargerThanTheFile) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "m.safetensors", std::vector<uint8_t>{0, 0, 0, 0, 0, 0, 0, 1, '{', '}'}).ok());
+  const Error error = read_model(folder / "m.safetensors").error();
+  EXPECT_EQ(error.code, ErrorCode::kTruncated);
+  EXPECT_THAT(error.message, HasSubstr("larger than the file"));
+}
+
+TEST(ModelFile, RefusesSafetensorsThatHoldNoModel) {
+  const Error error = error_after([](Safetensors& file) { file.metadata.clear(); });
+  EXPECT_EQ(error.code, ErrorCode::kFormat);
+  EXPECT_THAT(error.message, HasSubstr("e2lf model import"));
+  EXPECT_EQ(error_after([](Safetensors& file) { file.metadata["e2lf"] = "{"; }).code, ErrorCode::kFormat);
+  EXPECT_EQ(error_after([](Safetensors& file) { file.metadata["e2lf"] = "[]"; }).code, ErrorCode::kFormat);
+}
+
+TEST(ModelFile, RefusesAnUnknownVersion) {
+  for (const Json& version : {Json(2), Json("1"), Json()}) {
+    const Error error = error_after_json([&](Json& json) {
+      json["format_version"] = version;
+      json["a key of the future"] = 1;
+    });
+    EXPECT_EQ(error.code, ErrorCode::kUnsupported) << version;
+    EXPECT_THAT(error.location, EndsWith("m.safetensors: e2lf: $.format_version"));
+  }
+}
+
+TEST(ModelFile, RefusesAnUnknownNetworkType) {
+  const Error error = error_after_json([](Json& json) { json["network"] = {{"type", "transformer"}, {"heads", 8}}; });
+  EXPECT_EQ(error.code, ErrorCode::kUnsupported);
+  EXPECT_THAT(error.location, EndsWith("m.safetensors: e2lf: $.network.type"));
+  EXPECT_THAT(error.message, HasSubstr("\"conv-graph\""));
+}
+
+TEST(ModelFile, RefusesUnknownKeysInputsAndTypes) {
+  const Error key = error_after_json([](Json& json) { json["constants"]["sigma"] = 1; });
+  EXPECT_THAT(key.location, EndsWith("m.safetensors: e2lf: $.constants.sigma"));
+  EXPECT_THAT(key.message, HasSubstr("sigma_"));
+  const Error kind = error_after_json([](Json& json) { json["input"][1]["kind"] = "voxels"; });
+  EXPECT_EQ(kind.code, ErrorCode::kUnsupported);
+  EXPECT_THAT(kind.location, EndsWith("$.input[1].kind"));
+  EXPECT_THAT(kind.message, HasSubstr("counts, cumulative, intensity"));
+  EXPECT_EQ(error_after_json([](Json& json) { json["input"] = 3; }).code, ErrorCode::kFormat);
+  EXPECT_EQ(error_after_json([](Json& json) { json["num_patterns"] = -4; }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after_json([](Json& json) { json["provenance"] = "me"; }).code, ErrorCode::kInvalidValue);
+}
+
+TEST(ModelFile, RefusesWeightsOfTheWrongShape) {
+  const Error error = error_after([](Safetensors& file) { file.tensors["a.weight"].shape = {6, 5, 3, 3}; });
+  EXPECT_EQ(error.code, ErrorCode::kShape);
+  EXPECT_THAT(error.location, EndsWith("m.safetensors: a.weight"));
+  EXPECT_THAT(error.message, HasSubstr("[6, 5, 3, 3]"));
+  EXPECT_THAT(error.message, HasSubstr("[5, 6, 3, 3]"));
+}
+
+TEST(ModelFile, RefusesMissingSurplusAndOtherThanFloatWeights) {
+  const Error missing = error_after([](Safetensors& file) { file.tensors.erase("b.bias"); });
+  EXPECT_EQ(missing.code, ErrorCode::kNotFound);
+  EXPECT_THAT(missing.message, HasSubstr("\"b.bias\""));
+  const Error surplus =
+      error_after([](Safetensors& file) { file.tensors["c.bias"] = make_tensor({1}, std::vector<float>{1.0F}); });
+  EXPECT_EQ(surplus.code, ErrorCode::kFormat);
+  EXPECT_THAT(surplus.location, EndsWith("m.safetensors: c.bias"));
+  const Error bytes =
+      error_after([](Safetensors& file) { file.tensors["b.bias"] = make_tensor({64}, std::vector<uint8_t>(64)); });
+  EXPECT_EQ(bytes.code, ErrorCode::kUnsupported);
+  EXPECT_THAT(bytes.location, EndsWith("m.safetensors: b.bias"));
+}
+
+TEST(ModelFile, RefusesWeightsThatAreNotFinite) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    std::vector<float> values(64);
+    values[5] = bad;
+    const Error error = error_after([&](Safetensors& file) { file.tensors["b.bias"] = make_tensor({64}, values); });
+    EXPECT_EQ(error.code, ErrorCode::kInvalidValue);
+    EXPECT_THAT(error.location, EndsWith("m.safetensors: b.bias"));
+    EXPECT_THAT(error.message, HasSubstr("weight 5"));
+  }
+}
+
+TEST(ModelFile, RefusesCodesOfTheWrongSizeOrValue) {
+  const auto set_codes = [](std::vector<size_t> shape, std::vector<float> values) {
+    return error_after([&](Safetensors& file) { file.tensors["aperture.codes"] = make_tensor(shape, values); });
+  };
+  const Error shape = set_codes({3, 8, 8}, std::vector<float>(192));
+  EXPECT_EQ(shape.code, ErrorCode::kShape);
+  EXPECT_THAT(shape.location, EndsWith("m.safetensors: aperture.codes"));
+  EXPECT_THAT(shape.message, HasSubstr("[4, 8, 8]"));
+  EXPECT_EQ(set_codes({256}, std::vector<float>(256)).code, ErrorCode::kShape);
+  EXPECT_EQ(set_codes({4, 8, 8}, std::vector<float>(256, NAN)).code, ErrorCode::kInvalidValue);
+}
+
+TEST(ModelFile, DoesNotReplaceAFileByAModelThatIsNotValid) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_model(folder / "m.safetensors", small_model()).ok());
+  Model bad = small_model();
+  bad.weights["a.bias"].clear();
+  EXPECT_EQ(write_model(folder / "m.safetensors", bad).error().code, ErrorCode::kShape);
+  EXPECT_TRUE(read_model(folder / "m.safetensors").ok());
+}
+
+TEST(ModelValidate, NamesTheFieldThatDoesNotFit) {
+  struct Case {
+    const char* field;
+    ErrorCode code;
+    void (*change)(Model&);
+  };
+  const Case cases[] = {
+      {"num_patterns", ErrorCode::kInvalidValue, [](Model& m) { m.num_patterns = 1; }},
+      {"num_patterns", ErrorCode::kInvalidValue, [](Model& m) { m.num_patterns = ~size_t{0}; }},
+      {"views_x", ErrorCode::kInvalidValue, [](Model& m) { m.views_x = 0; }},
+      {"event_model", ErrorCode::kInvalidValue, [](Model& m) { m.event_model = "frames"; }},
+      {"constants.eps", ErrorCode::kInvalidValue, [](Model& m) { m.constants.eps = 0.0F; }},
+      {"constants.tau", ErrorCode::kInvalidValue, [](Model& m) { m.constants.tau = NAN; }},
+      {"constants.sigma_z", ErrorCode::kInvalidValue, [](Model& m) { m.constants.sigma_z = -1.0F; }},
+      {"input", ErrorCode::kInvalidValue, [](Model& m) { m.input.clear(); }},
+      {"input[1].scale", ErrorCode::kInvalidValue, [](Model& m) { m.input[1].scale = 0.0F; }},
+      {"network.input_channels", ErrorCode::kShape, [](Model& m) { m.num_patterns = 5; }},
+      {"network", ErrorCode::kShape, [](Model& m) { m.network.layers.pop_back(); }},
+      {"network: layer \"b\"", ErrorCode::kInvalidValue, [](Model& m) { m.network.layers[1].kernel = 2; }},
+      {"aperture.codes", ErrorCode::kShape, [](Model& m) { m.codes = aperture::Codes(4, 4, 16); }},
+      {"aperture.codes", ErrorCode::kInvalidValue, [](Model& m) { m.codes->values[70] = 2.0F; }},
+      {"black_first", ErrorCode::kInvalidValue, [](Model& m) { m.black_first = false; }},
+      {"a.bias", ErrorCode::kNotFound, [](Model& m) { m.weights.erase("a.bias"); }},
+      {"a.bias", ErrorCode::kShape, [](Model& m) { m.weights["a.bias"].push_back(0.0F); }},
+      {"a.bias", ErrorCode::kInvalidValue, [](Model& m) { m.weights["a.bias"][2] = NAN; }},
+      {"z", ErrorCode::kFormat, [](Model& m) { m.weights["z"] = {}; }},
+      {"provenance", ErrorCode::kInvalidValue, [](Model& m) { m.provenance = 3; }},
+  };
+  ASSERT_TRUE(validate(small_model(), "m").ok());
+  for (const Case& test : cases) {
+    Model model = small_model();
+    test.change(model);
+    const auto status = validate(model, "m");
+    ASSERT_FALSE(status.ok()) << test.field;
+    EXPECT_EQ(status.error().code, test.code) << status.error().text();
+    EXPECT_EQ(status.error().location, std::string("m: ") + test.field) << status.error().text();
+  }
+}
+
+TEST(ModelSummary, TellsWhatTheModelIs) {
+  const Json json = summary_json(small_model());
+  EXPECT_EQ(json["name"], "small");
+  EXPECT_EQ(json["num_patterns"], 4);
+  EXPECT_EQ(json["constants"]["eps"], 0.02);
+  EXPECT_EQ(json["network"]["layers"], 2);
+  EXPECT_EQ(json["network"]["parameters"], 6 * 5 * 9 + 5 + 5 * 64 + 64);
+  EXPECT_EQ(json["network"]["macs_per_pixel"], 6 * 5 * 9 + 5 * 64);
+  EXPECT_EQ(json["network"]["receptive_field_px"], 3);
+  EXPECT_EQ(json["codes"]["light_efficiency"], Json({0.0, 0.1875, 0.1875, 0.1875}));
+  EXPECT_EQ(json["provenance"]["seed"], 7);
+  const std::string text = summary_text(small_model());
+  for (const char* part : {"small", "4, black first", "8 x 8", "eps 0.02", "0.125 * counts, 4 * intensity", "2 layers",
+                           "659 parameters", "590 per pixel", "3 x 3 px", "e2lf train", "2: 19 %"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+}
+
+TEST(ModelSummary, DoesWithoutCodes) {
+  Model model = small_model();
+  model.codes.reset();
+  EXPECT_TRUE(summary_json(model)["codes"].is_null());
+  EXPECT_THAT(summary_text(model), HasSubstr("codes             none"));
+}
+
+TEST(ImportRelease, GivesAModelThatRoundTrips) {
+  E2LF_REQUIRE_DATA("official/RecNet.safetensors");
+  const TestFolder folder;
+  const auto model = import_release(test_data("official"));
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  EXPECT_EQ(model->num_patterns, 4U);
+  EXPECT_THAT(model->input, ElementsAre(InputGroup{InputKind::kCounts, 0.125F}));
+  EXPECT_EQ(model->constants, aperture::SensorConstants());
+  EXPECT_EQ(model->network, recnet(3));
+  ASSERT_TRUE(model->codes.has_value());
+  EXPECT_TRUE(aperture::is_binary(*model->codes));
+  // Blobs of 9, 12 and 11 open cells after the black pattern.
+  EXPECT_THAT(aperture::light_efficiency(*model->codes), ElementsAre(0.0F, 9.0F / 64, 12.0F / 64, 11.0F / 64));
+  EXPECT_THAT(model->provenance.dump(), HasSubstr("released weights"));
+  EXPECT_THAT(summary_text(*model), HasSubstr("948,352 parameters"));
+  ASSERT_TRUE(write_model(folder / "m.safetensors", *model).ok());
+  const auto read = read_model(folder / "m.safetensors");
+  ASSERT_TRUE(read.ok()) << read.error().text();
+  EXPECT_EQ(read->weights, model->weights);
+  EXPECT_EQ(read->codes, model->codes);
+}
+
+TEST(ImportRelease, PlacesTheBlobsWhereTheReleaseHasThem) {
+  E2LF_REQUIRE_DATA("official/AcqNet.safetensors");
+  const auto model = import_release(test_data("official"));
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  // Upper left, lower centre, upper right: centres of gravity against the centre of the aperture.
+  const auto centre = [&](size_t n) {
+    double y = 0.0, x = 0.0, sum = 0.0;
+    for (size_t cell = 0; cell < 64; ++cell) {
+      const double value = model->codes->pattern(n)[cell];
+      y += value * (static_cast<double>(cell / 8) - 3.5);
+      x += value * (static_cast<double>(cell % 8) - 3.5);
+      sum += value;
+    }
+    return std::pair(y / sum, x / sum);
+  };
+  EXPECT_LT(centre(1).first, -1.0);
+  EXPECT_LT(centre(1).second, -1.0);
+  EXPECT_GT(centre(2).first, 1.0);
+  EXPECT_LT(std::abs(centre(2).second), 1.0);
+  EXPECT_LT(centre(3).first, -1.0);
+  EXPECT_GT(centre(3).second, 1.0);
+}
+
+TEST(ImportRelease, NamesWhatIsMissingOrOfAnotherShape) {
+  const TestFolder folder;
+  EXPECT_EQ(import_release(folder.path()).error().code, ErrorCode::kNotFound);
+  Safetensors network;
+  for (const WeightShape& tensor : weight_shapes(recnet(3))) {
+    size_t size = 1;
+    for (const size_t extent : tensor.shape) size *= extent;
+    network.tensors[tensor.name] = make_tensor(tensor.shape, std::vector<float>(size));
+  }
+  Safetensors patterns;
+  patterns.tensors["mask_4x64"] = make_tensor({4, 64}, std::vector<float>(256));
+  ASSERT_TRUE(write_safetensors(folder / "RecNet.safetensors", network).ok());
+  EXPECT_THAT(import_release(folder.path()).error().location, EndsWith("AcqNet.safetensors"));
+  ASSERT_TRUE(write_safetensors(folder / "AcqNet.safetensors", patterns).ok());
+  EXPECT_TRUE(import_release(folder.path()).ok());
+  patterns.tensors["mask_4x64"].shape = {64, 4};
+  ASSERT_TRUE(write_safetensors(folder / "AcqNet.safetensors", patterns).ok());
+  EXPECT_EQ(import_release(folder.path()).error().code, ErrorCode::kShape);
+  network.tensors["l7.weight"].shape = {64, 64, 9, 1};
+  ASSERT_TRUE(write_safetensors(folder / "RecNet.safetensors", network).ok());
+  const Error error = import_release(folder.path()).error();
+  EXPECT_EQ(error.code, ErrorCode::kShape);
+  EXPECT_THAT(error.location, EndsWith("RecNet.safetensors: l7.weight"));
+}
+
+}  // namespace
+}  // namespace e2lf::model

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "e2lf/base/text.h"
+#include "e2lf/model/model.h"
+
+namespace e2lf::model {
+namespace {
+
+// Bounds that keep products of sizes far from overflow.
+constexpr size_t kMaxPatterns = 1024;
+constexpr size_t kMaxViews = 255;
+
+/// Checks field by field; each function names the field it refuses.
+class ModelCheck {
+ public:
+  ModelCheck(const Model& model, const std::string& location) : model_(model), location_(location) {}
+
+  [[nodiscard]] Result<void> run() const {
+    E2LF_RETURN_IF_ERROR(check_sizes());
+    E2LF_RETURN_IF_ERROR(check_sensor());
+    E2LF_RETURN_IF_ERROR(check_input());
+    E2LF_RETURN_IF_ERROR(check_network());
+    E2LF_RETURN_IF_ERROR(check_codes());
+    E2LF_RETURN_IF_ERROR(check_weights());
+    if (!model_.provenance.is_object()) return refuse("provenance", "it is not a JSON object; write { ... }");
+    return {};
+  }
+
+ private:
+  [[nodiscard]] Error refuse(const std::string& field, const std::string& message,
+                             ErrorCode code = ErrorCode::kInvalidValue) const {
+    return {code, message, cat(location_, ": ", field)};
+  }
+
+  [[nodiscard]] Result<void> check_sizes() const {
+    if (model_.num_patterns < 2 || model_.num_patterns > kMaxPatterns) {
+      return refuse("num_patterns", cat(model_.num_patterns, " patterns; use 2 to ", kMaxPatterns));
+    }
+    for (const auto& [field, views] : {std::pair("views_y", model_.views_y), std::pair("views_x", model_.views_x)}) {
+      if (views < 1 || views > kMaxViews) return refuse(field, cat(views, " views; use 1 to ", kMaxViews));
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> check_sensor() const {
+    if (model_.event_model != "quantised" && model_.event_model != "reference-aware") {
+      return refuse("event_model", cat("\"", model_.event_model, "\" is not known; use quantised or reference-aware"));
+    }
+    const aperture::SensorConstants& constants = model_.constants;
+    const auto positive = [](float value) { return std::isfinite(value) && value > 0.0F; };
+    if (!positive(constants.eps)) return refuse("constants.eps", cat(constants.eps, " is not above zero; correct it"));
+    if (!positive(constants.tau)) return refuse("constants.tau", cat(constants.tau, " is not above zero; correct it"));
+    for (const auto& [field, sigma] :
+         {std::pair("sigma_w", constants.sigma_w), std::pair("sigma_z", constants.sigma_z)}) {
+      if (!std::isfinite(sigma) || sigma < 0.0F) {
+        return refuse(cat("constants.", field), cat(sigma, " is no standard deviation; use zero or more"));
+      }
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> check_input() const {
+    if (model_.input.empty()) return refuse("input", "the network has no input; give at least one group");
+    for (size_t i = 0; i < model_.input.size(); ++i) {
+      const float scale = model_.input[i].scale;
+      if (!std::isfinite(scale) || scale == 0.0F) {
+        return refuse(cat("input[", i, "].scale"), cat(scale, " is no scale; use a finite number other than zero"));
+      }
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> check_network() const {
+    const auto shapes = infer_shapes(model_.network);
+    if (!shapes) return refuse(cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
+    const size_t inputs = model_.input.size() * (model_.num_patterns - 1);
+    if (model_.network.input_channels != inputs) {
+      return refuse("network.input_channels",
+                    cat(model_.network.input_channels, " channels, ", model_.input.size(), " input groups of ",
+                        model_.num_patterns - 1, " event images make ", inputs, "; make them equal"),
+                    ErrorCode::kShape);
+    }
+    const LayerShape output = shapes->back();
+    const size_t views = model_.views_y * model_.views_x;
+    if (output.channels != views || output.scale != 1) {
+      return refuse("network",
+                    cat("the last layer has ", output.channels, " channels at scale ", output.scale, ", not ", views,
+                        " views at scale 1; correct the last layer"),
+                    ErrorCode::kShape);
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> check_codes() const {
+    if (!model_.codes) return {};
+    const aperture::Codes& codes = *model_.codes;
+    E2LF_RETURN_IF_ERROR(aperture::validate(codes, cat(location_, ": aperture.codes")));
+    const std::vector<size_t> found = {codes.num_patterns, codes.views_y, codes.views_x};
+    const std::vector<size_t> expected = {model_.num_patterns, model_.views_y, model_.views_x};
+    if (found != expected) {
+      return refuse("aperture.codes",
+                    cat("codes of shape ", shape_text(found), ", the model needs ", shape_text(expected),
+                        "; give the patterns of this model"),
+                    ErrorCode::kShape);
+    }
+    if (model_.black_first != aperture::is_black_first(codes)) {
+      return refuse("black_first", cat("it says ", model_.black_first ? "true" : "false", ", the first pattern is ",
+                                       model_.black_first ? "not " : "", "black; make them agree"));
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> check_weights() const {
+    const std::vector<WeightShape> wanted = weight_shapes(model_.network);
+    for (const WeightShape& tensor : wanted) {
+      const auto found = model_.weights.find(tensor.name);
+      if (found == model_.weights.end()) {
+        return refuse(tensor.name, "the weights are missing; give one tensor for each layer", ErrorCode::kNotFound);
+      }
+      const std::vector<float>& values = found->second;
+      const size_t size = std::accumulate(tensor.shape.begin(), tensor.shape.end(), size_t{1}, std::multiplies<>());
+      if (values.size() != size) {
+        return refuse(tensor.name,
+                      cat(values.size(), " weights, the shape ", shape_text(tensor.shape), " needs ", size,
+                          "; give the weights of this network"),
+                      ErrorCode::kShape);
+      }
+      const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
+      if (bad != values.end()) {
+        return refuse(tensor.name, cat("weight ", bad - values.begin(), " is ", *bad, "; train or import it again"));
+      }
+    }
+    if (model_.weights.size() > wanted.size()) return refuse_extra_weights(wanted);
+    return {};
+  }
+
+  [[nodiscard]] Error refuse_extra_weights(const std::vector<WeightShape>& wanted) const {
+    const auto extra = std::find_if(model_.weights.begin(), model_.weights.end(), [&](const auto& entry) {
+      return std::none_of(wanted.begin(), wanted.end(), [&](const auto& tensor) { return tensor.name == entry.first; });
+    });
+    return refuse(extra->first, "the weights belong to no layer of the network; remove them", ErrorCode::kFormat);
+  }
+
+  const Model& model_;
+  const std::string& location_;
+};
+
+}  // namespace
+
+Result<void> validate(const Model& model, const std::string& location) {
+  return ModelCheck(model, location).run();
+}
+
+}  // namespace e2lf::model

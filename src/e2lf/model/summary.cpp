@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/model/summary.h"
+
+#include "e2lf/aperture/codes_io.h"
+#include "e2lf/base/text.h"
+#include "e2lf/model/model_parts.h"
+
+namespace e2lf::model {
+namespace {
+
+size_t receptive_field_px(const Network& network) {
+  return 2 * receptive_radius(network) + 1;
+}
+
+Json network_summary(const Network& network) {
+  return {{"type", to_json(network)["type"]},
+          {"layers", network.layers.size()},
+          {"parameters", num_parameters(network)},
+          {"macs_per_pixel", macs_per_pixel(network)},
+          {"receptive_field_px", receptive_field_px(network)},
+          {"size_multiple_px", size_multiple(network)}};
+}
+
+Json codes_summary(const aperture::Codes& codes) {
+  Json efficiency = Json::array();
+  for (const float share : aperture::light_efficiency(codes)) efficiency.push_back(json_number(share));
+  return {{"binary", aperture::is_binary(codes)}, {"light_efficiency", std::move(efficiency)}};
+}
+
+/// "948,352".
+std::string grouped(size_t number) {
+  std::string text = std::to_string(number);
+  for (size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, 1, ',');
+  return text;
+}
+
+void append_field(std::string& text, std::string label, const std::string& value) {
+  label.resize(18, ' ');
+  text += label + value + '\n';
+}
+
+/// JSON values as lines "key: value"; text without quotes.
+void append_provenance(std::string& text, const Json& provenance) {
+  for (const auto& [key, value] : provenance.items()) {
+    append_field(text, "  " + key, value.is_string() ? value.get<std::string>() : value.dump());
+  }
+}
+
+}  // namespace
+
+Json summary_json(const Model& model) {
+  Json json = header_to_json(model);
+  json["network"] = network_summary(model.network);
+  json["codes"] = model.codes ? codes_summary(*model.codes) : Json();
+  // What the model comes from closes the list.
+  json.erase("provenance");
+  json["provenance"] = model.provenance;
+  return json;
+}
+
+std::string summary_text(const Model& model) {
+  const Network& network = model.network;
+  const aperture::SensorConstants& constants = model.constants;
+  std::vector<std::string> inputs;
+  for (const InputGroup& group : model.input) inputs.push_back(cat(group.scale, " * ", input_kind_name(group.kind)));
+  const size_t field_px = receptive_field_px(network);
+
+  std::string text;
+  append_field(text, "name", model.name);
+  append_field(text, "patterns", cat(model.num_patterns, model.black_first ? ", black first" : ""));
+  append_field(text, "views", cat(model.views_y, " x ", model.views_x));
+  append_field(text, "event model", model.event_model);
+  append_field(text, "constants",
+               cat("eps ", constants.eps, ", tau ", constants.tau, ", sigma_w ", constants.sigma_w, ", sigma_z ",
+                   constants.sigma_z));
+  append_field(text, "input", join(inputs));
+  append_field(text, "network",
+               cat(network.layers.size(), " layers, ", grouped(num_parameters(network)), " parameters"));
+  append_field(text, "multiply-adds", cat(grouped(static_cast<size_t>(macs_per_pixel(network))), " per pixel"));
+  append_field(text, "receptive field", cat(field_px, " x ", field_px, " px"));
+  append_field(text, "provenance", model.provenance.empty() ? "none" : "");
+  append_provenance(text, model.provenance);
+  append_field(text, "codes", model.codes ? "(share of light)" : "none");
+  if (model.codes) text += '\n' + aperture::codes_text(*model.codes);
+  return text;
+}
+
+}  // namespace e2lf::model

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/sensor/block_kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/sensor/block_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/base/rng.h"
+#include "e2lf/sensor/vector_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::sensor::HWY_NAMESPACE {
+
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+using D32 = hn::ScalableTag<uint32_t>;
+using V32 = hn::Vec<D32>;
+
+void AddScaled(const float* HWY_RESTRICT values, float weight, float* HWY_RESTRICT sum, size_t count) {
+  const D d;
+  const V scale = hn::Set(d, weight);
+  size_t i = 0;
+  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
+    hn::StoreU(hn::Add(hn::LoadU(d, sum + i), hn::Mul(scale, hn::LoadU(d, values + i))), d, sum + i);
+  }
+  for (; i < count; ++i) sum[i] += weight * values[i];
+}
+
+/// The four words of CounterRng(seed, stream).bits(pixel) for a vector of consecutive pixels.
+struct Words {
+  V32 word[4];
+};
+
+#if HWY_TARGET == HWY_SCALAR
+
+Words PixelWords(uint32_t first_pixel, uint64_t stream, uint64_t seed) {
+  const D32 d;
+  const auto words = CounterRng(seed, stream).bits(first_pixel);
+  return {{hn::Set(d, words[0]), hn::Set(d, words[1]), hn::Set(d, words[2]), hn::Set(d, words[3])}};
+}
+
+#else
+
+using D64 = hn::Repartition<uint64_t, D32>;
+using V64 = hn::Vec<D64>;
+
+HWY_INLINE V64 Multiply32(V64 a, V64 b) {
+  const D32 d32;
+  return hn::MulEven(hn::BitCast(d32, a), hn::BitCast(d32, b));
+}
+
+/// The rounds of philox4x32 with one counter per 64-bit lane; its words end in the low halves of the lanes.
+HWY_INLINE void Philox(uint64_t seed, V64 (&counter)[4]) {
+  const D64 d;
+  const V64 multiplier0 = hn::Set(d, 0xD2511F53), multiplier1 = hn::Set(d, 0xCD9E8D57);
+  auto key0 = static_cast<uint32_t>(seed), key1 = static_cast<uint32_t>(seed >> 32);
+  for (int round = 0; round < 10; ++round) {
+    // The high halves of the lanes hold leftovers, which neither the products nor the next round look at.
+    const V64 product0 = Multiply32(multiplier0, counter[0]);
+    const V64 product1 = Multiply32(multiplier1, counter[2]);
+    counter[0] = hn::Xor3(hn::ShiftRight<32>(product1), counter[1], hn::Set(d, key0));
+    counter[1] = product1;
+    counter[2] = hn::Xor3(hn::ShiftRight<32>(product0), counter[3], hn::Set(d, key1));
+    counter[3] = product0;
+    key0 += 0x9E3779B9;
+    key1 += 0xBB67AE85;
+  }
+}
+
+Words PixelWords(uint32_t first_pixel, uint64_t stream, uint64_t seed) {
+  const D64 d;
+  const D32 d32;
+  // Pixels with even and odd lane numbers go through the rounds apart, then come together.
+  const V64 pixel = hn::Add(hn::Set(d, first_pixel), hn::ShiftLeft<1>(hn::Iota(d, 0)));
+  V64 even[4] = {pixel, hn::Zero(d), hn::Set(d, stream & 0xFFFFFFFF), hn::Set(d, stream >> 32)};
+  V64 odd[4] = {hn::Add(pixel, hn::Set(d, 1)), even[1], even[2], even[3]};
+  Philox(seed, even);
+  Philox(seed, odd);
+  Words words;
+  for (size_t i = 0; i < 4; ++i) {
+    words.word[i] = hn::OddEven(hn::BitCast(d32, hn::ShiftLeft<32>(odd[i])), hn::BitCast(d32, even[i]));
+  }
+  return words;
+}
+
+#endif
+
+/// Two standard normal draws per lane by Box-Muller.
+HWY_INLINE void Normals(V32 word0, V32 word1, V& w, V& z) {
+  const D d;
+  const V unit = hn::Mul(hn::Add(FloatFromWord(d, word0), hn::Set(d, 0.5F)), hn::Set(d, 0x1p-32F));
+  const V radius = hn::Sqrt(hn::Mul(hn::Set(d, -2.0F), Log(d, hn::Min(unit, hn::Set(d, 1.0F)))));
+  V cosine, sine;
+  CosSinOfTurn(d, word1, cosine, sine);
+  w = hn::Mul(radius, cosine);
+  z = hn::Mul(radius, sine);
+}
+
+template <bool kNoisy, bool kQuantised>
+bool Simulate(const EventBlock& block, size_t num_pixels, const EventModelOptions& options) {
+  const D d;
+  const hn::Rebind<int16_t, D> d16;
+  const hn::RebindToSigned<D> di;
+  const V zero = hn::Zero(d), gain = hn::Set(d, options.gain), eps = hn::Set(d, options.constants.eps);
+  const V tau = hn::Set(d, options.constants.tau);
+  const V sigma_w = hn::Set(d, options.constants.sigma_w), sigma_z = hn::Set(d, options.constants.sigma_z);
+  const V min_threshold = hn::Set(d, kMinThreshold);
+  const V lowest = hn::Set(d, -32768.0F), highest = hn::Set(d, 32767.0F);
+  auto saturated = hn::Lt(highest, zero);
+
+  for (size_t i = 0; i < num_pixels; i += hn::Lanes(d)) {
+    const float* intensity = block.intensities + i;
+    // Max returns its second operand where the first is NaN.
+    const auto log_intensity = [&](size_t n) HWY_ATTR {
+      const V light = hn::Mul(hn::LoadU(d, intensity + n * kBlockPixels), gain);
+      return Log(d, hn::Add(hn::Max(light, zero), eps));
+    };
+    Words words = {};
+    V reference = log_intensity(0);
+    for (size_t step = 0; step + 1 < block.num_patterns; ++step) {
+      const V now = log_intensity(step + 1);
+      V change = hn::Sub(now, reference);
+      V threshold = hn::Max(tau, min_threshold);
+      if constexpr (kNoisy) {
+        V w, z;
+        if (step % 2 == 0) words = PixelWords(block.first_pixel + static_cast<uint32_t>(i), step / 2, options.seed);
+        Normals(words.word[2 * (step % 2)], words.word[2 * (step % 2) + 1], w, z);
+        change = hn::Add(change, hn::Mul(sigma_w, w));
+        threshold = hn::Max(hn::Add(tau, hn::Mul(sigma_z, z)), min_threshold);
+      }
+      const V quotient = hn::Div(change, threshold);
+      const V clamped = hn::Min(hn::Max(quotient, lowest), highest);
+      saturated = hn::Or(saturated, hn::Ge(hn::Abs(quotient), hn::Set(d, 32768.0F)));
+      const auto count = hn::ConvertTo(di, clamped);
+      hn::StoreU(hn::DemoteTo(d16, count), d16, block.counts + step * kBlockPixels + i);
+      reference = kQuantised ? now : hn::Add(reference, hn::Mul(tau, hn::ConvertTo(d, count)));
+    }
+  }
+  return !hn::AllFalse(d, saturated);
+}
+
+bool SimulateBlock(const EventBlock& block, size_t num_pixels, const EventModelOptions& options) {
+  const bool noisy = options.constants.sigma_w != 0 || options.constants.sigma_z != 0;
+  const bool quantised = options.model == EventModel::kQuantised;
+  if (noisy) {
+    return quantised ? Simulate<true, true>(block, num_pixels, options)
+                     : Simulate<true, false>(block, num_pixels, options);
+  }
+  return quantised ? Simulate<false, true>(block, num_pixels, options)
+                   : Simulate<false, false>(block, num_pixels, options);
+}
+
+}  // namespace e2lf::sensor::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::sensor {
+
+HWY_EXPORT(AddScaled);
+HWY_EXPORT(SimulateBlock);
+
+void add_scaled(const float* values, float weight, float* sum, size_t count) {
+  HWY_DYNAMIC_DISPATCH(AddScaled)(values, weight, sum, count);
+}
+
+bool simulate_block(const EventBlock& block, size_t num_pixels, const EventModelOptions& options) {
+  return HWY_DYNAMIC_DISPATCH(SimulateBlock)(block, num_pixels, options);
+}
+
+}  // namespace e2lf::sensor
+#endif

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "e2lf/aperture/codes.h"
+#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/base/result.h"
+#include "e2lf/events/event_images.h"
+#include "e2lf/lightfield/light_field.h"
+#include "e2lf/sensor/coded_intensity.h"
+
+namespace e2lf::sensor {
+
+enum class EventModel {
+  kQuantised,       ///< Eq. 8: each transition is counted from the coded intensity before it
+  kReferenceAware,  ///< Eq. 9, 10: each pixel remembers the log intensity of its last event
+};
+
+/// From "quantised" or "reference-aware". Fails with kInvalidValue.
+[[nodiscard]] Result<EventModel> event_model_from_name(const std::string& name);
+[[nodiscard]] const char* event_model_name(EventModel model);
+
+struct EventModelOptions {
+  EventModel model = EventModel::kReferenceAware;
+  aperture::SensorConstants constants;
+  float gain = 1.0F;  ///< scene brightness: multiplies every intensity
+  uint64_t seed = 0;  ///< of the noise; give each cycle its own
+};
+
+/// The smallest threshold that noise can lead to.
+inline constexpr float kMinThreshold = 0.01F;
+
+/// Event images of one cycle, transition k = 1..N-1 leading from pattern k-1 to pattern k:
+///   E_k = trunc((ln(gain * I_k + eps) - V + sigma_w * w) / max(tau + sigma_z * z, kMinThreshold)), toward zero,
+/// then V += tau * E_k (reference-aware: the nominal threshold) or V = ln(gain * I_k + eps) (quantised). V starts at
+/// ln(gain * I_0 + eps), which is ln(eps) when the sequence begins with black. Negative and NaN intensities count as 0.
+///
+/// Noise of pixel p = width * y + x in transition k (from 1), t = k - 1: w, z = {r cos, r sin} as in
+/// CounterRng::normal2, from the words 2 (t % 2) and 2 (t % 2) + 1 of CounterRng(seed, t / 2).bits(p).
+/// The events are the same bit for bit for any thread count and any instruction set.
+/// Counts beyond int16 are saturated and reported as a warning.
+///
+/// Fails with kInvalidValue (a constant that is not finite, eps or tau not positive, a negative sigma or gain) and
+/// kShape (fewer than two patterns, 2^32 pixels or more, codes that do not fit the light field).
+[[nodiscard]] Result<events::EventImages> simulate_events(const CodedIntensities& intensities,
+                                                          const EventModelOptions& options);
+
+/// The same straight from a light field; the coded intensities never leave the cache.
+[[nodiscard]] Result<events::EventImages> simulate_events(const aperture::Codes& codes,
+                                                          const lightfield::LightField& light_field,
+                                                          const EventModelOptions& options);
+
+/// Success when the options are usable: the checks of simulate_events().
+[[nodiscard]] Result<void> validate(const EventModelOptions& options);
+
+}  // namespace e2lf::sensor

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/sensor/reference.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "e2lf/base/rng.h"
+
+namespace e2lf::sensor {
+namespace {
+
+/// As CounterRng::normal2, from any two words.
+std::array<float, 2> box_muller(uint32_t word0, uint32_t word1) {
+  const float u0 = std::min((static_cast<float>(word0) + 0.5F) * 0x1p-32F, 1.0F);
+  const float radius = std::sqrt(-2.0F * std::log(u0));
+  const float angle = static_cast<float>(word1) * (2.0F * std::numbers::pi_v<float> * 0x1p-32F);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+}  // namespace
+
+Result<CodedIntensities> reference_coded_intensities(const aperture::Codes& codes,
+                                                     const lightfield::LightField& light_field) {
+  E2LF_RETURN_IF_ERROR(check_fit(codes, light_field));
+  const lightfield::Shape& shape = light_field.shape();
+  CodedIntensities intensities(codes.num_patterns, shape.height, shape.width);
+  for (size_t n = 0; n < codes.num_patterns; ++n) {
+    for (size_t view = 0; view < shape.num_views(); ++view) {
+      const float weight = codes.pattern(n)[view] / static_cast<float>(shape.num_views());
+      const float* source = light_field.data().data() + view * shape.view_size();
+      float* sum = intensities.image(n).data();
+      for (size_t i = 0; i < shape.view_size(); ++i) sum[i] += weight * source[i];
+    }
+  }
+  return intensities;
+}
+
+Result<events::EventImages> reference_simulate_events(const CodedIntensities& intensities,
+                                                      const EventModelOptions& options) {
+  E2LF_RETURN_IF_ERROR(validate(options));
+  E2LF_REQUIRE(intensities.num_patterns >= 2, "events need at least two patterns");
+  const auto& [eps, tau, sigma_w, sigma_z] = options.constants;
+  events::EventImages images(intensities.num_patterns - 1, intensities.height, intensities.width);
+  for (size_t pixel = 0; pixel < intensities.image_size(); ++pixel) {
+    const auto log_intensity = [&, eps = eps](size_t n) {
+      return std::log(std::max(0.0F, intensities.image(n)[pixel] * options.gain) + eps);
+    };
+    float reference = log_intensity(0);
+    for (size_t step = 0; step < images.transitions; ++step) {
+      const auto words = CounterRng(options.seed, step / 2).bits(pixel);
+      const auto [w, z] = box_muller(words[2 * (step % 2)], words[2 * (step % 2) + 1]);
+      const float now = log_intensity(step + 1);
+      const float threshold = std::max(tau + sigma_z * z, kMinThreshold);
+      const float count = std::clamp(std::trunc((now - reference + sigma_w * w) / threshold), -32768.0F, 32767.0F);
+      images.image(step)[pixel] = static_cast<int16_t>(count);
+      reference = options.model == EventModel::kQuantised ? now : reference + tau * count;
+    }
+  }
+  return images;
+}
+
+}  // namespace e2lf::sensor
