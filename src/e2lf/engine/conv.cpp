@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/conv.h"
+
+#include <array>
+
+#include "e2lf/base/isa.h"
+#include "e2lf/base/text.h"
+#include "e2lf/engine/winograd.h"
+
+namespace e2lf::engine {
+namespace {
+
+/// The six values of G g.
+std::array<double, kWinogradPoints> transform_weights(double g0, double g1, double g2) {
+  constexpr double kA2 = kWinogradA * kWinogradA;
+  constexpr double kB2 = kWinogradB * kWinogradB;
+  const auto at = [&](double point, double scale) { return (g0 + point * g1 + point * point * g2) / scale; };
+  return {at(0, kA2 * kB2),
+          at(kWinogradA, 2 * kA2 * (kA2 - kB2)),
+          at(-kWinogradA, 2 * kA2 * (kA2 - kB2)),
+          at(kWinogradB, 2 * kB2 * (kB2 - kA2)),
+          at(-kWinogradB, 2 * kB2 * (kB2 - kA2)),
+          g2};
+}
+
+/// The transformed 3x3 part of a kernel that begins at tap (y, x); taps beyond the kernel are zero.
+std::array<float, kWinogradMatrices> transform_part(const ConvSpec& spec, size_t out, size_t in, size_t y, size_t x) {
+  const auto tap = [&](size_t dy, size_t dx) -> double {
+    return y + dy < spec.kernel && x + dx < spec.kernel ? spec.tap(out, in, y + dy, x + dx) : 0.0F;
+  };
+  std::array<std::array<double, 3>, kWinogradPoints> half{};
+  for (size_t dx = 0; dx < 3; ++dx) {
+    const auto column = transform_weights(tap(0, dx), tap(1, dx), tap(2, dx));
+    for (size_t i = 0; i < kWinogradPoints; ++i) half[i][dx] = column[i];
+  }
+  std::array<float, kWinogradMatrices> result{};
+  for (size_t i = 0; i < kWinogradPoints; ++i) {
+    const auto row = transform_weights(half[i][0], half[i][1], half[i][2]);
+    for (size_t j = 0; j < kWinogradPoints; ++j) result[i * kWinogradPoints + j] = static_cast<float>(row[j]);
+  }
+  return result;
+}
+
+// The transforms cost about a third on top of the 36 products per 16 outputs.
+double winograd_cost(const ConvSpec& spec) {
+  const size_t parts = (spec.kernel + 2) / 3;
+  const size_t depth = padded_channels(parts * parts * spec.in_channels);
+  return 36.0 / 16.0 * 1.33 * static_cast<double>(depth * padded_channels(spec.out_channels));
+}
+
+double direct_cost(const ConvSpec& spec) {
+  const size_t taps = spec.transposed ? 1 : spec.kernel * spec.kernel;
+  return static_cast<double>(taps * round_up(spec.in_channels, 2) * padded_channels(spec.out_channels)) /
+         static_cast<double>(spec.transposed ? 1 : spec.stride * spec.stride);
+}
+
+std::string never(const ConvSpec& /*spec*/) {
+  return "";
+}
+
+}  // namespace
+
+PackedMatrices pack_winograd_weights(const ConvSpec& spec) {
+  const size_t parts = (spec.kernel + 2) / 3;
+  const size_t depth = parts * parts * spec.in_channels;
+  std::vector<std::array<float, kWinogradMatrices>> transformed(depth * spec.out_channels);
+  for (size_t row = 0; row < depth; ++row) {
+    const size_t part = row / spec.in_channels;
+    for (size_t out = 0; out < spec.out_channels; ++out) {
+      transformed[row * spec.out_channels + out] =
+          transform_part(spec, out, row % spec.in_channels, part / parts * 3, part % parts * 3);
+    }
+  }
+  return {spec.compute, kWinogradMatrices, depth, spec.out_channels, [&](size_t matrix, size_t row, size_t column) {
+            return transformed[row * spec.out_channels + column][matrix];
+          }};
+}
+
+std::string winograd_refusal(const ConvSpec& spec) {
+  if (spec.transposed || spec.stride != 1) return "the stride is not 1";
+  if (spec.kernel < 3) return "the kernel is 1x1";
+  return winograd_cost(spec) < direct_cost(spec) ? "" : "too few input channels to pay for the transforms";
+}
+
+double conv_cost(const ConvSpec& spec) {
+  return winograd_refusal(spec).empty() ? winograd_cost(spec) : direct_cost(spec);
+}
+
+bool bfloat16_supported() {
+#if defined(__x86_64__)
+  return current_isa() == "avx512" && __builtin_cpu_supports("avx512bf16") != 0;
+#else
+  return false;
+#endif
+}
+
+const std::vector<ConvMethod>& conv_methods() {
+  static const std::vector<ConvMethod> methods = {{"winograd", winograd_refusal, make_winograd},
+                                                  {"direct", never, make_direct}};
+  return methods;
+}
+
+std::unique_ptr<Kernel> make_conv(const ConvSpec& spec) {
+  for (const ConvMethod& method : conv_methods()) {
+    if (method.refusal(spec).empty()) return method.make(spec);
+  }
+  return nullptr;
+}
+
+}  // namespace e2lf::engine

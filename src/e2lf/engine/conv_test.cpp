@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/conv.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/isa.h"
+#include "e2lf/base/text.h"
+#include "e2lf/engine/aligned_buffer.h"
+#include "e2lf/engine/chain.h"
+#include "e2lf/engine/pack.h"
+#include "e2lf/engine/test_networks.h"
+
+namespace e2lf::engine {
+namespace {
+
+ConvSpec random_spec(size_t in, size_t out, size_t kernel, uint64_t seed) {
+  ConvSpec spec;
+  spec.in_channels = in;
+  spec.out_channels = out;
+  spec.kernel = kernel;
+  spec.weight =
+      random_values(in * out * kernel * kernel, seed, std::sqrt(3.0F / static_cast<float>(in * kernel * kernel)));
+  spec.bias = random_values(out, seed + 1);
+  return spec;
+}
+
+/// Rows with zeros around them, as kernels expect them.
+class Grid {
+ public:
+  static constexpr size_t kMargin = 16;
+
+  Grid(size_t height, size_t width, size_t channels, ElementType type)
+      : pixel_bytes_(padded_channels(channels) * element_size(type)),
+        memory_((height + 2 * kMargin) * (width + 2 * kMargin) * pixel_bytes_) {
+    for (size_t y = 0; y < height + 2 * kMargin; ++y) {
+      pointers_.push_back(memory_.data() + (y * (width + 2 * kMargin) + kMargin) * pixel_bytes_);
+    }
+  }
+  [[nodiscard]] Rows rows() const { return {pointers_.data(), -static_cast<ptrdiff_t>(kMargin)}; }
+
+  float& at(size_t y, size_t x, size_t c) {
+    return rows().row<float>(static_cast<ptrdiff_t>(y))[x * pixel_bytes_ / 4 + c];
+  }
+
+ private:
+  size_t pixel_bytes_;
+  AlignedBuffer memory_;
+  mutable std::vector<std::byte*> pointers_;
+};
+
+/// The largest difference between a kernel's float32 result and sums in double precision.
+double error_of(const Kernel& kernel, const ConvSpec& spec, size_t height, size_t width) {
+  Grid input(height, width, spec.in_channels, ElementType::kFloat32);
+  Grid output(height, width, spec.out_channels, ElementType::kFloat32);
+  const std::vector<float> values = random_values(height * width * spec.in_channels, 11);
+  for (size_t i = 0; i < values.size(); ++i) {
+    const size_t pixel = i / spec.in_channels;
+    input.at(pixel / width, pixel % width, i % spec.in_channels) = values[i];
+  }
+  Strip strip;
+  strip.inputs = {input.rows()};
+  strip.output = output.rows();
+  strip.end = strip.height = height;
+  strip.width = width;
+  const AlignedBuffer scratch(kernel.scratch_bytes());
+  for (size_t block = 0; block < kernel.num_blocks(strip); ++block) kernel.run_block(strip, block, scratch.data());
+  double largest = 0.0;
+  const size_t radius = spec.kernel / 2;
+  for (size_t y = 0; y < height; ++y) {
+    for (size_t x = 0; x < width; ++x) {
+      for (size_t out = 0; out < spec.out_channels; ++out) {
+        double sum = spec.bias[out];
+        for (size_t tap = 0; tap < spec.kernel * spec.kernel; ++tap) {
+          const size_t iy = y + tap / spec.kernel - radius;  // wraps below zero
+          const size_t ix = x + tap % spec.kernel - radius;
+          if (iy >= height || ix >= width) continue;
+          for (size_t in = 0; in < spec.in_channels; ++in) {
+            sum += static_cast<double>(spec.tap(out, in, tap / spec.kernel, tap % spec.kernel)) *
+                   values[(iy * width + ix) * spec.in_channels + in];
+          }
+        }
+        largest = std::max(largest, std::abs(sum - output.at(y, x, out)));
+      }
+    }
+  }
+  return largest;
+}
+
+class ConvTest : public ::testing::Test {
+ protected:
+  void TearDown() override { set_max_isa("").value(); }
+};
+
+TEST_F(ConvTest, EveryMethodEqualsPlainSumsForEveryInstructionSet) {
+  uint64_t seed = 0;
+  for (const std::string& isa : available_isas()) {
+    set_max_isa(isa).value();
+    for (const size_t kernel : {1, 3, 5, 11}) {
+      for (const auto& [in, out] : std::vector<std::pair<size_t, size_t>>{{1, 1}, {3, 64}, {17, 33}, {64, 80}}) {
+        if (kernel == 11 && in > 3) continue;  // slow in the reference
+        const ConvSpec spec = random_spec(in, out, kernel, ++seed);
+        EXPECT_LT(error_of(*make_direct(spec), spec, 6, 23), 1e-5) << isa << " direct " << kernel << " " << in;
+        if (kernel == 1) continue;
+        EXPECT_LT(error_of(*make_winograd(spec), spec, 6, 23), 2e-5) << isa << " Winograd " << kernel << " " << in;
+      }
+    }
+  }
+}
+
+TEST_F(ConvTest, MethodsSayWhyTheyDoNotApply) {
+  ConvSpec spec = random_spec(64, 64, 3, 1);
+  EXPECT_EQ(winograd_refusal(spec), "");
+  spec.stride = 3;
+  EXPECT_NE(winograd_refusal(spec), "");
+  EXPECT_NE(winograd_refusal(random_spec(64, 64, 1, 1)), "");
+  EXPECT_NE(winograd_refusal(random_spec(3, 64, 3, 1)), "");
+  EXPECT_EQ(conv_methods().back().refusal(spec), "");
+}
+
+TEST_F(ConvTest, PackedMatricesHoldPanelsOfColumns) {
+  const PackedMatrices packed(ElementType::kFloat32, 2, 3, 70, [](size_t matrix, size_t row, size_t column) {
+    return static_cast<float>(matrix * 10000 + row * 100 + column);
+  });
+  EXPECT_EQ(packed.depth(), 4U);
+  EXPECT_EQ(packed.columns(), 80U);
+  EXPECT_EQ(packed.panel<float>(1, 0)[2 * 64 + 5], 10205.0F);
+  EXPECT_EQ(packed.panel<float>(1, 64)[1 * 16 + 3], 10167.0F);
+  EXPECT_EQ(packed.panel<float>(1, 64)[1 * 16 + 6], 0.0F);  // padding
+  EXPECT_EQ(packed.panel<float>(0, 0)[3 * 64], 0.0F);
+}
+
+TEST_F(ConvTest, PackedBfloat16HoldsPairsOfRows) {
+  const PackedMatrices packed(ElementType::kBfloat16, 1, 4, 16, [](size_t /*matrix*/, size_t row, size_t column) {
+    return static_cast<float>(row * 16 + column);
+  });
+  EXPECT_EQ(to_float(packed.panel<Bfloat16>(0, 0)[1 * 32 + 2 * 7]), 2 * 16 + 7.0F);
+  EXPECT_EQ(to_float(packed.panel<Bfloat16>(0, 0)[1 * 32 + 2 * 7 + 1]), 3 * 16 + 7.0F);
+}
+
+TEST_F(ConvTest, Bfloat16RoundsToTheNearestEven) {
+  EXPECT_EQ(to_float(to_bfloat16(1.0F + 1.0F / 256)), 1.0F);
+  EXPECT_EQ(to_float(to_bfloat16(1.0F + 3.0F / 256)), 1.0F + 4.0F / 256);
+  EXPECT_EQ(to_float(to_bfloat16(1.0F + 1.01F / 256)), 1.0F + 2.0F / 256);
+  EXPECT_EQ(to_float(to_bfloat16(-2.5F)), -2.5F);
+}
+
+TEST(ChainTest, ComposedTapsAreTheConvolutionOfTheTaps) {
+  ConvSpec first = random_spec(1, 1, 3, 1);
+  ConvSpec second = random_spec(1, 1, 3, 2);
+  first.weight = {0, 0, 0, 1, 2, 3, 0, 0, 0};
+  first.bias = {10};
+  second.weight = {0, 5, 0, 0, 7, 0, 0, 0, 0};
+  second.bias = {1};
+  const ConvSpec whole = compose({first, second});
+  EXPECT_EQ(whole.kernel, 5U);
+  EXPECT_EQ(whole.bias, std::vector<float>{121});
+  std::vector<float> expected(25, 0.0F);
+  for (size_t x = 0; x < 3; ++x) {
+    expected[1 * 5 + 1 + x] = 5.0F * static_cast<float>(x + 1);
+    expected[2 * 5 + 1 + x] = 7.0F * static_cast<float>(x + 1);
+  }
+  EXPECT_EQ(whole.weight, expected);
+}
+
+TEST(ChainTest, ComposesOnlyWhatGetsCheaper) {
+  const ConvSpec narrow = random_spec(3, 64, 5, 1);
+  const ConvSpec wide = random_spec(64, 64, 5, 2);
+  EXPECT_TRUE(worth_composing({narrow, wide, wide}));
+  EXPECT_FALSE(worth_composing({wide, wide}));
+  EXPECT_FALSE(worth_composing({narrow}));
+  EXPECT_EQ(frame_width({narrow, wide, wide}), 4U);
+}
+
+}  // namespace
+}  // namespace e2lf::engine

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/conv.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/engine/direct.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/engine/vector-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::engine {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Pixels of a row that one block computes.
+constexpr size_t kBlockPixels = 96;
+
+/// Convolution as sums over taps. Matrix t holds tap t = dy * kernel + dx; in a transposed convolution each output
+/// pixel gets exactly one tap, which its position within the stride names.
+template <class Products>
+class DirectKernel final : public Kernel {
+  using Element = typename Products::Element;
+
+ public:
+  explicit DirectKernel(const ConvSpec& spec)
+      : kernel_(spec.kernel),
+        stride_(spec.stride),
+        transposed_(spec.transposed),
+        radius_(spec.stride == 1 ? spec.kernel / 2 : 0),
+        in_stride_(padded_channels(spec.in_channels)),
+        weights_(
+            Products::kType, spec.kernel * spec.kernel, spec.in_channels, spec.out_channels,
+            [&](size_t tap, size_t in, size_t out) { return spec.tap(out, in, tap / spec.kernel, tap % spec.kernel); }),
+        epilogue_(spec) {}
+
+  std::string describe() const override {
+    return "direct " + std::to_string(kernel_) + "x" + std::to_string(kernel_) + " " + hwy::TargetName(HWY_TARGET) +
+           (Products::kStep == 2 ? " bfloat16" : " float32");
+  }
+
+  Reach reach() const override { return {radius_, radius_, transposed_ ? 1 : stride_, transposed_ ? stride_ : 1}; }
+
+  size_t num_blocks(const Strip& strip) const override { return (strip.end - strip.begin) * blocks_per_row(strip); }
+
+  void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
+    const size_t y = strip.begin + block / blocks_per_row(strip);
+    const size_t begin = block % blocks_per_row(strip) * kBlockPixels;
+    const size_t end = HWY_MIN(begin + kBlockPixels, sums_per_row(strip));
+    const size_t phases = transposed_ ? stride_ : 1;
+    for (size_t x = begin; x < end; x += kGemmRows) {
+      const size_t pixels = HWY_MIN(kGemmRows, end - x);
+      for (size_t phase = 0; phase < phases; ++phase) {
+        for_column_groups(weights_.columns(), Pixels{*this, strip, y, x, pixels, phase});
+      }
+    }
+  }
+
+ private:
+  /// Neighbouring pixels whose sums are made together; `x` counts inputs of a transposed convolution, else outputs.
+  struct Pixels {
+    const DirectKernel& kernel;
+    const Strip& strip;
+    size_t y, x, count, phase;
+
+    template <size_t kVectors>
+    HWY_INLINE void visit(size_t column, size_t offset, size_t width) const {
+      kernel.compute<kVectors>(*this, column, offset, width);
+    }
+  };
+
+  size_t sums_per_row(const Strip& strip) const { return transposed_ ? strip.width / stride_ : strip.width; }
+  size_t blocks_per_row(const Strip& strip) const { return (sums_per_row(strip) + kBlockPixels - 1) / kBlockPixels; }
+
+  template <size_t kVectors>
+  HWY_INLINE void compute(const Pixels& pixels, size_t column, size_t offset, size_t width) const {
+    FloatVec sums[kGemmRows][kVectors];
+    clear(sums);
+    const size_t pixel_step = (transposed_ ? 1 : stride_) * in_stride_;
+    const size_t panel_offset = offset * Products::kStep;
+    if (transposed_) {
+      const auto* row = pixels.strip.inputs[0].template row<const Element>(static_cast<ptrdiff_t>(pixels.y / stride_));
+      const size_t tap = pixels.y % stride_ * kernel_ + pixels.phase;
+      multiply_accumulate<Products>(row + pixels.x * in_stride_, pixel_step,
+                                    weights_.template panel<Element>(tap, column) + panel_offset, width,
+                                    weights_.depth(), sums);
+    } else {
+      for (size_t tap = 0; tap < kernel_ * kernel_; ++tap) {
+        const auto y = static_cast<ptrdiff_t>(pixels.y * stride_ + tap / kernel_) - static_cast<ptrdiff_t>(radius_);
+        const auto x = static_cast<ptrdiff_t>(pixels.x * stride_ + tap % kernel_) - static_cast<ptrdiff_t>(radius_);
+        const auto* row = pixels.strip.inputs[0].template row<const Element>(y);
+        multiply_accumulate<Products>(row + x * static_cast<ptrdiff_t>(in_stride_), pixel_step,
+                                      weights_.template panel<Element>(tap, column) + panel_offset, width,
+                                      weights_.depth(), sums);
+      }
+    }
+    const std::byte* residual = epilogue_.residual_row(pixels.strip, pixels.y);
+    auto* output = pixels.strip.output.template row<std::byte>(static_cast<ptrdiff_t>(pixels.y));
+    E2LF_UNROLL
+    for (size_t i = 0; i < kGemmRows; ++i) {
+      if (i >= pixels.count) break;
+      const size_t x = transposed_ ? (pixels.x + i) * stride_ + pixels.phase : pixels.x + i;
+      E2LF_UNROLL
+      for (size_t j = 0; j < kVectors; ++j) {
+        const size_t channel = column + offset + j * kLanes;
+        epilogue_.store(sums[i][j], channel, x * weights_.columns() + channel, residual, output);
+      }
+    }
+  }
+
+  size_t kernel_, stride_;
+  bool transposed_;
+  size_t radius_;
+  size_t in_stride_;
+  PackedMatrices weights_;
+  Epilogue epilogue_;
+};
+
+}  // namespace
+
+std::unique_ptr<Kernel> MakeDirect(const ConvSpec& spec) {
+#if E2LF_TARGET_HAS_BF16
+  if (spec.compute == ElementType::kBfloat16) return std::make_unique<DirectKernel<Bfloat16Products>>(spec);
+#endif
+  if (spec.compute == ElementType::kBfloat16) return nullptr;
+  return std::make_unique<DirectKernel<FloatProducts>>(spec);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::engine
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::engine {
+
+HWY_EXPORT(MakeDirect);
+
+std::unique_ptr<Kernel> make_direct(const ConvSpec& spec) {
+  return HWY_DYNAMIC_DISPATCH(MakeDirect)(spec);
+}
+
+}  // namespace e2lf::engine
+#endif

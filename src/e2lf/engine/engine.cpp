@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/engine.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+#include "e2lf/engine/conv.h"
+#include "e2lf/engine/stream.h"
+
+namespace e2lf::engine {
+namespace {
+
+// Wider images are cut into panels of columns, so that memory does not grow with the width.
+constexpr size_t kPanelColumns = 2048;
+
+}  // namespace
+
+struct Engine::Impl {
+  Plan plan;
+  Precision precision = Precision::kFloat32;
+};
+
+Result<Precision> precision_from_name(const std::string& name) {
+  for (const Precision precision : {Precision::kAuto, Precision::kFloat32, Precision::kBfloat16}) {
+    if (name == precision_name(precision)) return precision;
+  }
+  return Error{ErrorCode::kInvalidValue, cat("unknown precision \"", name, "\"; use auto, float32 or bfloat16"), ""};
+}
+
+const char* precision_name(Precision precision) {
+  switch (precision) {
+    case Precision::kAuto:
+      return "auto";
+    case Precision::kFloat32:
+      return "float32";
+    case Precision::kBfloat16:
+      return "bfloat16";
+  }
+  return "";
+}
+
+Engine::Engine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Engine::Engine(Engine&&) noexcept = default;
+Engine& Engine::operator=(Engine&&) noexcept = default;
+Engine::~Engine() = default;
+
+Result<Engine> Engine::create(const model::Network& network, const model::Weights& weights,
+                              const EngineOptions& options) {
+  if (options.precision == Precision::kBfloat16 && !bfloat16_supported()) {
+    return Error{ErrorCode::kUnsupported, "this CPU has no bfloat16 products; use precision float32", ""};
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->precision = options.precision;
+  if (options.precision == Precision::kAuto) {
+    impl->precision = bfloat16_supported() ? Precision::kBfloat16 : Precision::kFloat32;
+  }
+  const bool narrow = impl->precision == Precision::kBfloat16;
+  E2LF_ASSIGN_OR_RETURN(impl->plan,
+                        make_plan(network, weights, narrow ? ElementType::kBfloat16 : ElementType::kFloat32));
+  return Engine(std::move(impl));
+}
+
+Result<void> Engine::run(std::span<const float> input, size_t height, size_t width, std::span<float> output,
+                         const ProgressFn& progress) const {
+  const Plan& plan = impl_->plan;
+  const size_t multiple = plan.alignment / kTileSize;
+  E2LF_REQUIRE(height > 0 && width > 0 && height % multiple == 0 && width % multiple == 0,
+               cat("height and width must be multiples of ", multiple));
+  E2LF_REQUIRE(input.size() == plan.tensors.front().channels * height * width, "the input has another size");
+  E2LF_REQUIRE(output.size() == plan.tensors.back().channels * height * width, "the output has another size");
+  const size_t panels = (width + kPanelColumns - 1) / kPanelColumns;
+  const size_t columns = round_up((width + panels - 1) / panels, plan.alignment);
+  for (size_t begin = 0; begin < width; begin += columns) {
+    const size_t end = std::min(width, begin + columns);
+    Stream stream(plan, {input, output, height, width}, begin, end);
+    bool more = true;
+    while (more) {
+      more = stream.advance();
+      if (progress) progress(begin * height + stream.rows_done() * (end - begin), width * height);
+    }
+  }
+  return {};
+}
+
+Precision Engine::precision() const {
+  return impl_->precision;
+}
+
+std::vector<std::string> Engine::describe() const {
+  std::vector<std::string> lines;
+  for (const Stage& stage : impl_->plan.stages) lines.push_back(cat(stage.name, ": ", stage.kernel->describe()));
+  return lines;
+}
+
+}  // namespace e2lf::engine

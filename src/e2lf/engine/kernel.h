@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace e2lf::engine {
+
+/// How the elements of a tensor are stored; sums are float32 in any case.
+enum class ElementType { kFloat32, kBfloat16 };
+
+[[nodiscard]] constexpr size_t element_size(ElementType type) {
+  return type == ElementType::kFloat32 ? 4 : 2;
+}
+
+/// Pixels are stored with their channels padded to this multiple; the padding holds zeros.
+inline constexpr size_t kChannelMultiple = 16;
+
+/// Winograd tiles are 4x4 outputs, aligned to the image's corner; strips begin at multiples of it.
+inline constexpr size_t kTileSize = 4;
+
+[[nodiscard]] constexpr size_t round_up(size_t value, size_t multiple) {
+  return (value + multiple - 1) / multiple * multiple;
+}
+
+[[nodiscard]] constexpr size_t padded_channels(size_t channels) {
+  return round_up(channels, kChannelMultiple);
+}
+
+/// Rows of one tensor: row y begins (its pixel x = 0) at rows[y - first]. Pixels are [x][padded channel]. Rows outside
+/// the image are there too and hold zeros, as do the pixels to the left and right of it (as many as Reach asks for).
+struct Rows {
+  std::byte* const* rows = nullptr;
+  ptrdiff_t first = 0;
+
+  template <typename T>
+  [[nodiscard]] T* row(ptrdiff_t y) const {
+    return reinterpret_cast<T*>(rows[y - first]);
+  }
+};
+
+/// Which input rows a layer reads: output rows [begin, end) need [begin * down / up - before, ceil(end * down / up) +
+/// after). Columns are the same; a kernel may also read kTileSize - 1 columns and rows further, times anything.
+struct Reach {
+  size_t before = 0;
+  size_t after = 0;
+  size_t down = 1;
+  size_t up = 1;
+};
+
+/// Rows [begin, end) of a layer's output, to be computed from rows of its inputs.
+struct Strip {
+  std::vector<Rows> inputs;
+  Rows residual;
+  Rows output;
+  size_t begin = 0;  ///< a multiple of kTileSize
+  size_t end = 0;
+  size_t width = 0;   ///< of the output, in its own pixels
+  size_t height = 0;  ///< of the whole output
+};
+
+/// The code that computes one layer. A strip is cut into blocks that threads take one after another; what a block
+/// writes depends on nothing but the block, so any number of threads gives the same bits.
+class Kernel {
+ public:
+  virtual ~Kernel() = default;
+
+  [[nodiscard]] virtual std::string describe() const = 0;
+  [[nodiscard]] virtual Reach reach() const = 0;
+
+  /// Bytes of scratch memory (64-byte aligned) that each thread needs.
+  [[nodiscard]] virtual size_t scratch_bytes() const { return 0; }
+
+  [[nodiscard]] virtual size_t num_blocks(const Strip& strip) const = 0;
+  virtual void run_block(const Strip& strip, size_t block, std::byte* scratch) const = 0;
+};
+
+}  // namespace e2lf::engine

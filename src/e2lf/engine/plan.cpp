@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/plan.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "e2lf/base/text.h"
+#include "e2lf/engine/chain.h"
+#include "e2lf/engine/conv.h"
+#include "e2lf/engine/reshape.h"
+
+namespace e2lf::engine {
+namespace {
+
+using model::Layer;
+using model::Op;
+
+bool is_conv(const Layer& layer) {
+  return layer.op == Op::kConv || layer.op == Op::kConvTransposed;
+}
+
+Result<std::vector<float>> find_weights(const model::Weights& weights, const std::string& name, size_t size) {
+  const auto found = weights.find(name);
+  if (found == weights.end())
+    return Error{ErrorCode::kNotFound, "the weights lack " + name + "; use a complete model", ""};
+  if (found->second.size() != size) {
+    return Error{ErrorCode::kShape,
+                 cat(name, " has ", found->second.size(), " values, the network needs ", size, "; use its own weights"),
+                 ""};
+  }
+  return found->second;
+}
+
+class PlanMaker {
+ public:
+  PlanMaker(const model::Network& network, const model::Weights& weights, ElementType compute)
+      : network_(network), weights_(weights), compute_(compute) {}
+
+  Result<Plan> make() {
+    E2LF_ASSIGN_OR_RETURN(const auto shapes, model::infer_shapes(network_));
+    specs_["input"] = {network_.input_channels, 1, compute_};
+    for (size_t i = 0; i < shapes.size(); ++i) {
+      specs_[network_.layers[i].name] = {shapes[i].channels, shapes[i].scale, compute_};
+    }
+    const std::string& last = network_.layers.back().name;
+    if (can_widen(last)) widen(last);
+    add_tensor("input");
+    for (const Layer& layer : network_.layers) E2LF_RETURN_IF_ERROR(add_layer(layer));
+    measure_halo();
+    return std::move(plan_);
+  }
+
+ private:
+  void add_tensor(const std::string& name) {
+    tensor_[name] = plan_.tensors.size();
+    plan_.tensors.push_back(specs_.at(name));
+  }
+
+  size_t count_readers(const std::string& name) const {
+    size_t readers = 0;
+    for (const Layer& layer : network_.layers) {
+      readers += static_cast<size_t>(std::count(layer.inputs.begin(), layer.inputs.end(), name));
+      readers += layer.residual == name ? 1 : 0;
+    }
+    return readers;
+  }
+
+  const Layer* find_layer(const std::string& name) const {
+    const auto found = std::find_if(network_.layers.begin(), network_.layers.end(),
+                                    [&](const Layer& layer) { return layer.name == name; });
+    return found == network_.layers.end() ? nullptr : &*found;
+  }
+
+  /// Whether a tensor can be float32 although the network computes in bfloat16: all that only moves or adds elements to
+  /// make it must then be float32, too.
+  bool can_widen(const std::string& name) const {
+    const Layer* layer = find_layer(name);
+    if (layer == nullptr) return false;
+    return is_conv(*layer) || std::all_of(layer->inputs.begin(), layer->inputs.end(), [&](const std::string& input) {
+             return count_readers(input) == 1 && can_widen(input);
+           });
+  }
+
+  void widen(const std::string& name) {
+    specs_.at(name).type = ElementType::kFloat32;
+    const Layer* layer = find_layer(name);
+    if (is_conv(*layer)) return;
+    for (const std::string& input : layer->inputs) widen(input);
+  }
+
+  /// The layer that a chain goes on with after `layer`: the only reader of a result that nothing happens to.
+  const Layer* next_in_chain(const Layer& layer) const {
+    const auto plain = [](const Layer& each) {
+      return each.op == Op::kConv && each.stride == 1 && each.residual.empty();
+    };
+    if (!plain(layer) || layer.relu || count_readers(layer.name) != 1) return nullptr;
+    for (const Layer& reader : network_.layers) {
+      if (plain(reader) && reader.inputs[0] == layer.name) return &reader;
+    }
+    return nullptr;
+  }
+
+  Result<void> add_layer(const Layer& layer) {
+    if (composed_.count(layer.name) > 0) return {};
+    if (!is_conv(layer)) {
+      std::vector<size_t> in_channels;
+      for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
+      add_stage(layer.name, layer, make_reshape(layer, in_channels, specs_.at(layer.name).type));
+      return {};
+    }
+    std::vector<const Layer*> layers = {&layer};
+    while (const Layer* next = next_in_chain(*layers.back())) layers.push_back(next);
+    std::vector<ConvSpec> chain;
+    for (const Layer* each : layers) {
+      E2LF_ASSIGN_OR_RETURN(ConvSpec spec, conv_spec(*each));
+      chain.push_back(std::move(spec));
+    }
+    if (!worth_composing(chain)) {
+      add_stage(layer.name, layer, make_conv(chain.front()));
+      return {};
+    }
+    std::string name = layer.name;
+    for (size_t i = 1; i < layers.size(); ++i) {
+      name += "+" + layers[i]->name;
+      composed_.insert(layers[i]->name);
+    }
+    Layer whole = *layers.back();
+    whole.inputs = layer.inputs;
+    add_stage(name, whole, make_chain(chain));
+    return {};
+  }
+
+  /// `layer` names the result and what it is made from.
+  void add_stage(const std::string& name, const Layer& layer, std::unique_ptr<Kernel> kernel) {
+    Stage stage;
+    stage.name = name;
+    stage.kernel = std::move(kernel);
+    for (const std::string& input : layer.inputs) stage.inputs.push_back(tensor_.at(input));
+    if (!layer.residual.empty()) stage.residual = tensor_.at(layer.residual);
+    plan_.stages.push_back(std::move(stage));
+    add_tensor(layer.name);
+  }
+
+  Result<ConvSpec> conv_spec(const Layer& layer) const {
+    ConvSpec spec;
+    spec.in_channels = specs_.at(layer.inputs[0]).channels;
+    spec.out_channels = layer.out_channels;
+    spec.kernel = layer.kernel;
+    spec.stride = layer.stride;
+    spec.transposed = layer.op == Op::kConvTransposed;
+    spec.relu = layer.relu;
+    spec.residual = !layer.residual.empty();
+    spec.compute = compute_;
+    spec.output = specs_.at(layer.name).type;
+    const size_t taps = layer.kernel * layer.kernel;
+    E2LF_ASSIGN_OR_RETURN(spec.weight,
+                          find_weights(weights_, layer.name + ".weight", taps * spec.in_channels * spec.out_channels));
+    E2LF_ASSIGN_OR_RETURN(spec.bias, find_weights(weights_, layer.name + ".bias", spec.out_channels));
+    if (spec.transposed) {
+      const std::vector<float> in_first = spec.weight;
+      for (size_t out = 0; out < spec.out_channels; ++out) {
+        for (size_t in = 0; in < spec.in_channels; ++in) {
+          std::copy_n(&in_first[(in * spec.out_channels + out) * taps], taps,
+                      &spec.weight[(out * spec.in_channels + in) * taps]);
+        }
+      }
+    }
+    return spec;
+  }
+
+  void measure_halo() {
+    std::vector<size_t> halo(plan_.tensors.size(), 0);
+    for (size_t i = 0; i < plan_.stages.size(); ++i) {
+      const Stage& stage = plan_.stages[i];
+      const Reach reach = stage.kernel->reach();
+      for (const size_t input : stage.inputs) {
+        const size_t own = std::max(reach.before, reach.after) * plan_.tensors[input].scale;
+        halo[i + 1] = std::max(halo[i + 1], halo[input] + own);
+      }
+      if (stage.residual) halo[i + 1] = std::max(halo[i + 1], halo[*stage.residual]);
+    }
+    plan_.alignment = model::size_multiple(network_) * kTileSize;
+    plan_.halo = round_up(halo.back(), plan_.alignment);
+  }
+
+  const model::Network& network_;
+  const model::Weights& weights_;
+  ElementType compute_;
+  Plan plan_;
+  std::map<std::string, TensorSpec> specs_;  ///< of every layer's result
+  std::map<std::string, size_t> tensor_;     ///< number in the plan
+  std::set<std::string> composed_;           ///< layers that are part of an earlier stage
+};
+
+}  // namespace
+
+std::vector<size_t> Stage::reads() const {
+  std::vector<size_t> all = inputs;
+  if (residual) all.push_back(*residual);
+  return all;
+}
+
+Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute) {
+  return PlanMaker(network, weights, compute).make();
+}
+
+}  // namespace e2lf::engine

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/reshape.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/engine/pack.h"
+
+namespace e2lf::engine {
+namespace {
+
+using model::Op;
+
+float as_float(float value) {
+  return value;
+}
+float as_float(Bfloat16 value) {
+  return to_float(value);
+}
+void assign(float value, float& to) {
+  to = value;
+}
+void assign(float value, Bfloat16& to) {
+  to = to_bfloat16(value);
+}
+
+const char* op_name(Op op) {
+  switch (op) {
+    case Op::kPixelUnshuffle:
+      return "pixel unshuffle";
+    case Op::kPixelShuffle:
+      return "pixel shuffle";
+    case Op::kUpsample:
+      return "upsample";
+    case Op::kAdd:
+      return "add";
+    case Op::kConcat:
+      return "concat";
+    default:
+      return "";
+  }
+}
+
+/// One block is one output row.
+template <typename T>
+class ReshapeKernel final : public Kernel {
+ public:
+  ReshapeKernel(const model::Layer& layer, std::vector<size_t> in_channels)
+      : op_(layer.op), stride_(layer.stride), relu_(layer.relu), in_channels_(std::move(in_channels)) {
+    const size_t sum = std::accumulate(in_channels_.begin(), in_channels_.end(), size_t{0});
+    switch (op_) {
+      case Op::kPixelUnshuffle:
+        out_channels_ = sum * stride_ * stride_;
+        break;
+      case Op::kPixelShuffle:
+        out_channels_ = sum / (stride_ * stride_);
+        break;
+      case Op::kConcat:
+        out_channels_ = sum;
+        break;
+      default:
+        out_channels_ = in_channels_[0];
+    }
+  }
+
+  std::string describe() const override { return op_name(op_); }
+
+  Reach reach() const override {
+    switch (op_) {
+      case Op::kPixelUnshuffle:
+        return {0, 0, stride_, 1};
+      case Op::kPixelShuffle:
+      case Op::kUpsample:
+        return {0, 0, 1, stride_};
+      default:
+        return {};
+    }
+  }
+
+  size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
+
+  void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
+    const size_t y = strip.begin + block;
+    const size_t step = padded_channels(out_channels_);
+    T* output = strip.output.row<T>(static_cast<ptrdiff_t>(y));
+    for (size_t x = 0; x < strip.width; ++x) {
+      T* pixel = output + x * step;
+      fill(strip, y, x, pixel);
+      std::fill(pixel + out_channels_, pixel + step, T{});
+    }
+    if (relu_) {
+      for (size_t i = 0; i < strip.width * step; ++i) assign(std::max(as_float(output[i]), 0.0F), output[i]);
+    }
+  }
+
+ private:
+  const T* input(const Strip& strip, size_t index, size_t y, size_t x) const {
+    return strip.inputs[index].row<T>(static_cast<ptrdiff_t>(y)) + x * padded_channels(in_channels_[index]);
+  }
+
+  void fill(const Strip& strip, size_t y, size_t x, T* pixel) const {
+    const size_t s = stride_;
+    switch (op_) {
+      case Op::kPixelUnshuffle:
+        for (size_t phase = 0; phase < s * s; ++phase) {
+          const T* from = input(strip, 0, y * s + phase / s, x * s + phase % s);
+          for (size_t c = 0; c < in_channels_[0]; ++c) pixel[c * s * s + phase] = from[c];
+        }
+        return;
+      case Op::kPixelShuffle: {
+        const T* from = input(strip, 0, y / s, x / s) + y % s * s + x % s;
+        for (size_t c = 0; c < out_channels_; ++c) pixel[c] = from[c * s * s];
+        return;
+      }
+      case Op::kUpsample:
+        std::copy_n(input(strip, 0, y / s, x / s), out_channels_, pixel);
+        return;
+      case Op::kConcat:
+        for (size_t i = 0; i < in_channels_.size(); ++i) {
+          pixel = std::copy_n(input(strip, i, y, x), in_channels_[i], pixel);
+        }
+        return;
+      default:
+        add(strip, y, x, pixel);
+    }
+  }
+
+  void add(const Strip& strip, size_t y, size_t x, T* pixel) const {
+    for (size_t c = 0; c < out_channels_; ++c) {
+      float sum = 0.0F;
+      for (size_t i = 0; i < in_channels_.size(); ++i) sum += as_float(input(strip, i, y, x)[c]);
+      assign(sum, pixel[c]);
+    }
+  }
+
+  Op op_;
+  size_t stride_;
+  bool relu_;
+  std::vector<size_t> in_channels_;
+  size_t out_channels_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Kernel> make_reshape(const model::Layer& layer, const std::vector<size_t>& in_channels,
+                                     ElementType type) {
+  E2LF_REQUIRE(layer.op != Op::kConv && layer.op != Op::kConvTransposed && !in_channels.empty(), layer.name);
+  if (type == ElementType::kFloat32) return std::make_unique<ReshapeKernel<float>>(layer, in_channels);
+  return std::make_unique<ReshapeKernel<Bfloat16>>(layer, in_channels);
+}
+
+}  // namespace e2lf::engine

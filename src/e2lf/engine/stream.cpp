@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/stream.h"
+
+#include <algorithm>
+#include <cstring>
+#include <omp.h>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/engine/planes.h"
+
+namespace e2lf::engine {
+namespace {
+
+// Rows of input per round: more rows load the weights less often, fewer stay in cache.
+constexpr size_t kRowsPerRound = 8;
+
+// Kernels read up to this many pixels beyond a row's last one for sums that they then drop.
+constexpr size_t kReadAhead = 8;
+
+/// First input row that output rows from `y` on need.
+size_t first_needed(const Reach& reach, size_t y) {
+  const size_t row = y * reach.down / reach.up;
+  return row > reach.before ? row - reach.before : 0;
+}
+
+/// Calls body(block, thread) for all blocks, each once.
+template <typename Body>
+void for_each_block(size_t blocks, const Body& body) {
+  const auto count = static_cast<long>(blocks);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(num_threads())
+  for (long block = 0; block < count; ++block)
+    body(static_cast<size_t>(block), static_cast<size_t>(omp_get_thread_num()));
+}
+
+}  // namespace
+
+Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end)
+    : plan_(plan),
+      image_(image),
+      begin_(begin),
+      end_(end),
+      wide_begin_(begin > plan.halo ? begin - plan.halo : 0),
+      wide_end_(std::min(image.width, end + plan.halo)) {
+  for (const TensorSpec& spec : plan.tensors) {
+    Tensor tensor;
+    tensor.channels = spec.channels;
+    tensor.width = (wide_end_ - wide_begin_) / spec.scale;
+    tensor.height = image.height / spec.scale;
+    tensor.type = spec.type;
+    tensor.pixel_bytes = padded_channels(spec.channels) * element_size(spec.type);
+    tensors_.push_back(std::move(tensor));
+  }
+  add_margins();
+  make_tables();
+  size_t scratch_bytes = 0;
+  for (const Stage& stage : plan.stages) scratch_bytes = std::max(scratch_bytes, stage.kernel->scratch_bytes());
+  for (int i = 0; i < num_threads(); ++i) scratch_.emplace_back(scratch_bytes);
+}
+
+void Stream::add_margins() {
+  for (const Stage& stage : plan_.stages) {
+    const Reach reach = stage.kernel->reach();
+    for (const size_t input : stage.inputs) {
+      Tensor& tensor = tensors_[input];
+      tensor.left = std::max(tensor.left, reach.before);
+      tensor.right = std::max(tensor.right, reach.after + kTileSize - 1);
+      tensor.slack = std::max(tensor.slack, kReadAhead * reach.down);
+    }
+  }
+}
+
+void Stream::make_tables() {
+  size_t row_bytes = 0;
+  for (const Tensor& tensor : tensors_) row_bytes = std::max(row_bytes, tensor.row_bytes());
+  zero_row_ = AlignedBuffer(row_bytes);
+  for (Tensor& tensor : tensors_) {
+    // The margins above and below are those to the left and right.
+    tensor.first = -static_cast<ptrdiff_t>(tensor.left);
+    tensor.table.assign(tensor.left + tensor.height + tensor.right, nullptr);
+    std::byte* zero = zero_row_.data() + tensor.left * tensor.pixel_bytes;
+    std::fill_n(tensor.table.begin(), tensor.left, zero);
+    std::fill_n(tensor.table.end() - static_cast<ptrdiff_t>(tensor.right), tensor.right, zero);
+  }
+}
+
+void Stream::add_rows(Tensor& tensor, size_t end) {
+  for (size_t y = tensor.done; y < end; ++y) {
+    std::byte* memory = pool_.take(tensor.row_bytes());
+    std::byte* row = memory + tensor.left * tensor.pixel_bytes;
+    std::memset(memory, 0, tensor.left * tensor.pixel_bytes);
+    std::memset(row + tensor.width * tensor.pixel_bytes, 0, tensor.right * tensor.pixel_bytes);
+    tensor.table[tensor.left + y] = row;
+  }
+}
+
+void Stream::release_rows(size_t index) {
+  Tensor& tensor = tensors_[index];
+  size_t needed = index + 1 == tensors_.size() ? written_ : tensor.done;
+  for (size_t i = 0; i < plan_.stages.size(); ++i) {
+    const Stage& stage = plan_.stages[i];
+    const size_t next = tensors_[i + 1].done;
+    const bool finished = next == tensors_[i + 1].height;
+    if (std::count(stage.inputs.begin(), stage.inputs.end(), index) > 0 && !finished) {
+      needed = std::min(needed, first_needed(stage.kernel->reach(), next));
+    }
+    if (stage.residual == index && !finished) needed = std::min(needed, next);
+  }
+  for (; tensor.released < needed; ++tensor.released) {
+    std::byte*& row = tensor.table[tensor.left + tensor.released];
+    pool_.give_back(row - tensor.left * tensor.pixel_bytes, tensor.row_bytes());
+    row = nullptr;
+  }
+}
+
+size_t Stream::rows_possible(size_t index) const {
+  const Stage& stage = plan_.stages[index];
+  const Reach reach = stage.kernel->reach();
+  const Tensor& output = tensors_[index + 1];
+  size_t end = output.height;
+  for (const size_t input : stage.inputs) {
+    const Tensor& tensor = tensors_[input];
+    if (tensor.done == tensor.height) continue;
+    const size_t usable = tensor.done > reach.after ? tensor.done - reach.after : 0;
+    end = std::min(end, usable * reach.up / reach.down);
+  }
+  if (stage.residual) end = std::min(end, tensors_[*stage.residual].done);
+  return end == output.height ? end : end / kTileSize * kTileSize;
+}
+
+bool Stream::run_stage(size_t index) {
+  const size_t end = rows_possible(index);
+  Tensor& output = tensors_[index + 1];
+  if (end <= output.done) return false;
+  add_rows(output, end);
+  const Stage& stage = plan_.stages[index];
+  Strip strip;
+  for (const size_t input : stage.inputs) strip.inputs.push_back(tensors_[input].rows());
+  if (stage.residual) strip.residual = tensors_[*stage.residual].rows();
+  strip.output = output.rows();
+  strip.begin = output.done;
+  strip.end = end;
+  strip.width = output.width;
+  strip.height = output.height;
+  for_each_block(stage.kernel->num_blocks(strip),
+                 [&](size_t block, size_t thread) { stage.kernel->run_block(strip, block, scratch_[thread].data()); });
+  output.done = end;
+  for (const size_t tensor : stage.reads()) release_rows(tensor);
+  release_rows(index + 1);
+  return true;
+}
+
+bool Stream::read_input() {
+  Tensor& tensor = tensors_.front();
+  if (tensor.done == tensor.height) return false;
+  const size_t end = std::min(tensor.height, tensor.done + kRowsPerRound);
+  add_rows(tensor, end);
+  const size_t begin = tensor.done;
+  const size_t plane = image_.height * image_.width;
+  for_each_block(end - begin, [&](size_t block, size_t /*thread*/) {
+    const size_t y = begin + block;
+    const float* from = image_.input.data() + y * image_.width + wide_begin_;
+    read_planes(from, plane, tensor.channels, tensor.width, tensor.type, tensor.table[tensor.left + y]);
+  });
+  tensor.done = end;
+  return true;
+}
+
+void Stream::write_output() {
+  const Tensor& tensor = tensors_.back();
+  const size_t begin = written_;
+  const size_t plane = image_.height * image_.width;
+  for_each_block(tensor.done - begin, [&](size_t block, size_t /*thread*/) {
+    const size_t y = begin + block;
+    const std::byte* from = tensor.table[tensor.left + y] + (begin_ - wide_begin_) * tensor.pixel_bytes;
+    write_planes(from, tensor.channels, end_ - begin_, tensor.type, image_.output.data() + y * image_.width + begin_,
+                 plane);
+  });
+  written_ = tensor.done;
+  release_rows(tensors_.size() - 1);
+}
+
+bool Stream::advance() {
+  bool progress = read_input();
+  for (size_t stage = 0; stage < plan_.stages.size(); ++stage) progress = run_stage(stage) || progress;
+  write_output();
+  E2LF_REQUIRE(progress, "a stage waits for rows that never come");
+  return written_ < image_.height;
+}
+
+}  // namespace e2lf::engine

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/engine/plan.h"
+#include "e2lf/engine/row_pool.h"
+
+namespace e2lf::engine {
+
+/// The image a plan runs on: float32 planes [channel, height, width], row-major.
+struct Image {
+  std::span<const float> input;
+  std::span<float> output;
+  size_t height = 0;
+  size_t width = 0;
+};
+
+/// Streams columns [begin, end) of an image through a plan, top to bottom. Each round takes a few more rows of the
+/// input, and each stage computes the rows that its inputs then allow; rows that nobody needs any more are reused.
+/// Columns up to the plan's halo beside the range are read, so that cuts leave no trace.
+class Stream {
+ public:
+  Stream(const Plan& plan, const Image& image, size_t begin, size_t end);
+
+  /// One round; false once the last row of output is written.
+  [[nodiscard]] bool advance();
+
+  [[nodiscard]] size_t rows_done() const { return written_; }
+
+  /// Memory that rows have taken so far.
+  [[nodiscard]] size_t live_bytes() const { return pool_.bytes(); }
+
+ private:
+  /// Rows of a tensor: a table of all rows with those outside the image, which are zero. Null = not there.
+  struct Tensor {
+    std::vector<std::byte*> table;
+    ptrdiff_t first = 0;  ///< row of table[0]
+    size_t channels = 0, width = 0, height = 0;
+    ElementType type = ElementType::kFloat32;
+    size_t pixel_bytes = 0;
+    size_t left = 0, right = 0;  ///< zero pixels beside the row
+    size_t slack = 0;            ///< pixels behind them that kernels may read, whatever they hold
+    size_t done = 0;             ///< rows [0, done) are computed
+    size_t released = 0;         ///< rows [0, released) are gone
+
+    [[nodiscard]] Rows rows() const { return {table.data(), first}; }
+    [[nodiscard]] size_t row_bytes() const { return (left + width + right + slack) * pixel_bytes; }
+  };
+
+  void add_margins();
+  void make_tables();
+  void add_rows(Tensor& tensor, size_t end);
+  void release_rows(size_t tensor);
+  [[nodiscard]] size_t rows_possible(size_t stage) const;
+  [[nodiscard]] bool run_stage(size_t stage);
+  [[nodiscard]] bool read_input();
+  void write_output();
+
+  const Plan& plan_;
+  Image image_;
+  size_t begin_, end_;            ///< columns to compute
+  size_t wide_begin_, wide_end_;  ///< with the halo
+  std::vector<Tensor> tensors_;
+  size_t written_ = 0;
+  RowPool pool_;
+  AlignedBuffer zero_row_;
+  std::vector<AlignedBuffer> scratch_;  ///< one for each thread
+};
+
+}  // namespace e2lf::engine

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/stream.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "e2lf/engine/test_networks.h"
+
+namespace e2lf::engine {
+namespace {
+
+struct PanelRun {
+  std::vector<float> output;
+  size_t live_bytes = 0;
+};
+
+/// Runs a plan over an image cut into panels of `columns`.
+PanelRun run_panels(const Plan& plan, const std::vector<float>& input, size_t height, size_t width, size_t columns) {
+  PanelRun result;
+  result.output.assign(plan.tensors.back().channels * height * width, NAN);
+  for (size_t begin = 0; begin < width; begin += columns) {
+    Stream stream(plan, {input, result.output, height, width}, begin, std::min(width, begin + columns));
+    while (stream.advance()) {
+    }
+    result.live_bytes = std::max(result.live_bytes, stream.live_bytes());
+  }
+  return result;
+}
+
+TEST(StreamTest, PanelsGiveWhatTheWholeImageGives) {
+  for (const TestNetwork& test : test_networks()) {
+    const Plan plan = make_plan(test.network, random_weights(test.network, 3), ElementType::kFloat32).value();
+    const size_t height = 12 * test.multiple;
+    const size_t width = 60 * test.multiple;
+    const std::vector<float> input = random_values(test.network.input_channels * height * width, 5);
+    const auto whole = run_panels(plan, input, height, width, width);
+    const auto panels = run_panels(plan, input, height, width, plan.alignment * 3);
+    double largest = 0.0;
+    for (size_t i = 0; i < whole.output.size(); ++i) {
+      const double difference = std::abs(static_cast<double>(panels.output[i]) - whole.output[i]);
+      largest = difference <= largest ? largest : difference;  // NaN wins
+    }
+    // Not bit by bit: a Winograd tile rounds differently when what lies beside it differs.
+    EXPECT_LT(largest, 1e-4) << test.name;
+  }
+}
+
+TEST(StreamTest, MemoryDoesNotGrowWithTheHeight) {
+  for (const TestNetwork& test : test_networks()) {
+    const Plan plan = make_plan(test.network, random_weights(test.network, 3), ElementType::kFloat32).value();
+    const auto live_bytes = [&](size_t height) {
+      const size_t width = 12 * test.multiple;
+      const std::vector<float> input(test.network.input_channels * height * width);
+      return run_panels(plan, input, height, width, width).live_bytes;
+    };
+    EXPECT_EQ(live_bytes(120 * test.multiple), live_bytes(240 * test.multiple)) << test.name;
+  }
+}
+
+}  // namespace
+}  // namespace e2lf::engine

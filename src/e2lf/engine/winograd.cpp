@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "e2lf/engine/conv.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/engine/winograd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/engine/vector-inl.h"
+#include "e2lf/engine/winograd.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::engine {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Up to this many channels are copied at once.
+constexpr size_t kFewChannels = 4;
+
+constexpr float kA = static_cast<float>(kWinogradA);
+constexpr float kB = static_cast<float>(kWinogradB);
+
+/// B^T x: six input samples to the six points.
+HWY_INLINE void transform_input(const FloatVec (&x)[kWinogradPoints], FloatVec (&v)[kWinogradPoints]) {
+  const FloatTag d;
+  const auto a2b2 = hn::Set(d, kA * kA * kB * kB);
+  const auto a2_plus_b2 = hn::Set(d, kA * kA + kB * kB);
+  const auto a2 = hn::Set(d, kA * kA);
+  const auto b2 = hn::Set(d, kB * kB);
+  v[0] = hn::NegMulAdd(a2_plus_b2, x[2], hn::MulAdd(a2b2, x[0], x[4]));
+  const auto even_a = hn::NegMulAdd(b2, x[2], x[4]);
+  const auto odd_a = hn::NegMulAdd(b2, x[1], x[3]);
+  v[1] = hn::MulAdd(hn::Set(d, kA), odd_a, even_a);
+  v[2] = hn::NegMulAdd(hn::Set(d, kA), odd_a, even_a);
+  const auto even_b = hn::NegMulAdd(a2, x[2], x[4]);
+  const auto odd_b = hn::NegMulAdd(a2, x[1], x[3]);
+  v[3] = hn::MulAdd(hn::Set(d, kB), odd_b, even_b);
+  v[4] = hn::NegMulAdd(hn::Set(d, kB), odd_b, even_b);
+  v[5] = hn::NegMulAdd(a2_plus_b2, x[3], hn::MulAdd(a2b2, x[1], x[5]));
+}
+
+/// A^T m: sums at the six points to four outputs.
+HWY_INLINE void transform_output(const FloatVec (&m)[kWinogradPoints], FloatVec (&y)[kTileSize]) {
+  const FloatTag d;
+  const auto even_a = hn::Add(m[1], m[2]);
+  const auto odd_a = hn::Sub(m[1], m[2]);
+  const auto even_b = hn::Add(m[3], m[4]);
+  const auto odd_b = hn::Sub(m[3], m[4]);
+  y[0] = hn::Add(m[0], hn::Add(even_a, even_b));
+  y[1] = hn::MulAdd(hn::Set(d, kB), odd_b, hn::Mul(hn::Set(d, kA), odd_a));
+  y[2] = hn::MulAdd(hn::Set(d, kB * kB), even_b, hn::Mul(hn::Set(d, kA * kA), even_a));
+  y[3] = hn::MulAdd(hn::Set(d, kB * kB * kB), odd_b, hn::MulAdd(hn::Set(d, kA * kA * kA), odd_a, m[5]));
+}
+
+template <class Products>
+class WinogradKernel final : public Kernel {
+  using Element = typename Products::Element;
+
+ public:
+  explicit WinogradKernel(const ConvSpec& spec)
+      : kernel_(spec.kernel),
+        shifts_((spec.kernel + 2) / 3),
+        in_channels_(spec.in_channels),
+        in_stride_(padded_channels(spec.in_channels)),
+        depth_stride_(padded_channels(shifts_ * shifts_ * spec.in_channels)),
+        weights_(pack_winograd_weights(spec)),
+        epilogue_(spec) {}
+
+  std::string describe() const override {
+    return "Winograd F(4x4,3x3) for " + std::to_string(kernel_) + "x" + std::to_string(kernel_) + " " +
+           hwy::TargetName(HWY_TARGET) + (Products::kStep == 2 ? " bfloat16" : " float32");
+  }
+
+  Reach reach() const override { return {kernel_ / 2, shifts_ * 3 - 1 - kernel_ / 2, 1, 1}; }
+
+  size_t scratch_bytes() const override {
+    return transformed_bytes() + sums_bytes() + (kWinogradMatrices * depth_stride_ + kFewChannels) * sizeof(Element);
+  }
+
+  size_t num_blocks(const Strip& strip) const override {
+    return (num_tiles(strip) + kWinogradBlockTiles - 1) / kWinogradBlockTiles;
+  }
+
+  void run_block(const Strip& strip, size_t block, std::byte* scratch) const override {
+    // Blocks of nearly the same size, so that the last one is not a remainder.
+    const size_t blocks = num_blocks(strip);
+    const size_t first = num_tiles(strip) * block / blocks;
+    const size_t count = num_tiles(strip) * (block + 1) / blocks - first;
+    auto* transformed = reinterpret_cast<Element*>(scratch);
+    auto* sums = reinterpret_cast<float*>(scratch + transformed_bytes());
+    auto* patch = reinterpret_cast<Element*>(scratch + transformed_bytes() + sums_bytes());
+    for (size_t tile = 0; tile < count; ++tile) {
+      transform_tile(strip, first + tile, patch, transformed + tile * depth_stride_);
+    }
+    for (size_t point = 0; point < kWinogradMatrices; ++point) {
+      const Multiply multiply{*this, transformed + point * kWinogradBlockTiles * depth_stride_,
+                              sums + point * kWinogradBlockTiles * weights_.columns(), point, count};
+      for_column_groups(weights_.columns(), multiply);
+    }
+    for (size_t tile = 0; tile < count; ++tile) {
+      finish_tile(strip, first + tile, sums + tile * weights_.columns());
+    }
+  }
+
+ private:
+  /// The sums of one of the 36 points for the tiles of a block: a small matrix product.
+  struct Multiply {
+    const WinogradKernel& kernel;
+    const Element* transformed;
+    float* sums;
+    size_t point;
+    size_t tiles;
+
+    template <size_t kVectors>
+    HWY_INLINE void visit(size_t column, size_t offset, size_t width) const {
+      const Element* panel = kernel.weights_.template panel<Element>(point, column) + offset * Products::kStep;
+      for (size_t tile = 0; tile < tiles; tile += kGemmRows) {
+        FloatVec acc[kGemmRows][kVectors];
+        clear(acc);
+        multiply_accumulate<Products>(transformed + tile * kernel.depth_stride_, kernel.depth_stride_, panel, width,
+                                      kernel.weights_.depth(), acc);
+        E2LF_UNROLL
+        for (size_t i = 0; i < kGemmRows; ++i) {
+          float* to = sums + (tile + i) * kernel.weights_.columns() + column + offset;
+          E2LF_UNROLL
+          for (size_t j = 0; j < kVectors; ++j) hn::Store(acc[i][j], FloatTag(), to + j * kLanes);
+        }
+      }
+    }
+  };
+
+  static size_t tiles_per_row(const Strip& strip) { return (strip.width + kTileSize - 1) / kTileSize; }
+  static size_t num_tiles(const Strip& strip) {
+    return tiles_per_row(strip) * ((strip.end - strip.begin + kTileSize - 1) / kTileSize);
+  }
+  size_t transformed_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * depth_stride_ * sizeof(Element); }
+  size_t sums_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * weights_.columns() * sizeof(float); }
+
+  /// The 6x6 input pixels of a tile, transformed: point p goes to `to` + p * kWinogradBlockTiles * depth_stride_.
+  void transform_tile(const Strip& strip, size_t tile, Element* HWY_RESTRICT patch, Element* HWY_RESTRICT to) const {
+    const auto y = static_cast<ptrdiff_t>(strip.begin + tile / tiles_per_row(strip) * kTileSize);
+    const auto x = static_cast<ptrdiff_t>(tile % tiles_per_row(strip) * kTileSize);
+    const Element* rows[kWinogradPoints];
+    if (shifts_ == 1) {
+      for (size_t i = 0; i < kWinogradPoints; ++i) {
+        rows[i] = strip.inputs[0].template row<const Element>(y - 1 + static_cast<ptrdiff_t>(i)) +
+                  (x - 1) * static_cast<ptrdiff_t>(in_stride_);
+      }
+    } else {
+      gather_shifts(strip, y, x, patch);
+      for (size_t i = 0; i < kWinogradPoints; ++i) rows[i] = patch + i * kWinogradPoints * depth_stride_;
+    }
+    const size_t point_stride = kWinogradBlockTiles * depth_stride_;
+    for (size_t channel = 0; channel < depth_stride_; channel += kLanes) {
+      FloatVec half[kWinogradPoints][kWinogradPoints];
+      E2LF_UNROLL
+      for (size_t j = 0; j < kWinogradPoints; ++j) {
+        FloatVec column[kWinogradPoints], v[kWinogradPoints];
+        E2LF_UNROLL
+        for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_floats(rows[i] + j * depth_stride_ + channel);
+        transform_input(column, v);
+        E2LF_UNROLL
+        for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = v[i];
+      }
+      E2LF_UNROLL
+      for (size_t i = 0; i < kWinogradPoints; ++i) {
+        FloatVec v[kWinogradPoints];
+        transform_input(half[i], v);
+        E2LF_UNROLL
+        for (size_t j = 0; j < kWinogradPoints; ++j) {
+          store_floats(v[j], to + (i * kWinogradPoints + j) * point_stride + channel);
+        }
+      }
+    }
+  }
+
+  /// Copies what the 3x3 parts of a larger kernel see of a tile: pixel (i, j) of the patch holds, for each shift, the
+  /// channels of the input pixel that many 3s further.
+  void gather_shifts(const Strip& strip, ptrdiff_t y, ptrdiff_t x, Element* HWY_RESTRICT patch) const {
+    const auto radius = static_cast<ptrdiff_t>(kernel_ / 2);
+    for (size_t i = 0; i < kWinogradPoints; ++i) {
+      for (size_t j = 0; j < kWinogradPoints; ++j) {
+        Element* to = patch + (i * kWinogradPoints + j) * depth_stride_;
+        for (size_t shift_y = 0; shift_y < shifts_; ++shift_y) {
+          const ptrdiff_t row = y - radius + static_cast<ptrdiff_t>(i + 3 * shift_y);
+          const Element* from = strip.inputs[0].template row<const Element>(row) +
+                                (x - radius + static_cast<ptrdiff_t>(j)) * static_cast<ptrdiff_t>(in_stride_);
+          for (size_t shift_x = 0; shift_x < shifts_; ++shift_x, to += in_channels_) {
+            copy_channels(from + 3 * shift_x * in_stride_, to);
+          }
+        }
+      }
+    }
+  }
+
+  /// Few channels are copied with what is behind them: padding, or overwritten by the next copy.
+  HWY_INLINE void copy_channels(const Element* HWY_RESTRICT from, Element* HWY_RESTRICT to) const {
+    if (in_channels_ <= kFewChannels) {
+      std::memcpy(to, from, kFewChannels * sizeof(Element));
+    } else {
+      std::copy_n(from, in_channels_, to);
+    }
+  }
+
+  /// The outputs of a tile that lie inside the strip; point p's sums are at `sums` + p * kWinogradBlockTiles * columns.
+  void finish_tile(const Strip& strip, size_t tile, const float* HWY_RESTRICT sums) const {
+    const size_t y = strip.begin + tile / tiles_per_row(strip) * kTileSize;
+    const size_t x = tile % tiles_per_row(strip) * kTileSize;
+    const size_t height = std::min(kTileSize, strip.end - y);
+    const size_t width = std::min(kTileSize, strip.width - x);
+    const size_t columns = weights_.columns();
+    const size_t point_stride = kWinogradBlockTiles * columns;
+    for (size_t channel = 0; channel < columns; channel += kLanes) {
+      FloatVec half[kTileSize][kWinogradPoints];
+      E2LF_UNROLL
+      for (size_t j = 0; j < kWinogradPoints; ++j) {
+        FloatVec column[kWinogradPoints], v[kTileSize];
+        E2LF_UNROLL
+        for (size_t i = 0; i < kWinogradPoints; ++i) {
+          column[i] = hn::Load(FloatTag(), sums + (i * kWinogradPoints + j) * point_stride + channel);
+        }
+        transform_output(column, v);
+        E2LF_UNROLL
+        for (size_t i = 0; i < kTileSize; ++i) half[i][j] = v[i];
+      }
+      for (size_t i = 0; i < height; ++i) {
+        FloatVec v[kTileSize];
+        transform_output(half[i], v);
+        const std::byte* residual = epilogue_.residual_row(strip, y + i);
+        auto* output = strip.output.template row<std::byte>(static_cast<ptrdiff_t>(y + i));
+        E2LF_UNROLL
+        for (size_t j = 0; j < kTileSize; ++j) {
+          if (j < width) epilogue_.store(v[j], channel, (x + j) * columns + channel, residual, output);
+        }
+      }
+    }
+  }
+
+  size_t kernel_;
+  size_t shifts_;  ///< 3x3 parts along each axis of the kernel
+  size_t in_channels_;
+  size_t in_stride_;
+  size_t depth_stride_;  ///< channels of all shifted copies, padded
+  PackedMatrices weights_;
+  Epilogue epilogue_;
+};
+
+}  // namespace
+
+std::unique_ptr<Kernel> MakeWinograd(const ConvSpec& spec) {
+#if E2LF_TARGET_HAS_BF16
+  if (spec.compute == ElementType::kBfloat16) return std::make_unique<WinogradKernel<Bfloat16Products>>(spec);
+#endif
+  if (spec.compute == ElementType::kBfloat16) return nullptr;
+  return std::make_unique<WinogradKernel<FloatProducts>>(spec);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::engine
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::engine {
+
+HWY_EXPORT(MakeWinograd);
+
+std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec) {
+  return HWY_DYNAMIC_DISPATCH(MakeWinograd)(spec);
+}
+
+}  // namespace e2lf::engine
+#endif

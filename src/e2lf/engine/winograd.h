@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "e2lf/engine/conv.h"
+#include "e2lf/engine/pack.h"
+
+namespace e2lf::engine {
+
+// Winograd's F(4, 3) with the points 0, +-a, +-b and infinity (Lavin and Gray, "Fast algorithms for convolutional
+// neural networks", CVPR 2016): y = A^T [(G g) * (B^T x)] for six samples x, three taps g, four outputs y. In two
+// dimensions the transforms apply to columns, then rows.
+inline constexpr double kWinogradA = 1.0;
+inline constexpr double kWinogradB = 2.0;
+inline constexpr size_t kWinogradPoints = 6;
+inline constexpr size_t kWinogradMatrices = kWinogradPoints * kWinogradPoints;
+
+/// Tiles that are transformed and multiplied together: with the weights they should fit the second-level cache.
+inline constexpr size_t kWinogradBlockTiles = 12;
+
+/// The 36 matrices [shifted input channel, output channel] of a stride-1 convolution's transformed weights. A kernel
+/// larger than 3x3 is cut into ceil(kernel / 3)^2 parts; part (py, px) of input channel c is channel
+/// (py * parts + px) * in_channels + c.
+[[nodiscard]] PackedMatrices pack_winograd_weights(const ConvSpec& spec);
+
+}  // namespace e2lf::engine
