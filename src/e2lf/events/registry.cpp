@@ -10,6 +10,8 @@
 #include "e2lf/events/hdf5/dsec_hdf5.h"
 #include "e2lf/events/hdf5/metavision_hdf5.h"
 #include "e2lf/events/npy_events/npy_events.h"
+#include "e2lf/events/raw/raw_codec.h"
+#include "e2lf/events/raw/raw_header.h"
 
 namespace e2lf::events {
 namespace {
@@ -23,6 +25,15 @@ const std::vector<Codec>& table() {
        .open = dat::open,
        .create = dat::create,
        .create_file = dat::create_file},
+      {.name = "raw",
+       .extensions = {".raw"},
+       .description = "Prophesee RAW in the encoding its header names",
+       .detect = is_raw_header,
+       .open = open_raw,
+       .create = create_raw},
+      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = create_evt2},
+      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = create_evt21},
+      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = create_evt3},
       {.name = "hdf5",
        .extensions = {".hdf5"},
        .description = "Metavision HDF5, compressed with ECF",

@@ -16,9 +16,9 @@ inline constexpr size_t kDetectBytes = 4096;
 
 /// One format: how it is found, opened and created. The table of all of them is in registry.cpp, one line each.
 struct Codec {
-  std::string name;                     ///< OpenOptions::format, RecordingInfo::format
-  std::vector<std::string> extensions;  ///< lower case, with the dot; the first codec of the table with one wins
-  std::string description;              ///< for help texts
+  std::string name = {};                     ///< OpenOptions::format, RecordingInfo::format
+  std::vector<std::string> extensions = {};  ///< lower case, with the dot; the first codec of the table with one wins
+  std::string description = {};              ///< for help texts
 
   /// Whether a file that begins with `head` is of this format; null = by extension or by name only.
   bool (*detect)(std::span<const uint8_t> head) = nullptr;

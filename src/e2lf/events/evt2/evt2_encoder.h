@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "e2lf/events/raw/raw_writer.h"
+#include "e2lf/events/raw/timed_clock.h"
+
+namespace e2lf::events::evt2 {
+
+/// Makes EVT2 words of events and triggers (the Encoder of RawWriter).
+class Encoder {
+ public:
+  explicit Encoder(const RecordingInfo&) {}
+  static constexpr int64_t kMaxFirstUs = timed::Clock::kMaxFirstUs;
+
+  void put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out);
+  void put_trigger(const Trigger& trigger, WordBuffer& out);
+
+ private:
+  timed::Clock clock_;
+};
+
+}  // namespace e2lf::events::evt2

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/events/evt21/evt21_decoder.h"
+
+namespace e2lf::events::evt21 {
+namespace {
+
+template <ByteOrder kOrder>
+size_t bad_words(std::span<const uint8_t> words, const SensorLimits& limits) {
+  constexpr size_t kLookedAt = 512;
+  const size_t count = std::min(kLookedAt, words.size() / 8);
+  return timed::Words<Layout<kOrder>>::count_bad(words.data(), count, count, limits);
+}
+
+}  // namespace
+
+template <ByteOrder kOrder>
+size_t Codec<kOrder>::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+  return timed::Words<Layout<kOrder>>::check_scalar(words, count, check, limits);
+}
+
+template <ByteOrder kOrder>
+size_t Codec<kOrder>::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                             ColumnSink& sink) {
+  return timed::Words<Layout<kOrder>>::decode_scalar(words, count, state, limits, sink);
+}
+
+template <ByteOrder kOrder>
+size_t Codec<kOrder>::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                             ImageSink& sink) {
+  return timed::Words<Layout<kOrder>>::decode_scalar(words, count, state, limits, sink);
+}
+
+template struct Codec<ByteOrder::kLittle>;
+template struct Codec<ByteOrder::kLegacy>;
+
+ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint, const SensorLimits& limits) {
+  const size_t little = bad_words<ByteOrder::kLittle>(words, limits);
+  const size_t legacy = bad_words<ByteOrder::kLegacy>(words, limits);
+  if (little == legacy) return hint == "legacy" ? ByteOrder::kLegacy : ByteOrder::kLittle;
+  return little < legacy ? ByteOrder::kLittle : ByteOrder::kLegacy;
+}
+
+}  // namespace e2lf::events::evt21

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "e2lf/events/raw/timed_words.h"
+
+/// EVT2.1: 64-bit words of a head (as in EVT2) and 32 validity bits, bit i = an event at x + i.
+namespace e2lf::events::evt21 {
+
+/// The order of the two halves: plain little-endian words have the head last, older sensors send it first ("legacy").
+enum class ByteOrder { kLittle, kLegacy };
+
+template <ByteOrder kOrder>
+struct Layout {
+  static constexpr size_t kWordBytes = 8;
+  static constexpr size_t kMaxEventsPerWord = 32;
+  static constexpr size_t kHeadOffset = kOrder == ByteOrder::kLittle ? 4 : 0;
+  static uint32_t head(const uint8_t* word) { return load_le<uint32_t>(word + kHeadOffset); }
+  static uint32_t mask(const uint8_t* word) { return load_le<uint32_t>(word + 4 - kHeadOffset); }
+};
+
+/// EVT2.1 for RawStream, see word_checks.h. check() and decode() are the vector versions where the CPU has one.
+template <ByteOrder kOrder>
+struct Codec : timed::Words<Layout<kOrder>> {
+  using State = timed::State;
+  using Check = timed::Check;
+  static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
+  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
+  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
+};
+
+/// The byte order in which the first words make sense; headers are known to be silent about it, or wrong. `hint` (the
+/// header's "little", "legacy" or nothing) decides when the words do not.
+[[nodiscard]] ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint,
+                                        const SensorLimits& limits);
+
+}  // namespace e2lf::events::evt21

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "e2lf/events/evt3/evt3_words.h"
+#include "e2lf/events/raw/sinks.h"
+#include "e2lf/events/raw/word_checks.h"
+
+namespace e2lf::events::evt3 {
+
+/// What words depend on that came before them.
+struct State {
+  int64_t high_us = 0;          ///< time without its low 12 bits, loops of the 24-bit clock included
+  uint16_t time_high = 0xFFFF;  ///< the last TIME_HIGH word; 0xFFFF = none yet, events are dropped
+  uint16_t low = 0;             ///< the last TIME_LOW payload
+  uint16_t y = 0;
+  uint16_t base_x = 0xFFFF;  ///< of the next vector; 0xFFFF = none yet, vectors are dropped
+  uint8_t base_p = 0;
+  uint64_t num_outside = 0;    ///< vector events dropped: outside the sensor, or without a base
+  bool need_time_high = true;  ///< drop events until such a word has come
+  bool need_low = false;
+  bool need_y = false;
+};
+
+/// What the check of words runs ahead with.
+struct Check {
+  uint16_t time_high = 0xFFFF;  ///< as in State
+  int32_t low = -1;             ///< the last TIME_LOW payload, -1 = unknown
+  uint32_t num_rejected = 0;    ///< unexpected TIME_HIGH words in a row
+  uint64_t num_time_high = 0;   ///< such words in all
+  uint64_t num_time_steps = 0;  ///< those with another time than the one before
+  bool after_zero = false;      ///< the last word was all zero
+};
+
+/// EVT3 for RawStream, see word_checks.h for what each function means.
+struct Codec {
+  using State = evt3::State;
+  using Check = evt3::Check;
+  static constexpr size_t kWordBytes = 2;
+  static constexpr size_t kMaxEventsPerWord = 12;
+  static constexpr const char* kName = "evt3";
+
+  static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
+  static size_t count_bad(const uint8_t* words, size_t count, size_t enough, const SensorLimits& limits);
+  static Suspicion suspicion(const uint8_t* word, const Check& check, const SensorLimits& limits);
+  static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check);
+  static void accept_time(const uint8_t* word, Check& check);
+  static void reject_time(const uint8_t* word, Check& check);
+  static int64_t step_us(const uint8_t* word, const Check& check);
+  static void forget(State& state, Check& check);
+  static void drop_word(const uint8_t* word, State& state);
+  static size_t settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
+  static bool settled(const State& state) { return !state.need_time_high && !state.need_low && !state.need_y; }
+  static bool has_heartbeat(const Check& check) { return check.num_time_high >= 4 * check.num_time_steps + 4; }
+  static int64_t time(const State& state) { return state.high_us | state.low; }
+  static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us / kLoopUs); }
+
+  /// The vector version where the CPU has one, the scalar reference otherwise.
+  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
+  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
+};
+
+/// The scalar reference: decodes checked words one by one. Returns how many were used: fewer than `count` when the sink
+/// took no more. Vector events outside the sensor are dropped.
+size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
+size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
+
+/// The scalar reference of Codec::check().
+size_t check_scalar(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
+
+}  // namespace e2lf::events::evt3

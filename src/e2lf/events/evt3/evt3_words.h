@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+/// EVT3: 16-bit little-endian words, the type in bits 15..12.
+namespace e2lf::events::evt3 {
+
+enum Type : uint32_t {
+  kAddrY = 0x0,        ///< y in bits 10..0 of what follows
+  kAddrX = 0x2,        ///< one event: x in bits 10..0, polarity in bit 11
+  kVectBaseX = 0x3,    ///< x and polarity of the vectors that follow
+  kVect12 = 0x4,       ///< 12 validity bits: bit i is an event at base + i; then base += 12
+  kVect8 = 0x5,        ///< the same with 8 bits
+  kTimeLow = 0x6,      ///< t in bits 11..0
+  kContinued4 = 0x7,   ///< payload of kOthers
+  kTimeHigh = 0x8,     ///< t bits 23..12
+  kTrigger = 0xA,      ///< edge in bit 0, input in bits 11..8
+  kOthers = 0xE,       ///< monitoring data: ignored
+  kContinued12 = 0xF,  ///< payload of kOthers
+};
+
+/// Some cameras pad their packets with this word.
+inline constexpr uint16_t kPadding = 0x9999;
+
+/// Bit k is set where type k exists.
+inline constexpr uint32_t kKnownTypes = (1u << kAddrY) | (1u << kAddrX) | (1u << kVectBaseX) | (1u << kVect12) |
+                                        (1u << kVect8) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kTimeHigh) |
+                                        (1u << kTrigger) | (1u << kOthers) | (1u << kContinued12);
+
+inline constexpr uint32_t kCoordinateMask = 0x7FF;
+inline constexpr uint32_t kPayloadMask = 0xFFF;
+inline constexpr int64_t kLoopUs = int64_t{1} << 24;
+
+/// Times may step back by this much without being damaged: real sensors do by some microseconds.
+inline constexpr int kJitterUs = 64;
+
+}  // namespace e2lf::events::evt3

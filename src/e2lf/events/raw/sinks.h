@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "e2lf/events/event.h"
+#include "e2lf/events/recording.h"
+
+namespace e2lf::events {
+
+/// Room behind the last event that kernels may overwrite.
+inline constexpr size_t kSinkSlack = 64;
+
+/// The size that events must lie in.
+struct SensorLimits {
+  uint32_t width = 2048;
+  uint32_t height = 2048;
+};
+
+/// Where decoders put events as columns: pointers into EventColumns that have kSinkSlack more elements than they may
+/// fill. Both sinks have the same functions; decoders are templates over them.
+///   set_time(t)  the time of what follows; false = the sink takes no event of that time: stop before the first one. A
+///   time before that of the
+///                last event (sensors jitter by some microseconds) is raised to it: what is given out is sorted.
+///   room()       how many words may be decoded before the sink is full
+///   add(x, y, p) one event; add_mask(x, y, p, mask) one event at x + i for each set bit i, all inside the sensor
+class ColumnSink {
+ public:
+  uint16_t* x = nullptr;
+  uint16_t* y = nullptr;
+  uint8_t* p = nullptr;
+  int64_t* t = nullptr;
+  size_t count = 0;
+  size_t capacity = 0;      ///< in events; the columns have kSinkSlack more elements
+  size_t max_triggers = 0;  ///< as many more may come
+  std::vector<Trigger>* triggers = nullptr;
+
+  /// How many words may be decoded into the room that is left; 0 = full, or nearly so.
+  [[nodiscard]] size_t room(size_t max_events_per_word) const {
+    const size_t trigger_room = max_triggers - std::min(max_triggers, triggers->size());
+    const size_t words = std::min((capacity - count) / max_events_per_word, trigger_room);
+    constexpr size_t kTooFew = 32;
+    return count > 0 && words < kTooFew ? 0 : words;
+  }
+
+  bool set_time(int64_t t_us) {
+    time_ = std::max(latest(), t_us);
+    return true;
+  }
+  [[nodiscard]] int64_t time() const { return time_; }
+
+  void add(uint32_t event_x, uint32_t event_y, uint32_t event_p) {
+    x[count] = static_cast<uint16_t>(event_x);
+    y[count] = static_cast<uint16_t>(event_y);
+    p[count] = static_cast<uint8_t>(event_p);
+    t[count] = time_;
+    ++count;
+  }
+  void add_mask(uint32_t base_x, uint32_t event_y, uint32_t event_p, uint32_t mask) {
+    for (; mask != 0; mask &= mask - 1) add(base_x + static_cast<uint32_t>(std::countr_zero(mask)), event_y, event_p);
+  }
+  void add_trigger(uint32_t id, uint32_t edge) {
+    triggers->push_back({time_, static_cast<uint16_t>(id), static_cast<uint8_t>(edge)});
+    latest_ = time_;
+  }
+
+  /// The time of the last event or trigger given out, in this sink or before it.
+  [[nodiscard]] int64_t latest() const { return count > 0 ? std::max(latest_, t[count - 1]) : latest_; }
+  void set_latest(int64_t t_us) { latest_ = t_us; }
+
+ private:
+  int64_t time_ = INT64_MIN;
+  int64_t latest_ = INT64_MIN;
+};
+
+/// Where decoders add signed events to one image per time slice.
+class ImageSink {
+ public:
+  ImageSink(std::span<const TimeSlice> slices, EventImages& images, std::vector<Trigger>* triggers)
+      : slices_(slices), images_(&images), triggers_(triggers) {}
+
+  [[nodiscard]] static size_t room(size_t) { return SIZE_MAX; }
+
+  bool set_time(int64_t t_us) {
+    settle();
+    t_us = std::max(latest_, t_us);
+    if (t_us >= begin_ && t_us < end_) {
+      time_ = t_us;
+      return true;
+    }
+    return select(t_us);
+  }
+  [[nodiscard]] int64_t time() const { return time_; }
+
+  void add(uint32_t x, uint32_t y, uint32_t p) {
+    ++(p != 0 ? on : off);
+    if (image_ != nullptr && x < images_->width && y < images_->height) {
+      bump(image_[y * images_->width + x], p != 0 ? 1 : -1);
+    }
+  }
+  void add_mask(uint32_t base_x, uint32_t y, uint32_t p, uint32_t mask) {
+    for (; mask != 0; mask &= mask - 1) add(base_x + static_cast<uint32_t>(std::countr_zero(mask)), y, p);
+  }
+  void add_trigger(uint32_t id, uint32_t edge) {
+    ++num_triggers;
+    latest_ = time_;
+    if (triggers_ != nullptr) {
+      triggers_->push_back({time_, static_cast<uint16_t>(id), static_cast<uint8_t>(edge)});
+    }
+  }
+
+  /// The image that events at the current time go to, null between slices; row-major, width() wide.
+  [[nodiscard]] int16_t* image() const { return image_; }
+  [[nodiscard]] size_t width() const { return images_->width; }
+  [[nodiscard]] size_t height() const { return images_->height; }
+
+  /// Adds to one count, stopping at the ends of int16.
+  static void bump(int16_t& count, int step) { count = static_cast<int16_t>(std::clamp(count + step, -32768, 32767)); }
+
+  /// Takes over what has been counted so far: sets first_t_us and last_t_us.
+  void settle() {
+    const uint64_t events = on + off;
+    if (events == settled_) return;
+    if (settled_ == 0) first_t_us = time_;
+    last_t_us = latest_ = time_;
+    settled_ = events;
+  }
+
+  [[nodiscard]] int64_t latest() const { return latest_; }
+  void set_latest(int64_t t_us) { latest_ = t_us; }
+
+  uint64_t on = 0;
+  uint64_t off = 0;
+  uint64_t num_triggers = 0;
+  int64_t first_t_us = 0;
+  int64_t last_t_us = 0;
+
+ private:
+  bool select(int64_t t_us) {
+    if (t_us >= slices_.back().end_us) return false;
+    const auto slice = std::upper_bound(slices_.begin(), slices_.end(), t_us,
+                                        [](int64_t value, const TimeSlice& range) { return value < range.end_us; });
+    time_ = t_us;
+    const bool inside = t_us >= slice->begin_us;
+    begin_ = inside ? slice->begin_us : t_us;
+    end_ = inside ? slice->end_us : t_us;
+    image_ = inside ? images_->image(static_cast<size_t>(slice - slices_.begin())).data() : nullptr;
+    return true;
+  }
+
+  std::span<const TimeSlice> slices_;
+  EventImages* images_;
+  std::vector<Trigger>* triggers_;
+  int16_t* image_ = nullptr;
+  int64_t begin_ = 0;  // the times for which image_ holds; empty between slices
+  int64_t end_ = 0;
+  int64_t time_ = INT64_MIN;
+  int64_t latest_ = INT64_MIN;  ///< of the last event or trigger given out
+  uint64_t settled_ = 0;
+};
+
+}  // namespace e2lf::events

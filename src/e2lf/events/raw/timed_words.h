@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "e2lf/events/raw/sinks.h"
+#include "e2lf/events/raw/word_checks.h"
+
+/// EVT2 and EVT2.1: every event brings the low 6 bits of its time. The 32-bit head of a word has the type in bits
+/// 31..28; EVT2.1 adds 32 validity bits. A `Layout` says where the two lie in memory:
+///   kWordBytes, kMaxEventsPerWord, head(bytes), mask(bytes)
+namespace e2lf::events::timed {
+
+enum Type : uint32_t {
+  kOff = 0x0,       ///< event(s): t bits 5..0 in 27..22, x in 21..11, y in 10..0
+  kOn = 0x1,        ///< the same, brighter
+  kTimeHigh = 0x8,  ///< t bits 33..6 in 27..0
+  kTrigger = 0xA,   ///< t bits 5..0 in 27..22, input in 12..8, edge in 0
+  kOthers = 0xE,    ///< monitoring data: ignored
+  kContinued = 0xF,
+};
+
+inline constexpr uint32_t kKnownTypes =
+    (1u << kOff) | (1u << kOn) | (1u << kTimeHigh) | (1u << kTrigger) | (1u << kOthers) | (1u << kContinued);
+inline constexpr uint32_t kTimeHighMask = 0xFFFFFFF;
+inline constexpr uint32_t kHalfCircle = 1u << 27;
+inline constexpr uint32_t kBackOne = kTimeHighMask;  ///< one step back on the 28-bit circle: jitter
+inline constexpr int kLoopBits = 34;
+inline constexpr uint32_t kNoTime = 0xFFFFFFFF;
+
+inline uint32_t type_of(uint32_t head) {
+  return head >> 28;
+}
+inline uint32_t low_of(uint32_t head) {
+  return (head >> 22) & 0x3F;
+}
+inline uint32_t x_of(uint32_t head) {
+  return (head >> 11) & 0x7FF;
+}
+inline uint32_t y_of(uint32_t head) {
+  return head & 0x7FF;
+}
+
+/// How far `to` is ahead of `from` on the 28-bit circle.
+inline uint32_t steps(uint32_t from, uint32_t to) {
+  return (to - from) & kTimeHighMask;
+}
+
+struct State {
+  int64_t high_us = 0;           ///< time without its low 6 bits, loops included
+  uint32_t time_high = kNoTime;  ///< the payload of the last TIME_HIGH word
+  uint64_t num_outside = 0;      ///< events of a vector outside the sensor, dropped
+  bool need_time_high = true;    ///< drop events until such a word has come
+};
+
+struct Check {
+  uint32_t time_high = kNoTime;
+  uint32_t num_rejected = 0;
+  uint64_t num_time_high = 0;
+  uint64_t num_time_steps = 0;
+  bool after_zero = false;  ///< the last word was all zero
+};
+
+/// The state's time after a TIME_HIGH word.
+inline void take_time_high(uint32_t time_high, State& state) {
+  if (state.time_high == kNoTime) {
+    state.high_us = static_cast<int64_t>(time_high) << 6;
+  } else {
+    const uint32_t step = steps(state.time_high, time_high);
+    state.high_us += step == kBackOne ? -64 : static_cast<int64_t>(step) << 6;
+  }
+  state.time_high = time_high;
+}
+
+/// The functions of a Codec (word_checks.h) but for check() and decode(), and the scalar references of those.
+template <typename Layout>
+struct Words {
+  using State = timed::State;
+  using Check = timed::Check;
+  static constexpr size_t kWordBytes = Layout::kWordBytes;
+  static constexpr size_t kMaxEventsPerWord = Layout::kMaxEventsPerWord;
+
+  static bool is_known(uint32_t head) { return ((kKnownTypes >> type_of(head)) & 1) != 0; }
+  static bool is_outside(uint32_t head, const SensorLimits& limits) {
+    return type_of(head) <= kOn && (x_of(head) >= limits.width || y_of(head) >= limits.height);
+  }
+  static bool is_zero(const uint8_t* word) { return Layout::head(word) == 0 && Layout::mask(word) <= 1; }
+
+  /// Whether one word is plausible after what the check knows; takes it over if so. A run of zeros is no data.
+  static bool check_word(const uint8_t* word, Check& check, const SensorLimits& limits) {
+    const uint32_t head = Layout::head(word);
+    const bool zero = is_zero(word);
+    if (zero && check.after_zero) return false;
+    check.after_zero = zero;
+    if (type_of(head) != kTimeHigh) return is_known(head) && !is_outside(head, limits);
+    if (check.time_high == kNoTime) return false;
+    const uint32_t step = steps(check.time_high, head);
+    if (step > 1 && step != kBackOne) return false;
+    ++check.num_time_high;
+    check.num_rejected = 0;
+    if (step != 0) ++check.num_time_steps;
+    check.time_high = head & kTimeHighMask;
+    return true;
+  }
+
+  static size_t check_scalar(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+    size_t i = 0;
+    while (i < count && check_word(words + i * kWordBytes, check, limits)) ++i;
+    return i;
+  }
+
+  static size_t count_bad(const uint8_t* words, size_t count, size_t enough, const SensorLimits& limits) {
+    size_t bad = 0;
+    uint32_t time_high = kNoTime;
+    bool after_zero = false;
+    for (size_t i = 0; i < count && bad < enough; ++i) {
+      const uint8_t* word = words + i * kWordBytes;
+      const uint32_t head = Layout::head(word);
+      const bool zero = is_zero(word);
+      bool odd = !is_known(head) || is_outside(head, limits) || (zero && after_zero);
+      after_zero = zero;
+      if (type_of(head) == kTimeHigh) {
+        const uint32_t step = time_high == kNoTime ? 0 : steps(time_high, head);
+        odd = step >= kHalfCircle && step != kBackOne;
+        time_high = head & kTimeHighMask;
+      } else if (type_of(head) == kTrigger) {
+        odd = (head & 0x3FE0FE) != 0;
+      }
+      bad += odd ? 1 : 0;
+    }
+    return bad;
+  }
+
+  static Suspicion suspicion(const uint8_t* word, const Check& check, const SensorLimits& limits) {
+    const uint32_t head = Layout::head(word);
+    if (!is_known(head) || is_zero(word)) return Suspicion::kUnknown;
+    if (is_outside(head, limits)) return Suspicion::kRange;
+    const bool is_back = check.time_high != kNoTime && steps(check.time_high, head) >= kHalfCircle;
+    return is_back ? Suspicion::kTimeBack : Suspicion::kTimeAhead;
+  }
+
+  static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
+    const uint32_t head = Layout::head(words);
+    const size_t seen = std::min(count, kJudgeWords);
+    size_t next = 1;
+    while (next < seen && type_of(Layout::head(words + next * kWordBytes)) != kTimeHigh) ++next;
+    const uint32_t from_last = check.time_high == kNoTime ? 0 : steps(check.time_high, head);
+    if (next >= seen) {
+      if (count < kJudgeWords && !ended) return Verdict::kNeedMore;
+      return from_last < kHalfCircle ? Verdict::kAccept : Verdict::kReject;
+    }
+    const uint32_t following = Layout::head(words + next * kWordBytes);
+    const uint32_t from_this = steps(head, following);
+    bool believed = from_last < kHalfCircle;
+    if (check.time_high == kNoTime) {
+      believed = from_this < kHalfCircle;
+    } else if (check.num_rejected >= kClockRestart) {
+      believed = from_this <= 1;
+    } else if (believed) {
+      believed = from_this <= steps(check.time_high, following);
+    }
+    return believed ? Verdict::kAccept : Verdict::kReject;
+  }
+
+  static void accept_time(const uint8_t* word, Check& check) {
+    check.time_high = Layout::head(word) & kTimeHighMask;
+    check.num_rejected = 0;
+    check.after_zero = false;
+    ++check.num_time_high;
+    ++check.num_time_steps;
+  }
+  static void reject_time(const uint8_t*, Check& check) { ++check.num_rejected; }
+
+  static int64_t step_us(const uint8_t* word, const Check& check) {
+    return check.time_high == kNoTime ? 0 : static_cast<int64_t>(steps(check.time_high, Layout::head(word))) << 6;
+  }
+
+  static void forget(State& state, Check& check) {
+    state.need_time_high = true;
+    check.after_zero = false;
+  }
+  static void drop_word(const uint8_t* word, State& state) {
+    if (type_of(Layout::head(word)) == kTimeHigh) state.need_time_high = true;
+  }
+
+  static size_t settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
+    size_t i = 0;
+    for (; i < count && !settled(state); ++i) {
+      const uint8_t* word = words + i * kWordBytes;
+      const uint32_t head = Layout::head(word);
+      if (type_of(head) == kTimeHigh) {
+        take_time_high(head & kTimeHighMask, state);
+        state.need_time_high = false;
+      } else if (type_of(head) <= kOn || type_of(head) == kTrigger) {
+        const int dropped = type_of(head) <= kOn ? std::popcount(Layout::mask(word)) : 1;
+        (state.time_high == kNoTime ? summary.events_before_time : summary.dropped_words) +=
+            static_cast<uint64_t>(dropped);
+      }
+    }
+    return i;
+  }
+  static bool settled(const State& state) { return !state.need_time_high; }
+  static bool has_heartbeat(const Check& check) { return check.num_time_high >= 2 * check.num_time_steps + 16; }
+  static int64_t time(const State& state) { return state.high_us; }
+  static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us >> kLoopBits); }
+
+  /// The part of a vector's mask that lies inside the sensor.
+  static uint32_t clip(uint32_t x, uint32_t mask, State& state, const SensorLimits& limits) {
+    if (x + 32 <= limits.width) return mask;
+    const uint32_t inside = mask & ((1u << (limits.width - x)) - 1);
+    state.num_outside += static_cast<uint64_t>(std::popcount(mask ^ inside));
+    return inside;
+  }
+
+  template <typename Sink>
+  static size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                              Sink& sink) {
+    for (size_t i = 0; i < count; ++i) {
+      const uint8_t* word = words + i * kWordBytes;
+      const uint32_t head = Layout::head(word);
+      switch (type_of(head)) {
+        case kOff:
+        case kOn:
+          if (!sink.set_time(state.high_us | low_of(head))) return i;
+          if constexpr (kMaxEventsPerWord == 1) {
+            sink.add(x_of(head), y_of(head), type_of(head));
+          } else {
+            sink.add_mask(x_of(head), y_of(head), type_of(head), clip(x_of(head), Layout::mask(word), state, limits));
+          }
+          break;
+        case kTimeHigh:
+          take_time_high(head & kTimeHighMask, state);
+          break;
+        case kTrigger:
+          if (!sink.set_time(state.high_us | low_of(head))) return i;
+          sink.add_trigger((head >> 8) & 0x1F, head & 1);
+          break;
+        default:
+          break;
+      }
+    }
+    return count;
+  }
+};
+
+}  // namespace e2lf::events::timed

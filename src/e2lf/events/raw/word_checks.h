@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "e2lf/events/decode_summary.h"
+#include "e2lf/events/little_endian.h"
+
+namespace e2lf::events {
+
+// The three RAW encodings are sequences of words of one size whose meaning depends on words before them. RawStream
+// decodes them all; an encoding is a `Codec` struct with static functions:
+//
+//   State            what decoding depends on           Check    what checking depends on; it runs ahead of decoding
+//   check            how many words from here on are plausible; the one behind them, if any, needs a closer look
+//   count_bad        how many words of a window make no sense on their own (up to `enough`); low = well aligned
+//   suspicion        what is odd about the word that check() stopped at
+//   judge_time       whether a time word that steps unexpectedly is right, from the words behind it
+//   accept_time, reject_time  moves the check past such a word
+//   step_us          how far a coarse time word steps from the last one; 0 for other words
+//   drop_word        the state when a word is left out
+//   forget           the state when an unknown number of words is missing
+//   settle           goes over words without giving out events until the state is complete again
+//   decode           checked words to events
+
+/// What is odd about a word.
+enum class Suspicion {
+  kUnknown,    ///< a type that does not exist
+  kRange,      ///< a coordinate outside the sensor
+  kTimeBack,   ///< a time before the last one
+  kTimeAhead,  ///< a time far behind the last one
+};
+
+enum class Verdict { kAccept, kReject, kNeedMore };
+
+/// Words the check is ahead of decoding: damage shows within a few words, and what is in doubt is not given out.
+inline constexpr size_t kHoldWords = 32;
+
+/// Words that are looked at to tell whether the stream is well aligned; fewer say too little.
+inline constexpr size_t kWindowWords = 64;
+inline constexpr size_t kMinWindowWords = 16;
+
+/// How many odd words a window may have: to go on as before (isolated damage), and to take up the stream again.
+inline constexpr size_t kWindowBad = kWindowWords / 16;
+inline constexpr size_t kResumeBad = 1;
+
+/// How far judge_time() looks ahead for another time word.
+inline constexpr size_t kJudgeWords = 8192;
+
+/// So many unexpected time words in a row are a clock that was set anew.
+inline constexpr uint32_t kClockRestart = 256;
+
+}  // namespace e2lf::events
