@@ -90,6 +90,26 @@ TEST_P(Ssim, RefusesAnImageSmallerThanItsWindow) {
   EXPECT_THROW((void)ssim(image, image, size, size - 1, GetParam()), ContractError);
 }
 
+/// Figures of scikit-image 0.19.3: structural_similarity(a, b, data_range=1), and with gaussian_weights=True.
+TEST(SsimScikitImage, GivesTheSameFigures) {
+  struct Golden {
+    size_t height, width;
+    double uniform7, gaussian11;
+  };
+  for (const Golden& golden :
+       {Golden{20, 31, 0.925855980856, 0.928821932656}, Golden{11, 11, 0.935306753232, 0.941056944839}}) {
+    std::vector<float> a, b;
+    for (size_t y = 0; y < golden.height; ++y) {
+      for (size_t x = 0; x < golden.width; ++x) {
+        a.push_back(static_cast<float>((7 * x + 13 * y + x * y) % 32) / 32);
+        b.push_back((3 * a.back() + static_cast<float>((5 * x + 3 * y * y) % 64) / 64) / 4);
+      }
+    }
+    EXPECT_NEAR(ssim(a, b, golden.height, golden.width, SsimWindow::kUniform7), golden.uniform7, 1e-9);
+    EXPECT_NEAR(ssim(a, b, golden.height, golden.width, SsimWindow::kGaussian11), golden.gaussian11, 1e-9);
+  }
+}
+
 TEST(SsimUniform7, UsesTheSampleCovarianceOfOneWindow) {
   // One 7x7 window, b = 0 except for one pixel of value 1: mean 1/49, sample variance (1 - 1/49) / 48 = 1/49.
   const std::vector<float> a(49, 0.0F);

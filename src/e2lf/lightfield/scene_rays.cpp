@@ -41,7 +41,7 @@ SceneRays::SceneRays(const Scene& scene) : scene_(&scene) {
 
 /// Whether every ray around this one misses a ball. The nearest point of the line is at t; rays there are up to
 /// spread * t apart, and up to spread * radius more where they are inside the ball.
-bool SceneRays::passes(const Ray& ray, const Ball& ball, float spread) {
+bool SceneRays::misses(const Ray& ray, const Ball& ball, float spread) {
   const Vec3 offset = ball.centre - ray.origin;
   const float length_squared = dot(ray.direction, ray.direction);
   const float t = dot(offset, ray.direction) / length_squared;
@@ -53,14 +53,14 @@ bool SceneRays::passes(const Ray& ray, const Ball& ball, float spread) {
 Candidates SceneRays::near(const Ray& middle, float spread) const {
   Candidates candidates;
   for (size_t i = 0; i < quad_frames_.size(); ++i) {
-    if (!passes(middle, quad_frames_[i].ball, spread)) candidates.quads.push_back(i);
+    if (!misses(middle, quad_frames_[i].ball, spread)) candidates.quads.push_back(i);
   }
   for (size_t i = 0; i < scene_->spheres.size(); ++i) {
     const Sphere& sphere = scene_->spheres[i];
-    if (!passes(middle, {sphere.centre, sphere.radius}, spread)) candidates.spheres.push_back(i);
+    if (!misses(middle, {sphere.centre, sphere.radius}, spread)) candidates.spheres.push_back(i);
   }
   for (size_t i = 0; i < block_frames_.size(); ++i) {
-    if (!passes(middle, block_frames_[i].ball, spread)) candidates.blocks.push_back(i);
+    if (!misses(middle, block_frames_[i].ball, spread)) candidates.blocks.push_back(i);
   }
   return candidates;
 }
@@ -132,7 +132,7 @@ bool SceneRays::blocked(const Ray& ray) const {
   Hit hit;
   for (size_t i = 0; i < scene_->spheres.size() && hit.material == nullptr; ++i) hit_sphere(i, ray, hit);
   for (size_t i = 0; i < block_frames_.size() && hit.material == nullptr; ++i) {
-    if (!passes(ray, block_frames_[i].ball, 0)) hit_block(i, ray, hit);
+    if (!misses(ray, block_frames_[i].ball, 0)) hit_block(i, ray, hit);
   }
   for (size_t i = 0; i < quad_frames_.size() && hit.material == nullptr; ++i) hit_quad(i, ray, hit);
   return hit.material != nullptr;

@@ -73,7 +73,7 @@ class SceneRays {
     float cosine, sine;
     Ball ball;
   };
-  static bool passes(const Ray& ray, const Ball& ball, float spread);
+  static bool misses(const Ray& ray, const Ball& ball, float spread);
   void hit_quad(size_t index, const Ray& ray, Hit& nearest) const;
   void hit_sphere(size_t index, const Ray& ray, Hit& nearest) const;
   void hit_block(size_t index, const Ray& ray, Hit& nearest) const;
