@@ -9,6 +9,7 @@
 #include "e2lf/events/event_images.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/model.h"
+#include "e2lf/recon/gain.h"
 
 namespace e2lf::recon {
 
@@ -18,8 +19,9 @@ class Reconstructor {
   /// Prepares the network of `model`. Fails as Engine::create does.
   [[nodiscard]] static Result<Reconstructor> create(model::Model model, const engine::EngineOptions& options = {});
 
-  /// The network's plain output, not clamped and without gain: [8, 8, y, x]. Fails with kShape when the number of
-  /// event images is not N - 1.
+  /// The network's plain output, not clamped and without gain: [view_y, view_x, y, x]. Images whose size the network
+  /// does not take are extended as network_input() says and the result is cropped. Fails with kShape when the number of
+  /// event images is not N - 1 or they are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const events::EventImages& images,
                                                            const ProgressFn& progress = {}) const;
 
@@ -31,10 +33,5 @@ class Reconstructor {
   model::Model model_;
   engine::Engine engine_;
 };
-
-/// The factor that brings a light field to a well-exposed picture: a robust bright level (the 99.5 % quantile over the
-/// views) maps to 0.9. Real scenes can be far darker relative to the sensor's dark level than the model's training
-/// data; a light field that is bright already (0.7..1) keeps the gain 1. Always in [0.25, 64].
-[[nodiscard]] float auto_gain(const lightfield::LightField& light_field);
 
 }  // namespace e2lf::recon

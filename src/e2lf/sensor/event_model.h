@@ -25,7 +25,7 @@ enum class EventModel {
 
 struct EventModelOptions {
   EventModel model = EventModel::kReferenceAware;
-  aperture::SensorConstants constants;
+  aperture::SensorConstants constants = {};
   float gain = 1.0F;  ///< scene brightness: multiplies every intensity
   uint64_t seed = 0;  ///< of the noise; give each cycle its own
 };

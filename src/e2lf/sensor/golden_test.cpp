@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
 
 #include "e2lf/base/npy.h"
 #include "e2lf/base/safetensors.h"
-#include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/sensor/event_model.h"
-#include "e2lf/sensor/reference.h"
 
 namespace e2lf::sensor {
 namespace {
@@ -23,15 +21,9 @@ class OfficialSoftware : public testing::Test {
     const char* data = std::getenv("E2LF_DATA");
     folder_ = fs::path(data != nullptr ? data : "") / "official";
     if (data == nullptr || !fs::exists(folder_)) GTEST_SKIP() << "E2LF_DATA/official is absent";
-    light_field_ = lightfield::LightField({8, 8, 512, 512});
-    for (int view = 0; view < 64; ++view) {
-      char name[16];
-      std::snprintf(name, sizeof name, "%02d_%02d.png", view / 8, view % 8);
-      const auto image = lightfield::read_image(folder_ / "Lego_Knights" / name);
-      ASSERT_TRUE(image) << image.error().text();
-      const auto pixels = lightfield::to_grey(*image).pixels;
-      std::copy(pixels.begin(), pixels.end(), light_field_.data().begin() + view * 512 * 512);
-    }
+    auto light_field = lightfield::read_light_field(folder_ / "Lego_Knights");
+    ASSERT_TRUE(light_field) << light_field.error().text();
+    light_field_ = *std::move(light_field);
     const auto file = read_safetensors(folder_ / "AcqNet.safetensors");
     ASSERT_TRUE(file) << file.error().text();
     codes_ = aperture::Codes(4, 8, 8);

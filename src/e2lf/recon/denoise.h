@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "e2lf/aperture/coded_intensities.h"
+#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/events/event_images.h"
+
+namespace e2lf::recon {
+
+/// Sums of `values` [y, x] over the square window of `radius` around each pixel; the borders repeat.
+[[nodiscard]] std::vector<float> box_sums(std::span<const float> values, size_t height, size_t width, size_t radius);
+
+/// Replaces each coded intensity that transition k led to (patterns 1..N-1) by a local Wiener estimate of its logarithm
+/// over a window of `radius`: mean + max(0, variance - noise) / variance * (value - mean). The noise follows from the
+/// event model: sigma_w^2 + tau^2 / 12 (quantisation) + (E_k sigma_z)^2 (the threshold's, once per event). Flat parts
+/// are averaged, edges that stand out of the noise are kept.
+void denoise_intensities(aperture::CodedIntensities& intensities, const events::EventImages& images,
+                         const aperture::SensorConstants& constants, size_t radius);
+
+}  // namespace e2lf::recon

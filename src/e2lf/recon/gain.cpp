@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/gain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace e2lf::recon {
+namespace {
+
+constexpr size_t kSamples = 1 << 18;
+constexpr double kQuantile = 0.995;
+
+/// The bright level of the finite values, 0 when there are none.
+float bright_level(std::span<const float> values) {
+  // An odd stride visits the columns of an image evenly even when its width is a power of two.
+  const size_t stride = values.size() / kSamples | 1;
+  std::vector<float> samples;
+  samples.reserve(values.size() / stride + 1);
+  for (size_t i = 0; i < values.size(); i += stride) {
+    if (std::isfinite(values[i])) samples.push_back(values[i]);
+  }
+  if (samples.empty()) return 0;
+  const auto rank = static_cast<ptrdiff_t>(kQuantile * static_cast<double>(samples.size() - 1));
+  std::nth_element(samples.begin(), samples.begin() + rank, samples.end());
+  return samples[static_cast<size_t>(rank)];
+}
+
+}  // namespace
+
+float auto_gain(const lightfield::LightField& light_field) {
+  const float level = bright_level(light_field.data());
+  if (level <= 0 || (level >= 0.7F && level <= 1.0F)) return 1;
+  return std::clamp(0.9F / level, 0.25F, 64.0F);
+}
+
+}  // namespace e2lf::recon

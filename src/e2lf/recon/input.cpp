@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/input.h"
+
+#include <algorithm>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/recon/intensity_table.h"
+
+namespace e2lf::recon {
+namespace {
+
+/// What the counts of one row have added up to so far.
+struct RowState {
+  std::vector<int> total, last_change;  ///< last_change: sign of the last nonzero count, 0 before the first
+};
+
+void add_counts(std::span<const int16_t> counts, RowState& state) {
+  for (size_t x = 0; x < counts.size(); ++x) {
+    state.total[x] += counts[x];
+    if (counts[x] != 0) state.last_change[x] = counts[x] > 0 ? 1 : -1;
+  }
+}
+
+void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, const RowState& state,
+              const IntensityTable& table, float* row) {
+  const float scale = group.scale;
+  switch (group.kind) {
+    case model::InputKind::kCounts:
+      for (size_t x = 0; x < counts.size(); ++x) row[x] = scale * static_cast<float>(counts[x]);
+      break;
+    case model::InputKind::kCumulative:
+      for (size_t x = 0; x < counts.size(); ++x) row[x] = scale * static_cast<float>(state.total[x]);
+      break;
+    case model::InputKind::kIntensity:
+      for (size_t x = 0; x < counts.size(); ++x) {
+        row[x] = scale * table.at_half_steps(2 * state.total[x] + state.last_change[x]);
+      }
+      break;
+  }
+}
+
+size_t round_up(size_t value, size_t multiple) {
+  return (value + multiple - 1) / multiple * multiple;
+}
+
+}  // namespace
+
+Result<InputPlanes> network_input(const events::EventImages& images, std::span<const model::InputGroup> groups,
+                                  const aperture::SensorConstants& constants, size_t size_multiple) {
+  E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
+  E2LF_REQUIRE(images.image_size() > 0, "event images must not be empty");
+  if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
+    E2LF_RETURN_IF_ERROR(IntensityTable::check(constants));
+  }
+  const IntensityTable table(constants);
+  InputPlanes planes{groups.size() * images.transitions,
+                     round_up(images.height, size_multiple),
+                     round_up(images.width, size_multiple),
+                     {}};
+  planes.values.resize(planes.channels * planes.height * planes.width);
+  parallel_for(planes.height, 8, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      RowState state{std::vector<int>(images.width), std::vector<int>(images.width)};
+      for (size_t k = 0; k < images.transitions; ++k) {
+        const auto counts = images.image(k).subspan(std::min(y, images.height - 1) * images.width, images.width);
+        add_counts(counts, state);
+        for (size_t g = 0; g < groups.size(); ++g) {
+          float* row = planes.values.data() + ((g * images.transitions + k) * planes.height + y) * planes.width;
+          fill_row(groups[g], counts, state, table, row);
+          std::fill(row + images.width, row + planes.width, row[images.width - 1]);
+        }
+      }
+    }
+  });
+  return planes;
+}
+
+}  // namespace e2lf::recon

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/base/result.h"
+#include "e2lf/events/event_images.h"
+#include "e2lf/model/model.h"
+
+namespace e2lf::recon {
+
+/// A network's input: float32 [channel, y, x], row-major.
+struct InputPlanes {
+  size_t channels = 0, height = 0, width = 0;
+  std::vector<float> values;
+};
+
+/// The input channels of `groups` one after another, N - 1 each (see model::InputKind; C_k, m and J_k as in
+/// invert_events() with `centred`), with height and width rounded up to multiples of `size_multiple`. The extra rows
+/// and columns at the bottom and right repeat the last ones: no events at all would look like a black frame to a
+/// network. Fails with kInvalidValue when a group needs constants that are not positive.
+[[nodiscard]] Result<InputPlanes> network_input(const events::EventImages& images,
+                                                std::span<const model::InputGroup> groups,
+                                                const aperture::SensorConstants& constants, size_t size_multiple = 1);
+
+}  // namespace e2lf::recon

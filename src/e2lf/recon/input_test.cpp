@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/input.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "e2lf/base/threads.h"
+
+namespace e2lf::recon {
+namespace {
+
+using model::InputKind;
+
+/// One pixel with the given counts.
+events::EventImages pixel(const std::vector<int16_t>& counts) {
+  events::EventImages images(counts.size(), 1, 1);
+  images.counts = counts;
+  return images;
+}
+
+std::vector<float> values(const events::EventImages& images, const std::vector<model::InputGroup>& groups,
+                          const aperture::SensorConstants& constants = {}) {
+  const auto planes = network_input(images, groups, constants);
+  EXPECT_TRUE(planes);
+  return planes ? planes->values : std::vector<float>();
+}
+
+TEST(NetworkInput, GroupsFollowOneAnother) {
+  const auto images = pixel({2, 0, -3});
+  const std::vector<model::InputGroup> groups = {{InputKind::kCumulative, 0.25F}, {InputKind::kCounts, 0.125F}};
+  EXPECT_EQ(values(images, groups), (std::vector<float>{0.5F, 0.5F, -0.25F, 0.25F, 0, -0.375F}));
+}
+
+TEST(NetworkInput, IntensityAddsHalfAThresholdTowardTheLastChange) {
+  const aperture::SensorConstants constants{.eps = 1.0F / 64, .tau = 0.25F};
+  const auto intensity = [](double level) { return static_cast<float>(std::expm1(0.25 * level) / 16); };
+  const auto got = values(pixel({0, 3, 0, -1, 200}), {{InputKind::kIntensity, 4.0F}}, constants);
+  const std::vector<float> expected = {0, intensity(3.5), intensity(3.5), intensity(1.5), intensity(202.5)};
+  ASSERT_EQ(got.size(), expected.size());
+  for (size_t i = 0; i < got.size(); ++i) EXPECT_NEAR(got[i], expected[i], 1e-6F * (1 + expected[i])) << i;
+}
+
+TEST(NetworkInput, DamagedCountsStayFinite) {
+  const int16_t most = std::numeric_limits<int16_t>::max(), least = std::numeric_limits<int16_t>::min();
+  for (const float value : values(pixel({most, most, least}), {{InputKind::kIntensity, 1.0F}})) {
+    EXPECT_TRUE(std::isfinite(value));
+  }
+}
+
+TEST(NetworkInput, PaddingRepeatsTheLastRowAndColumn) {
+  events::EventImages images(1, 2, 3);
+  images.counts = {1, 2, 3, 4, 5, 6};
+  const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, 4);
+  ASSERT_TRUE(planes);
+  EXPECT_EQ(planes->height, 4U);
+  EXPECT_EQ(planes->width, 4U);
+  EXPECT_EQ(planes->values, (std::vector<float>{1, 2, 3, 3, 4, 5, 6, 6, 4, 5, 6, 6, 4, 5, 6, 6}));
+}
+
+TEST(NetworkInput, IsTheSameForAnyThreadCount) {
+  events::EventImages images(3, 37, 29);
+  for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i * 7 % 19) - 9;
+  const std::vector<model::InputGroup> groups = {
+      {InputKind::kCounts, 1}, {InputKind::kCumulative, 1}, {InputKind::kIntensity, 1}};
+  set_num_threads(1);
+  const auto expected = values(images, groups);
+  set_num_threads(3);
+  EXPECT_EQ(values(images, groups), expected);
+  set_num_threads(0);
+}
+
+TEST(NetworkInput, IntensityNeedsPositiveConstants) {
+  const aperture::SensorConstants no_threshold{.tau = 0};
+  const auto planes =
+      network_input(pixel({1}), std::vector<model::InputGroup>{{InputKind::kIntensity, 1}}, no_threshold);
+  ASSERT_FALSE(planes);
+  EXPECT_EQ(planes.error().code, ErrorCode::kInvalidValue);
+}
+
+}  // namespace
+}  // namespace e2lf::recon

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "e2lf/aperture/coded_intensities.h"
+#include "e2lf/aperture/codes.h"
+#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/base/result.h"
+#include "e2lf/events/event_images.h"
+#include "e2lf/lightfield/light_field.h"
+#include "e2lf/recon/coded_disparity.h"
+#include "e2lf/recon/view_weights.h"
+
+namespace e2lf::recon {
+
+struct LinearEstimateOptions {
+  ViewPrior prior = {};
+  DisparitySearch search = {};
+  size_t denoise_radius = 3;  ///< see denoise_intensities(); used by reconstruct_by_inversion() only
+};
+
+/// A light field from coded intensities without any training. Each coded image, divided by its pattern's share of open
+/// cells, is taken for a picture from the pattern's centre of light. Their disparity is searched block by block
+/// (coded_disparity()); then each view is the best linear combination (view_weights()) of the pictures, each moved by
+/// its disparity to the view. Blur over the open cells and occlusions are not undone. The result is not clamped.
+/// Fails with kShape (images and patterns differ in number) and kInvalidValue (every pattern is black).
+[[nodiscard]] Result<lightfield::LightField> linear_estimate(const aperture::CodedIntensities& intensities,
+                                                             const aperture::Codes& codes,
+                                                             const LinearEstimateOptions& options = {});
+
+/// The method "inversion": linear_estimate() of the centred closed-form inversion of the events (invert_events()).
+/// Also fails with kInvalidValue when no pattern is black.
+[[nodiscard]] Result<lightfield::LightField> reconstruct_by_inversion(const events::EventImages& images,
+                                                                      const aperture::Codes& codes,
+                                                                      const aperture::SensorConstants& constants,
+                                                                      const LinearEstimateOptions& options = {});
+
+}  // namespace e2lf::recon
