@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cstring>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "e2lf/base/elements.h"
 #include "e2lf/base/text.h"
@@ -13,8 +15,7 @@
 namespace e2lf {
 namespace {
 
-constexpr char kMagic[] = "\x93NUMPY";
-constexpr size_t kMagicSize = 6;
+constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kMaxRank = 64;
 
 /// Reads the Python literals that a header is made of; what is not there comes back as nullopt or false.
@@ -218,8 +219,8 @@ std::string descr_text(const NpyArray& array) {
 
 Result<NpyHeader> parse_npy_header(std::span<const uint8_t> bytes, const std::string& name) {
   const Error truncated{ErrorCode::kTruncated, "the file ends within the numpy header; copy it again", name};
-  const size_t magic = std::min(bytes.size(), kMagicSize);
-  if (std::memcmp(bytes.data(), kMagic, magic) != 0) return malformed(name, "it does not begin with \\x93NUMPY");
+  const std::string_view head(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kMagic.size()));
+  if (head != kMagic.substr(0, head.size())) return malformed(name, "it does not begin with \\x93NUMPY");
   if (bytes.size() < 10) return truncated;
   const uint8_t version = bytes[6];
   if (version < 1 || version > 3) {
@@ -227,10 +228,10 @@ Result<NpyHeader> parse_npy_header(std::span<const uint8_t> bytes, const std::st
                  name};
   }
   const size_t length_size = version == 1 ? 2 : 4;
-  const size_t text_offset = kMagicSize + 2 + length_size;
+  const size_t text_offset = kMagic.size() + 2 + length_size;
   if (bytes.size() < text_offset) return truncated;
   uint32_t length = 0;
-  std::memcpy(&length, bytes.data() + kMagicSize + 2, length_size);
+  std::memcpy(&length, bytes.data() + kMagic.size() + 2, length_size);
   if (length > bytes.size() - text_offset) return truncated;
 
   NpyHeader header;
@@ -250,10 +251,10 @@ std::vector<uint8_t> npy_header_bytes(const NpyArray& array) {
   // The data begin at a multiple of 64 bytes, the text ends with a newline; long record types need version 2.
   const size_t version = text.size() + 80 > 0xFFFF ? 2 : 1;
   const size_t length_size = version == 1 ? 2 : 4;
-  const size_t used = kMagicSize + 2 + length_size + text.size() + 1;
+  const size_t used = kMagic.size() + 2 + length_size + text.size() + 1;
   text += std::string((64 - used % 64) % 64, ' ') + "\n";
 
-  std::vector<uint8_t> bytes(kMagic, kMagic + kMagicSize);
+  std::vector<uint8_t> bytes(kMagic.begin(), kMagic.end());
   bytes.push_back(static_cast<uint8_t>(version));
   bytes.push_back(0);
   for (size_t i = 0; i < length_size; ++i) bytes.push_back(static_cast<uint8_t>(text.size() >> (8 * i)));

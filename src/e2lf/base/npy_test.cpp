@@ -154,6 +154,7 @@ TEST(Npy, ReadsVersionsTwoAndThreeAndRefusesOthers) {
 }
 
 TEST(Npy, ReportsEveryTruncation) {
+  EXPECT_EQ(decode_error({}), ErrorCode::kTruncated);
   const auto whole = encode_npy(make_npy<int16_t>({4}, std::vector<int16_t>{1, 2, 3, 4}));
   for (size_t size = 0; size < whole.size(); ++size) {
     const auto array = decode_npy(std::span(whole).first(size), "cut.npy");

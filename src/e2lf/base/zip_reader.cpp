@@ -182,7 +182,7 @@ Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::str
     stream.next_out = output.data() + filled;
     stream.avail_out = static_cast<uInt>(room);
     status = inflate(&stream, Z_NO_FLUSH);
-    output.resize(output.size() - stream.avail_out);
+    output.resize(filled + (room - stream.avail_out));
     if (status == Z_BUF_ERROR || (status == Z_OK && stream.avail_in == 0 && input.empty() && stream.avail_out != 0)) {
       return bad_entry(location, "the stream has no end");
     }
@@ -228,7 +228,7 @@ Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::
     return Error{ErrorCode::kUnsupported,
                  cat("zip compression method ", entry.method, " is not supported; store or deflate it"), location};
   }
-  if (bytes.size() != entry.size) return bad_entry(location, "fewer bytes than the directory says");
+  if (bytes.size() != entry.size) return bad_entry(location, "another size than the directory says");
   if (crc32_z(0, bytes.data(), bytes.size()) != entry.crc) {
     return Error{ErrorCode::kInvalidValue, "the checksum does not match; copy the file again", location};
   }

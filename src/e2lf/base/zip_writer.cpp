@@ -37,7 +37,7 @@ std::vector<uint8_t> deflate_bytes(std::span<const uint8_t> input) {
     stream.next_out = output.data() + filled;
     stream.avail_out = static_cast<uInt>(room);
     status = deflate(&stream, input.empty() ? Z_FINISH : Z_NO_FLUSH);
-    output.resize(output.size() - stream.avail_out);
+    output.resize(filled + (room - stream.avail_out));
   }
   deflateEnd(&stream);
   return output;

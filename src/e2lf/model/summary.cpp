@@ -78,9 +78,9 @@ std::string summary_text(const Model& model) {
                cat(network.layers.size(), " layers, ", grouped(num_parameters(network)), " parameters"));
   append_field(text, "multiply-adds", cat(grouped(static_cast<size_t>(macs_per_pixel(network))), " per pixel"));
   append_field(text, "receptive field", cat(field_px, " x ", field_px, " px"));
-  append_field(text, "provenance", model.provenance.empty() ? "none" : "");
+  append_field(text, "provenance", model.provenance.empty() ? "none" : "as follows");
   append_provenance(text, model.provenance);
-  append_field(text, "codes", model.codes ? "(share of light)" : "none");
+  append_field(text, "codes", model.codes ? "as follows, each with its light efficiency" : "none");
   if (model.codes) text += '\n' + aperture::codes_text(*model.codes);
   return text;
 }
