@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/run_record.h"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/cli/version.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+std::string sha256(const void* data, size_t size) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int length = 0;
+  EVP_Digest(data, size, digest, &length, EVP_sha256(), nullptr);
+  std::string hex;
+  for (unsigned int i = 0; i < length; ++i) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    hex += kDigits[digest[i] >> 4];
+    hex += kDigits[digest[i] & 15];
+  }
+  return hex;
+}
+
+}  // namespace
+
+Result<std::string> sha256_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+    return sha256(bytes.data(), bytes.size());
+  }
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(path, error)) {
+    if (entry.is_regular_file(error)) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::string listing;
+  for (const fs::path& file : files) {
+    E2LF_ASSIGN_OR_RETURN(const std::string hash, sha256_of(file));
+    listing += hash + "  " + file.filename().string() + "\n";
+  }
+  return sha256(listing.data(), listing.size());
+}
+
+RunRecord::RunRecord(std::string verb) : verb_(std::move(verb)) {}
+
+void RunRecord::end_step(const std::string& name) {
+  const Clock::time_point now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - step_begin_).count();
+  timings_s_[name] = std::round(seconds * 1e4) / 1e4;
+  step_begin_ = now;
+}
+
+fs::path record_path_beside(const fs::path& output) {
+  fs::path path = output;
+  path += ".run.json";
+  return path;
+}
+
+Result<void> RunRecord::write(const fs::path& path, const Verb& verb) const {
+  Json record;
+  record["verb"] = verb_;
+  record["version"] = kVersion;
+  record["options"] = verb.resolved_options();
+  record["seed"] = verb.common().seed;
+  record["threads"] = num_threads();
+  record["inputs"] = Json::array();
+  for (const fs::path& input : inputs_) {
+    E2LF_ASSIGN_OR_RETURN(const std::string hash, sha256_of(input));
+    record["inputs"].push_back({{"path", input.string()}, {"sha256", hash}});
+  }
+  record["timings_s"] = timings_s_;
+  if (!notes_.empty()) record["notes"] = notes_;
+  return write_file(path, record.dump(2) + "\n");
+}
+
+}  // namespace e2lf::cli

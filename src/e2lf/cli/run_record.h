@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/options.h"
+#include "e2lf/base/result.h"
+#include "e2lf/cli/verb.h"
+
+namespace e2lf::cli {
+
+/// What a run was made of: verb, version, resolved options, seed, SHA-256 of every input, timings. Written as run.json
+/// beside the results, so that any result can be made again.
+class RunRecord {
+ public:
+  explicit RunRecord(std::string verb);
+
+  /// Adds an input file, or every file of an input folder.
+  void add_input(const std::filesystem::path& path) { inputs_.push_back(path); }
+
+  /// Ends the step that began at construction or at the last call.
+  void end_step(const std::string& name);
+
+  /// A result or an estimate worth keeping, e.g. the gain that was chosen.
+  void note(const std::string& key, Json value) { notes_[key] = std::move(value); }
+
+  [[nodiscard]] const Json& timings_s() const { return timings_s_; }
+
+  /// Writes the record. `path` is run.json in a folder of results, or "<file>.run.json" beside a single file.
+  [[nodiscard]] Result<void> write(const std::filesystem::path& path, const Verb& verb) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string verb_;
+  std::vector<std::filesystem::path> inputs_;
+  Json timings_s_ = Json::object();
+  Json notes_ = Json::object();
+  Clock::time_point step_begin_ = Clock::now();
+};
+
+/// "<output>.run.json", where a verb that writes one file puts its record.
+[[nodiscard]] std::filesystem::path record_path_beside(const std::filesystem::path& output);
+
+/// The SHA-256 of a file in hex, as sha256sum prints it; for a folder, of its sorted "hash  name" lines.
+[[nodiscard]] Result<std::string> sha256_of(const std::filesystem::path& path);
+
+}  // namespace e2lf::cli

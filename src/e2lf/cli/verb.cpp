@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/verb.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+#include "e2lf/base/isa.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+
+namespace e2lf::cli {
+namespace {
+
+void print_log(LogLevel level, const std::string& message) {
+  if (level == LogLevel::kDebug) return;
+  std::fprintf(stderr, "e2lf: %s%s\n", level == LogLevel::kWarning ? "warning: " : "", message.c_str());
+}
+
+/// The flags of --config and of every --set, so that they can be parsed before the command line's own, which win.
+Result<std::vector<std::string>> configured_flags(const CLI::App& app, const std::string& config_path,
+                                                  const std::vector<std::string>& overrides) {
+  Json config = Json::object();
+  if (!config_path.empty()) {
+    E2LF_ASSIGN_OR_RETURN(config, read_json(config_path));
+  }
+  for (const std::string& assignment : overrides) E2LF_RETURN_IF_ERROR(apply_override(config, assignment));
+  return flags_from_config(config, app, config_path.empty() ? "--set" : config_path);
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI::App& app,
+                                                   const std::string& location) {
+  if (!config.is_object()) return Error{ErrorCode::kFormat, "the configuration is not an object; write { ... }", location};
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back(name);
+  }
+  std::vector<std::string> flags;
+  for (const auto& [key, value] : config.items()) {
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '_', '-');
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("unknown key \"", key, "\"; did you mean \"", nearest_word(name, known), "\"?"), location};
+    }
+    if (value.is_boolean()) {
+      if (value.get<bool>()) flags.push_back("--" + name);
+    } else {
+      flags.push_back("--" + name + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
+    }
+  }
+  return flags;
+}
+
+Verb::Verb(std::string name, const std::string& summary, const std::string& example)
+    : name_(std::move(name)), app_(summary, "e2lf " + name_) {
+  app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  app_.footer("Example:\n  " + example);
+  app_.set_help_flag("-h,--help", "print this text");
+  app_.add_option("--config", config_, "JSON file whose keys are the long flags' names");
+  app_.add_option("--set", overrides_, "set one key of the configuration: key=value (repeatable)")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app_.add_option("--device", common_.device, "where to compute: cpu")->check(CLI::IsMember({"cpu"}));
+  app_.add_option("--threads", common_.threads, "number of threads, 0 = all cores")->check(CLI::NonNegativeNumber);
+  app_.add_option("--seed", common_.seed, "seed of everything random")->capture_default_str();
+  app_.add_flag("--json", common_.json, "print the result as JSON");
+  app_.add_flag("--quiet", common_.quiet, "print nothing but errors");
+  app_.add_flag("--overwrite", common_.overwrite, "replace existing output");
+}
+
+int Verb::usage_error(const std::string& message) const {
+  std::fprintf(stderr, "e2lf: %s: %s; see e2lf %s --help\n", name_.c_str(), message.c_str(), name_.c_str());
+  return 2;
+}
+
+int Verb::run(std::vector<std::string> arguments, const std::function<Result<void>()>& work) {
+  const auto parse = [this](std::vector<std::string> list) {
+    std::reverse(list.begin(), list.end());  // CLI11 takes its vector from the back
+    app_.parse(list);
+  };
+  try {
+    parse(arguments);
+    if (!config_.empty() || !overrides_.empty()) {
+      const auto flags = configured_flags(app_, config_, overrides_);
+      if (!flags) return usage_error(flags.error().text());
+      overrides_.clear();
+      arguments.insert(arguments.begin(), flags->begin(), flags->end());
+      parse(arguments);
+    }
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app_.help();
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    std::string message = error.what();
+    while (!message.empty() && (message.back() == '\n' || message.back() == '.')) message.pop_back();
+    return usage_error(message);
+  }
+  if (const auto capped = apply_isa_cap(); !capped) return usage_error(capped.error().text());
+  set_num_threads(common_.threads);
+  if (!common_.quiet) set_log_sink(print_log);
+  const Result<void> result = work();
+  if (result) return 0;
+  std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), result.error().text().c_str());
+  return 1;
+}
+
+Json Verb::resolved_options() const {
+  Json options = Json::object();
+  for (const CLI::Option* option : app_.get_options()) {
+    if (option->get_lnames().empty() || option == app_.get_help_ptr()) continue;
+    const std::string name = option->get_lnames().front();
+    if (option->count() > 0) {
+      options[name] = option->get_items_expected_max() == 0 ? Json(true) : Json(join(option->as<std::vector<std::string>>()));
+    } else if (!option->get_default_str().empty()) {
+      options[name] = option->get_default_str();
+    }
+  }
+  return options;
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/options.h"
+#include "e2lf/base/result.h"
+
+namespace e2lf::cli {
+
+/// The flags that every verb has.
+struct CommonOptions {
+  int threads = 0;  ///< 0 = all cores
+  uint64_t seed = 1;
+  std::string device = "cpu";
+  bool json = false;
+  bool quiet = false;
+  bool overwrite = false;
+};
+
+/// One verb of the command line: declares its flags on a CLI11 app, then does its work as a function that returns a
+/// Result. parse() adds the common flags, --config FILE.json and --set key=value (keys are the long flags' names), caps
+/// threads, and turns mistakes into messages.
+///
+///   Verb verb("eval", "compare light fields", "e2lf eval TRUTH RECON --json");
+///   verb.app().add_option("truth", truth, "the true light field")->required();
+///   return verb.run(arguments, [&]() -> Result<void> { ... });
+class Verb {
+ public:
+  Verb(std::string name, const std::string& summary, const std::string& example);
+
+  [[nodiscard]] CLI::App& app() { return app_; }
+  [[nodiscard]] const CommonOptions& common() const { return common_; }
+
+  /// Parses, runs `work` and prints its error as "e2lf: <verb>: <what>; <what to do>".
+  /// Returns the process's exit code: 0 done, 1 failed, 2 usage.
+  int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
+
+  /// Every flag with the value it has after parsing, for run.json.
+  [[nodiscard]] Json resolved_options() const;
+
+ private:
+  int usage_error(const std::string& message) const;
+  std::string name_;
+  CLI::App app_;
+  CommonOptions common_;
+  std::string config_;
+  std::vector<std::string> overrides_;
+};
+
+/// Turns a configuration object into flags: {"tau": 0.3, "overwrite": true} -> {"--tau=0.3", "--overwrite"}. Keys may
+/// use '_' for '-'. Fails with kInvalidValue on a key that is no flag of `app`, naming the nearest one.
+[[nodiscard]] Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI::App& app,
+                                                                const std::string& location);
+
+/// The verbs, one file each.
+int run_accumulate(const std::vector<std::string>& arguments);
+int run_bench(const std::vector<std::string>& arguments);
+int run_codes(const std::vector<std::string>& arguments);
+int run_convert(const std::vector<std::string>& arguments);
+int run_demo(const std::vector<std::string>& arguments);
+int run_eval(const std::vector<std::string>& arguments);
+int run_info(const std::vector<std::string>& arguments);
+int run_model(const std::vector<std::string>& arguments);
+int run_reconstruct(const std::vector<std::string>& arguments);
+int run_simulate(const std::vector<std::string>& arguments);
+
+}  // namespace e2lf::cli

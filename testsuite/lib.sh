@@ -1,0 +1,47 @@
+# Functions for the command-line cases. A case is a bash script that is sourced after this file, in an empty folder of its own;
+# $E2LF is the binary, $E2LF_DATA (maybe unset) the folder of test data. It fails at the first command that fails.
+set -euo pipefail
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+# skip <reason>: the case needs something that is not here (CTest shows it as skipped).
+skip() {
+  echo "SKIPPED: $*"
+  exit 77
+}
+
+need_data() {
+  [ -n "${E2LF_DATA:-}" ] && [ -e "$E2LF_DATA/$1" ] || skip "no test data $1 (set E2LF_DATA)"
+}
+
+# fails <exit code> <text on stderr> <command...>: the command must end with that code and say that.
+fails() {
+  local code=$1 text=$2 got=0
+  shift 2
+  "$@" >stdout.txt 2>stderr.txt || got=$?
+  [ "$got" -eq "$code" ] || fail "exit code $got instead of $code from: $* ($(cat stderr.txt))"
+  grep -qF -- "$text" stderr.txt || fail "no \"$text\" in the message of: $*: $(cat stderr.txt)"
+}
+
+exists() {
+  local path
+  for path in "$@"; do [ -e "$path" ] || fail "$path was not written"; done
+}
+
+absent() {
+  local path
+  for path in "$@"; do [ ! -e "$path" ] || fail "$path is there but should not be"; done
+}
+
+# json <file> <python expression on the parsed file j>: prints it.
+json() {
+  python3 -c 'import json, sys; j = json.load(open(sys.argv[1])); print(eval(sys.argv[2]))' "$1" "$2"
+}
+
+# check <python expression>: must be true.
+check() {
+  python3 -c 'import sys; sys.exit(0 if eval(sys.argv[1]) else 1)' "$1" || fail "not true: $1"
+}
