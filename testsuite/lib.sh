@@ -2,6 +2,12 @@
 # $E2LF is the binary, $E2LF_DATA (maybe unset) the folder of test data. It fails at the first command that fails.
 set -euo pipefail
 
+# Debian's python3, which has numpy and h5py.
+py() { /usr/bin/python3 "$@"; }
+
+# make <kind> <path> [key=value ...]: see make_inputs.py.
+make() { py "$TESTSUITE/make_inputs.py" "$@"; }
+
 fail() {
   echo "FAILED: $*" >&2
   exit 1
@@ -38,10 +44,10 @@ absent() {
 
 # json <file> <python expression on the parsed file j>: prints it.
 json() {
-  python3 -c 'import json, sys; j = json.load(open(sys.argv[1])); print(eval(sys.argv[2]))' "$1" "$2"
+  py -c 'import json, sys; j = json.load(open(sys.argv[1])); print(eval(sys.argv[2]))' "$1" "$2"
 }
 
 # check <python expression>: must be true.
 check() {
-  python3 -c 'import sys; sys.exit(0 if eval(sys.argv[1]) else 1)' "$1" || fail "not true: $1"
+  py -c 'import sys; sys.exit(0 if eval(sys.argv[1]) else 1)' "$1" || fail "not true: $1"
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/run_record.h"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <cmath>
+#include <openssl/evp.h>
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"

@@ -9,6 +9,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/cli/version.h"
 
 namespace e2lf::cli {
 namespace {
@@ -33,7 +34,8 @@ Result<std::vector<std::string>> configured_flags(const CLI::App& app, const std
 
 Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI::App& app,
                                                    const std::string& location) {
-  if (!config.is_object()) return Error{ErrorCode::kFormat, "the configuration is not an object; write { ... }", location};
+  if (!config.is_object())
+    return Error{ErrorCode::kFormat, "the configuration is not an object; write { ... }", location};
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) known.push_back(name);
@@ -53,6 +55,44 @@ Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI
     }
   }
   return flags;
+}
+
+namespace {
+
+std::string list_of(const std::string& command, const std::vector<VerbEntry>& entries) {
+  std::string text =
+      cat("e2lf ", kVersion, ": light fields from the events of a coded-aperture camera\n\nusage: ", command,
+          " <verb> [flags]\n\n");
+  for (const VerbEntry& entry : entries) {
+    std::string name = entry.name;
+    name.resize(std::max<size_t>(name.size(), 12), ' ');
+    text += cat("  ", name, " ", entry.summary, "\n");
+  }
+  return text + cat("\n", command, " <verb> --help explains a verb and gives an example.\n");
+}
+
+}  // namespace
+
+int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
+                const std::vector<std::string>& arguments) {
+  const std::string command = prefix.empty() ? "e2lf" : "e2lf " + prefix;
+  if (arguments.empty()) {
+    std::cerr << list_of(command, entries);
+    return 2;
+  }
+  const std::string& name = arguments.front();
+  if (name == "--help" || name == "-h" || name == "help") {
+    std::cout << list_of(command, entries);
+    return 0;
+  }
+  std::vector<std::string> names;
+  for (const VerbEntry& entry : entries) {
+    if (name == entry.name) return entry.run({arguments.begin() + 1, arguments.end()});
+    names.emplace_back(entry.name);
+  }
+  std::cerr << (prefix.empty() ? "e2lf" : "e2lf: " + prefix) << ": there is no verb \"" << name << "\"; did you mean \""
+            << nearest_word(name, names) << "\"? See " << command << " --help\n";
+  return 2;
 }
 
 Verb::Verb(std::string name, const std::string& summary, const std::string& example)
@@ -113,7 +153,8 @@ Json Verb::resolved_options() const {
     if (option->get_lnames().empty() || option == app_.get_help_ptr()) continue;
     const std::string name = option->get_lnames().front();
     if (option->count() > 0) {
-      options[name] = option->get_items_expected_max() == 0 ? Json(true) : Json(join(option->as<std::vector<std::string>>()));
+      options[name] =
+          option->get_items_expected_max() == 0 ? Json(true) : Json(join(option->as<std::vector<std::string>>()));
     } else if (!option->get_default_str().empty()) {
       options[name] = option->get_default_str();
     }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -57,7 +56,19 @@ class Verb {
 /// Turns a configuration object into flags: {"tau": 0.3, "overwrite": true} -> {"--tau=0.3", "--overwrite"}. Keys may
 /// use '_' for '-'. Fails with kInvalidValue on a key that is no flag of `app`, naming the nearest one.
 [[nodiscard]] Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI::App& app,
-                                                                const std::string& location);
+                                                                 const std::string& location);
+
+/// A verb or subverb: its name, what it does in a few words, and its function.
+struct VerbEntry {
+  const char* name;
+  const char* summary;
+  int (*run)(const std::vector<std::string>& arguments);
+};
+
+/// Runs the entry that the first argument names; prints the list for --help, and with exit code 2 for a missing or
+/// unknown name. `prefix` is what stands before the name on the command line ("model"; "" for the verbs themselves).
+int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
+                const std::vector<std::string>& arguments);
 
 /// The verbs, one file each.
 int run_accumulate(const std::vector<std::string>& arguments);

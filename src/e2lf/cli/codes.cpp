@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// e2lf codes show
+#include <cstdio>
+
+#include "e2lf/aperture/codes_io.h"
+#include "e2lf/aperture/properties.h"
+#include "e2lf/cli/inputs.h"
+#include "e2lf/cli/verb.h"
+
+namespace e2lf::cli {
+namespace {
+
+Json codes_json(const aperture::Codes& codes) {
+  Json json;
+  json["num_patterns"] = codes.num_patterns;
+  json["views"] = {codes.views_y, codes.views_x};
+  json["black_first"] = aperture::is_black_first(codes);
+  json["binary"] = aperture::is_binary(codes);
+  json["light_efficiency"] = aperture::light_efficiency(codes);
+  return json;
+}
+
+void print_codes(const aperture::Codes& codes) {
+  std::printf("%zu patterns of %zux%zu, %s, %s\n%s\nlight efficiency:", codes.num_patterns, codes.views_y, codes.views_x,
+              aperture::is_black_first(codes) ? "black first" : "NOT black first",
+              aperture::is_binary(codes) ? "binary" : "not binary", aperture::patterns_text(codes).c_str());
+  for (const float efficiency : aperture::light_efficiency(codes)) {
+    std::printf(" %.1f %%", 100.0 * static_cast<double>(efficiency));
+  }
+  std::printf("\n");
+}
+
+int run_codes_show(const std::vector<std::string>& arguments) {
+  Verb verb("codes show", "Show the aperture patterns of a model or a file of codes.",
+            "e2lf codes show -m models/e2lf-n4.safetensors");
+  CodesSource source;
+  add_codes_options(verb.app(), source);
+  return verb.run(arguments, [&]() -> Result<void> {
+    RunRecord record("codes show");
+    E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(source, record));
+    if (verb.common().json) {
+      std::printf("%s\n", codes_json(known.codes).dump(2).c_str());
+    } else {
+      print_codes(known.codes);
+    }
+    return {};
+  });
+}
+
+}  // namespace
+
+int run_codes(const std::vector<std::string>& arguments) {
+  return run_subverb("codes", {{"show", "print patterns, black-first check and light efficiency", run_codes_show}},
+                     arguments);
+}
+
+}  // namespace e2lf::cli

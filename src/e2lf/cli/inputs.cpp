@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/inputs.h"
+
+#include "e2lf/aperture/codes_io.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/model/model.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+
+void add_codes_options(CLI::App& app, CodesSource& source) {
+  app.add_option("-m,--model", source.model, "model file: its patterns and sensor constants");
+  app.add_option("--codes", source.codes, "aperture patterns (.json, .npy, .npz); win over the model's");
+}
+
+Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
+  KnownCodes known;
+  if (!source.model.empty()) {
+    record.add_input(source.model);
+    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(source.model));
+    known.constants = model.constants;
+    known.event_model = model.event_model;
+    if (model.codes) known.codes = *model.codes;
+    if (!model.codes && source.codes.empty()) {
+      return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; give them with --codes",
+                   source.model.string()};
+    }
+  }
+  if (!source.codes.empty()) {
+    record.add_input(source.codes);
+    E2LF_ASSIGN_OR_RETURN(known.codes, aperture::read_codes(source.codes));
+  }
+  if (source.model.empty() && source.codes.empty()) known.codes = aperture::default_codes();
+  return known;
+}
+
+Result<lightfield::LightField> load_scene(const fs::path& path) { return lightfield::read_light_field(path); }
+
+Result<lightfield::LightField> load_reconstruction(const fs::path& path) {
+  lightfield::ReadOptions options;
+  options.range = lightfield::RangePolicy::kKeep;
+  std::error_code error;
+  const fs::path array = path / "lightfield.npy";
+  return lightfield::read_light_field(fs::exists(array, error) ? array : path, options);
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <string>
+
+#include "e2lf/aperture/codes.h"
+#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/base/result.h"
+#include "e2lf/cli/run_record.h"
+#include "e2lf/lightfield/light_field.h"
+
+namespace e2lf::cli {
+
+/// Where a verb takes its aperture patterns from: a model file or a file of codes.
+struct CodesSource {
+  std::filesystem::path model, codes;
+};
+
+/// The patterns and what is known of the sensor they were made for.
+struct KnownCodes {
+  aperture::Codes codes;
+  aperture::SensorConstants constants;
+  std::string event_model = "reference-aware";
+};
+
+/// Declares -m/--model and --codes.
+void add_codes_options(CLI::App& app, CodesSource& source);
+
+/// Reads the patterns: those of --codes, else those of the model, else the built-in ones when neither is given. Fails
+/// with kNotFound when the model holds no codes.
+[[nodiscard]] Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record);
+
+/// Reads a light field of any supported format as 8x8 grey views in [0, 1].
+[[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path);
+
+/// The same for a reconstruction: values outside [0, 1] are kept, and a folder may hold lightfield.npy in place of views.
+[[nodiscard]] Result<lightfield::LightField> load_reconstruction(const std::filesystem::path& path);
+
+}  // namespace e2lf::cli

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/light_field_output.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "e2lf/base/text.h"
+#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/epi.h"
+#include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/recon/reconstruct.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+using lightfield::LightField;
+
+Result<float> resolve_gain(const std::string& gain, const LightField& light_field) {
+  if (gain == "auto") return recon::auto_gain(light_field);
+  char* end = nullptr;
+  const float value = std::strtof(gain.c_str(), &end);
+  if (gain.empty() || *end != '\0' || !std::isfinite(value) || value <= 0) {
+    return Error{ErrorCode::kInvalidValue, cat("\"", gain, "\" is no gain; give auto or a positive number"), "--gain"};
+  }
+  return value;
+}
+
+Result<void> write_reconstruction(const fs::path& folder, const LightField& light_field, const std::string& format,
+                                  const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightFieldFormat views, lightfield::parse_format(format));
+  if (views == lightfield::LightFieldFormat::kNpy) {
+    E2LF_RETURN_IF_ERROR(lightfield::write_light_field(folder / "lightfield.npy", light_field, {.format = views}));
+  } else {
+    E2LF_RETURN_IF_ERROR(lightfield::write_views(folder, light_field, views, progress));
+  }
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "contact_sheet.png", lightfield::contact_sheet(light_field)));
+  const lightfield::EpiPictureOptions cut = lightfield::middle_cut(light_field.shape());
+  return lightfield::write_png(folder / "epi.png", lightfield::epi_picture(light_field, cut));
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// e2lf model info | import
+#include "e2lf/model/model.h"
+
+#include <cstdio>
+
+#include "e2lf/base/text.h"
+#include "e2lf/cli/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/model/summary.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+int run_model_info(const std::vector<std::string>& arguments) {
+  Verb verb("model info", "Say what a model file holds.", "e2lf model info models/e2lf-n4.safetensors");
+  fs::path path;
+  verb.app().add_option("model,-m,--model", path, "model file (.safetensors)")->required();
+  return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
+    if (verb.common().json) {
+      std::printf("%s\n", model::summary_json(model).dump(2).c_str());
+    } else {
+      std::printf("%s", model::summary_text(model).c_str());
+    }
+    return {};
+  });
+}
+
+int run_model_import(const std::vector<std::string>& arguments) {
+  Verb verb("model import", "Turn the paper's released weights into one model file.",
+            "e2lf model import --release DIR_WITH_RecNet_AND_AcqNet -o release.safetensors");
+  fs::path release, output;
+  verb.app().add_option("--release", release, "folder with RecNet.safetensors and AcqNet.safetensors")->required();
+  verb.app().add_option("-o,--output", output, "model file to write")->required();
+  return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_RETURN_IF_ERROR(check_output(output, verb.common().overwrite));
+    RunRecord record("model import");
+    for (const char* name : {"RecNet.safetensors", "AcqNet.safetensors"}) record.add_input(release / name);
+    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::import_release(release));
+    E2LF_RETURN_IF_ERROR(model::write_model(output, model));
+    record.end_step("import");
+    E2LF_RETURN_IF_ERROR(record.write(record_path_beside(output), verb));
+    if (!verb.common().quiet) std::printf("%s: %s", output.c_str(), model::summary_text(model).c_str());
+    return {};
+  });
+}
+
+}  // namespace
+
+int run_model(const std::vector<std::string>& arguments) {
+  return run_subverb("model",
+                     {{"info", "say what a model file holds", run_model_info},
+                      {"import", "turn the paper's released weights into a model file", run_model_import}},
+                     arguments);
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/rate_plot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::cli {
+namespace {
+
+constexpr double kWidth = 1000, kHeight = 420, kLeft = 80, kRight = 20, kTop = 40, kBottom = 50;
+
+/// A round number at or above x: 1, 2 or 5 times a power of ten.
+double round_up(double x) {
+  const double power = std::pow(10.0, std::floor(std::log10(std::max(x, 1e-9))));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= x) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+/// A filled curve of one polarity; `sign` is -1 for what grows upwards on the page.
+std::string area(const std::vector<uint64_t>& counts, double per_count, double sign, const char* colour) {
+  const double base = kTop + (kHeight - kTop - kBottom) / 2;
+  const double step = (kWidth - kLeft - kRight) / static_cast<double>(counts.size());
+  std::string path = cat("<path fill=\"", colour, "\" d=\"M", kLeft, " ", base);
+  for (size_t i = 0; i < counts.size(); ++i) {
+    const double y = base + sign * per_count * static_cast<double>(counts[i]);
+    path += cat(" L", kLeft + step * static_cast<double>(i), " ", y, " L", kLeft + step * static_cast<double>(i + 1), " ", y);
+  }
+  return path + cat(" L", kWidth - kRight, " ", base, " Z\"/>\n");
+}
+
+std::string label(double x, double y, const char* anchor, const std::string& text) {
+  return cat("<text x=\"", x, "\" y=\"", y, "\" text-anchor=\"", anchor, "\">", text, "</text>\n");
+}
+
+std::string line(double x0, double y0, double x1, double y1) {
+  return cat("<line x1=\"", x0, "\" y1=\"", y0, "\" x2=\"", x1, "\" y2=\"", y1, "\" stroke=\"#888\" stroke-width=\"0.7\"/>\n");
+}
+
+}  // namespace
+
+void RateSeries::add(const events::EventColumns& events) {
+  for (size_t i = 0; i < events.t.size(); ++i) {
+    const int64_t t = events.t[i];
+    if (!started_) {
+      first_us_ = t;
+      started_ = true;
+    }
+    auto bin = static_cast<size_t>(std::max<int64_t>(t - first_us_, 0) / bin_us_);
+    while (bin >= kMaxBins) {
+      merge_bins();
+      bin /= 2;
+    }
+    if (bin >= on_.size()) {
+      on_.resize(bin + 1);
+      off_.resize(bin + 1);
+    }
+    ++(events.p[i] != 0 ? on_ : off_)[bin];
+  }
+}
+
+void RateSeries::merge_bins() {
+  for (std::vector<uint64_t>* counts : {&on_, &off_}) {
+    const size_t merged = (counts->size() + 1) / 2;
+    counts->resize(2 * merged);
+    for (size_t i = 0; i < merged; ++i) (*counts)[i] = (*counts)[2 * i] + (*counts)[2 * i + 1];
+    counts->resize(merged);
+  }
+  bin_us_ *= 2;
+}
+
+std::string rate_plot_svg(const RateSeries& series) {
+  std::string svg = cat("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ", kWidth, " ", kHeight,
+                        "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n");
+  svg += label(kLeft, 22, "start", cat("event rate, ", static_cast<double>(series.bin_us()) / 1000.0, " ms per bin: ON above, OFF below"));
+  if (series.on().empty()) return svg + label(kWidth / 2, kHeight / 2, "middle", "no events") + "</svg>\n";
+
+  const uint64_t peak = std::max(*std::max_element(series.on().begin(), series.on().end()),
+                                 *std::max_element(series.off().begin(), series.off().end()));
+  const double bin_us = static_cast<double>(series.bin_us());
+  const double top_rate = round_up(static_cast<double>(peak) / bin_us);  // events per us = M events/s
+  const double half = (kHeight - kTop - kBottom) / 2;
+  const double per_count = half / (top_rate * bin_us);
+  svg += area(series.on(), per_count, -1, "#d62728");
+  svg += area(series.off(), per_count, 1, "#1f77b4");
+
+  for (const double share : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+    const double y = kTop + half - share * half;
+    svg += line(kLeft, y, kWidth - kRight, y);
+    svg += label(kLeft - 8, y + 4, "end", cat(std::abs(share) * top_rate));
+  }
+  svg += label(16, 22, "start", "M/s");
+  const double duration_ms = bin_us * static_cast<double>(series.on().size()) / 1000.0;
+  for (int tick = 0; tick <= 5; ++tick) {
+    const double x = kLeft + (kWidth - kLeft - kRight) * tick / 5;
+    svg += label(x, kHeight - 24, "middle", cat(std::round(duration_ms * tick / 5 * 100) / 100));
+  }
+  svg += label(kWidth / 2, kHeight - 6, "middle", cat("ms after the first event at ", series.first_us(), " us"));
+  return svg + "</svg>\n";
+}
+
+}  // namespace e2lf::cli

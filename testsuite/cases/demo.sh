@@ -1,0 +1,16 @@
+# The demo makes its pictures, says how good they are, and refuses to overwrite them unasked.
+"$E2LF" demo -o demo --width 96 --height 64 --json >result.json
+exists demo/scene/00_00.png demo/scene/07_07.png demo/events.npz demo/events.png demo/recon/07_07.png demo/recon/contact_sheet.png \
+  demo/recon/epi.png demo/refocus_near.png demo/refocus_far.png demo/run.json
+check "$(json result.json "j['psnr_db']") > 15"
+fails 1 "give --overwrite" "$E2LF" demo -o demo --width 96 --height 64
+"$E2LF" demo -o demo --width 96 --height 64 --overwrite --quiet >quiet.txt
+[ ! -s quiet.txt ] || fail "--quiet printed something"
+
+# The demo's own files go through the other verbs, with the same figures.
+"$E2LF" eval demo/scene demo/recon --json >eval.json
+check "abs($(json eval.json "j['psnr_db']") - $(json result.json "j['psnr_db']")) < 0.2"
+"$E2LF" info demo/scene --json >info.json
+[ "$(json info.json "j['views']")" = "[8, 8]" ] || fail "info on the scene"
+"$E2LF" info demo/events.npz --json >info.json
+[ "$(json info.json "(j['height'], j['width'])")" = "(64, 96)" ] || fail "info on the events"

@@ -1,0 +1,30 @@
+# Event images and an imported model to 64 views; float32 and its arithmetic twin agree; the gain is applied.
+make release weights
+"$E2LF" model import --release weights -o model.safetensors
+exists model.safetensors model.safetensors.run.json
+"$E2LF" model info model.safetensors --json >model.json
+[ "$(json model.json "j['parameters']")" = 948352 ] || fail "parameters of the paper's network"
+make events events.npz height=40 width=72
+make triple triple height=40 width=72
+"$E2LF" reconstruct events.npz -m model.safetensors -o plain --format npy --gain 1 --precision float32
+exists plain/lightfield.npy plain/contact_sheet.png plain/epi.png plain/run.json
+py - <<'PY'
+import numpy as np
+plain = np.load("plain/lightfield.npy")
+assert plain.shape == (8, 8, 40, 72) and plain.dtype == np.float32, (plain.shape, plain.dtype)
+PY
+"$E2LF" reconstruct events.npz -m model.safetensors -o twice --format npy --gain 2 --precision float32 --threads 1
+"$E2LF" reconstruct triple -m model.safetensors -o triple_out
+exists triple_out/00_00.png triple_out/07_07.png
+py - <<'PY'
+import numpy as np
+assert np.array_equal(np.load("twice/lightfield.npy"), 2 * np.load("plain/lightfield.npy")), "gain, or threads, change the values"
+PY
+# Several cycles: a folder each.
+make events cycles.npz cycles=3 height=16 width=24
+"$E2LF" reconstruct cycles.npz -m model.safetensors -o cycles
+exists cycles/cycle_00000/00_00.png cycles/cycle_00002/07_07.png cycles/run.json
+# The configuration file and --set say the same as flags do.
+echo '{"gain": "2", "format": "npy", "precision": "float32"}' >config.json
+"$E2LF" reconstruct events.npz -m model.safetensors -o configured --config config.json
+cmp configured/lightfield.npy twice/lightfield.npy

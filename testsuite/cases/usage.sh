@@ -1,0 +1,13 @@
+# Help goes to stdout with exit code 0 and has an example; mistakes go to stderr with exit code 2.
+"$E2LF" --help | grep -q reconstruct
+"$E2LF" version | grep -q '^e2lf [0-9]'
+fails 2 'did you mean "reconstruct"' "$E2LF" reconstuct
+for verb in demo info convert accumulate simulate reconstruct eval "codes show" "model info" "model import" "bench reconstruct"; do
+  # shellcheck disable=SC2086
+  "$E2LF" $verb --help >help.txt
+  grep -q '^Example:' help.txt || fail "no example in the help of $verb"
+done
+fails 2 "see e2lf eval --help" "$E2LF" eval
+fails 2 "did you mean" "$E2LF" model imprt
+fails 2 "E2LF_MAX_ISA" env E2LF_MAX_ISA=avx9000 "$E2LF" codes show
+fails 1 "check the path" "$E2LF" info nowhere
