@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "e2lf/aperture/codes_io.h"
-#include "e2lf/aperture/properties.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/verb.h"
 
@@ -21,9 +20,9 @@ Json codes_json(const aperture::Codes& codes) {
 }
 
 void print_codes(const aperture::Codes& codes) {
-  std::printf("%zu patterns of %zux%zu, %s, %s\n%s\nlight efficiency:", codes.num_patterns, codes.views_y, codes.views_x,
-              aperture::is_black_first(codes) ? "black first" : "NOT black first",
-              aperture::is_binary(codes) ? "binary" : "not binary", aperture::patterns_text(codes).c_str());
+  std::printf("%zu patterns of %zux%zu, %s, %s\n%s\nlight efficiency:", codes.num_patterns, codes.views_y,
+              codes.views_x, aperture::is_black_first(codes) ? "black first" : "NOT black first",
+              aperture::is_binary(codes) ? "binary" : "not binary", aperture::codes_text(codes).c_str());
   for (const float efficiency : aperture::light_efficiency(codes)) {
     std::printf(" %.1f %%", 100.0 * static_cast<double>(efficiency));
   }

@@ -101,7 +101,8 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
 
   const fs::path& folder = output.path();
   E2LF_RETURN_IF_ERROR(lightfield::write_light_field(folder / "scene", scene));
-  const auto codes = make_npy<float>({camera.codes.num_patterns, camera.codes.views_y, camera.codes.views_x}, camera.codes.values);
+  const auto codes =
+      make_npy<float>({camera.codes.num_patterns, camera.codes.views_y, camera.codes.views_x}, camera.codes.values);
   E2LF_RETURN_IF_ERROR(events::write_event_images(folder / "events.npz", {{images}, codes}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
   std::error_code ignored;
@@ -127,8 +128,14 @@ int run_demo(const std::vector<std::string>& arguments) {
             "e2lf demo -o out/demo --overwrite");
   DemoArguments demo_arguments;
   verb.app().add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
-  verb.app().add_option("--width", demo_arguments.width, "of each view, px")->check(CLI::Range(16, 8192))->capture_default_str();
-  verb.app().add_option("--height", demo_arguments.height, "of each view, px")->check(CLI::Range(16, 8192))->capture_default_str();
+  verb.app()
+      .add_option("--width", demo_arguments.width, "of each view, px")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str();
+  verb.app()
+      .add_option("--height", demo_arguments.height, "of each view, px")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str();
   return verb.run(arguments, [&] { return demo(demo_arguments, verb); });
 }
 

@@ -51,7 +51,8 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_eval(const std::vector<std::string>& arguments) {
-  Verb verb("eval", "Compare a reconstructed light field with the true one: PSNR and SSIM of each view and their means.",
+  Verb verb("eval",
+            "Compare a reconstructed light field with the true one: PSNR and SSIM of each view and their means.",
             "e2lf eval scene/ out/recon --events events.npz --json");
   EvalArguments evaluation;
   CLI::App& app = verb.app();

@@ -58,10 +58,14 @@ Result<Description> describe_light_field(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(path, options));
   const lightfield::Shape& shape = light_field.shape();
   const auto [low, high] = std::minmax_element(light_field.data().begin(), light_field.data().end());
-  Json json = {{"kind", "light field"},      {"format", lightfield::kind_name(kind)},
-               {"views", {shape.views_y, shape.views_x}}, {"height", shape.height},
-               {"width", shape.width},       {"channels", shape.channels},
-               {"min", *low},                {"max", *high}};
+  Json json = {{"kind", "light field"},
+               {"format", lightfield::kind_name(kind)},
+               {"views", {shape.views_y, shape.views_x}},
+               {"height", shape.height},
+               {"width", shape.width},
+               {"channels", shape.channels},
+               {"min", *low},
+               {"max", *high}};
   return Description{cat("light field (", lightfield::kind_name(kind), "): ", shape.views_y, "x", shape.views_x,
                          " views of ", shape.width, "x", shape.height, " px, ", shape.channels == 1 ? "grey" : "colour",
                          ", values ", *low, "..", *high, "\n"),

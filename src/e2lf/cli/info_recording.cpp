@@ -59,10 +59,12 @@ void print_text(const events::RecordingInfo& info, const events::DecodeSummary& 
     const events::ViolationCount& violation = summary.violations[i];
     if (violation.count == 0) continue;
     std::printf("damage:    %s: %llu, first at byte %llu\n", events::violation_name(static_cast<events::Violation>(i)),
-                static_cast<unsigned long long>(violation.count), static_cast<unsigned long long>(violation.first_byte));
+                static_cast<unsigned long long>(violation.count),
+                static_cast<unsigned long long>(violation.first_byte));
   }
   if (summary.num_gaps > 0) {
-    std::printf("gaps:      %llu stretches of time are incomplete\n", static_cast<unsigned long long>(summary.num_gaps));
+    std::printf("gaps:      %llu stretches of time are incomplete\n",
+                static_cast<unsigned long long>(summary.num_gaps));
   }
   for (const auto& [key, value] : info.header) std::printf("header:    %s = %s\n", key.c_str(), value.c_str());
 }

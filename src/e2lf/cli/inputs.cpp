@@ -34,7 +34,9 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
   return known;
 }
 
-Result<lightfield::LightField> load_scene(const fs::path& path) { return lightfield::read_light_field(path); }
+Result<lightfield::LightField> load_scene(const fs::path& path) {
+  return lightfield::read_light_field(path);
+}
 
 Result<lightfield::LightField> load_reconstruction(const fs::path& path) {
   lightfield::ReadOptions options;

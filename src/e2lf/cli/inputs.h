@@ -2,7 +2,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-
 #include <filesystem>
 #include <string>
 
@@ -36,7 +35,8 @@ void add_codes_options(CLI::App& app, CodesSource& source);
 /// Reads a light field of any supported format as 8x8 grey views in [0, 1].
 [[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path);
 
-/// The same for a reconstruction: values outside [0, 1] are kept, and a folder may hold lightfield.npy in place of views.
+/// The same for a reconstruction: values outside [0, 1] are kept, and a folder may hold lightfield.npy in place of
+/// views.
 [[nodiscard]] Result<lightfield::LightField> load_reconstruction(const std::filesystem::path& path);
 
 }  // namespace e2lf::cli

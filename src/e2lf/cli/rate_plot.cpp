@@ -27,7 +27,8 @@ std::string area(const std::vector<uint64_t>& counts, double per_count, double s
   std::string path = cat("<path fill=\"", colour, "\" d=\"M", kLeft, " ", base);
   for (size_t i = 0; i < counts.size(); ++i) {
     const double y = base + sign * per_count * static_cast<double>(counts[i]);
-    path += cat(" L", kLeft + step * static_cast<double>(i), " ", y, " L", kLeft + step * static_cast<double>(i + 1), " ", y);
+    path += cat(" L", kLeft + step * static_cast<double>(i), " ", y, " L", kLeft + step * static_cast<double>(i + 1),
+                " ", y);
   }
   return path + cat(" L", kWidth - kRight, " ", base, " Z\"/>\n");
 }
@@ -37,7 +38,8 @@ std::string label(double x, double y, const char* anchor, const std::string& tex
 }
 
 std::string line(double x0, double y0, double x1, double y1) {
-  return cat("<line x1=\"", x0, "\" y1=\"", y0, "\" x2=\"", x1, "\" y2=\"", y1, "\" stroke=\"#888\" stroke-width=\"0.7\"/>\n");
+  return cat("<line x1=\"", x0, "\" y1=\"", y0, "\" x2=\"", x1, "\" y2=\"", y1,
+             "\" stroke=\"#888\" stroke-width=\"0.7\"/>\n");
 }
 
 }  // namespace
@@ -73,9 +75,11 @@ void RateSeries::merge_bins() {
 }
 
 std::string rate_plot_svg(const RateSeries& series) {
-  std::string svg = cat("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ", kWidth, " ", kHeight,
-                        "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n");
-  svg += label(kLeft, 22, "start", cat("event rate, ", static_cast<double>(series.bin_us()) / 1000.0, " ms per bin: ON above, OFF below"));
+  std::string svg =
+      cat("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ", kWidth, " ", kHeight,
+          "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n");
+  svg += label(kLeft, 22, "start",
+               cat("event rate, ", static_cast<double>(series.bin_us()) / 1000.0, " ms per bin: ON above, OFF below"));
   if (series.on().empty()) return svg + label(kWidth / 2, kHeight / 2, "middle", "no events") + "</svg>\n";
 
   const uint64_t peak = std::max(*std::max_element(series.on().begin(), series.on().end()),

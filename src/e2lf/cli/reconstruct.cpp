@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // e2lf reconstruct: event images or a recording -> light field
+#include "e2lf/recon/reconstruct.h"
+
 #include <cstdio>
 
 #include "e2lf/base/progress.h"
@@ -11,7 +13,6 @@
 #include "e2lf/events/event_images.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/inversion.h"
-#include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -107,8 +108,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     const Json result = {{"output", arguments.output.string()}, {"cycles", cycles}, {"timings_s", record.timings_s()}};
     std::printf("%s\n", result.dump(2).c_str());
   } else if (!common.quiet) {
-    std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n", file.cycles.size(),
-                file.cycles.size() == 1 ? "" : "s", arguments.output.c_str(), cycles.front()["gain"].get<double>());
+    std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n",
+                file.cycles.size(), file.cycles.size() == 1 ? "" : "s", arguments.output.c_str(),
+                cycles.front()["gain"].get<double>());
   }
   return {};
 }
@@ -131,7 +133,8 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("--precision", reconstruction.precision, "arithmetic of the network: auto, float32 or bfloat16")
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
       ->capture_default_str();
-  app.add_option("--gain", reconstruction.gain, "brightness of the output: auto (estimated) or a number; 1 = as computed")
+  app.add_option("--gain", reconstruction.gain,
+                 "brightness of the output: auto (estimated) or a number; 1 = as computed")
       ->capture_default_str();
   app.add_option("--format", reconstruction.format, "png, png16 (64 views) or npy (float32 [8, 8, y, x], not clamped)")
       ->check(CLI::IsMember({"png", "png16", "npy"}))

@@ -43,9 +43,10 @@ void print_statistics(const events::EventImages& images, const CommonOptions& co
   if (common.json) {
     std::printf("%s\n", eval::to_json(statistics).dump(2).c_str());
   } else if (!common.quiet) {
-    std::printf("%zu transitions of %zux%zu px, %.2f events per pixel; a sensor of 1.066 G events/s needs at least %.1f ms\n",
-                images.transitions, images.width, images.height, statistics.total_events_per_pixel,
-                statistics.min_measurement_ms);
+    std::printf(
+        "%zu transitions of %zux%zu px, %.2f events per pixel; a sensor of 1.066 G events/s needs at least %.1f ms\n",
+        images.transitions, images.width, images.height, statistics.total_events_per_pixel,
+        statistics.min_measurement_ms);
   }
 }
 
@@ -54,9 +55,9 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   RunRecord record("simulate");
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(arguments.codes, record));
-  E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(arguments.event_model.empty()
-                                                                            ? known.event_model
-                                                                            : arguments.event_model));
+  E2LF_ASSIGN_OR_RETURN(
+      const auto model,
+      sensor::event_model_from_name(arguments.event_model.empty() ? known.event_model : arguments.event_model));
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input));
   record.end_step("read");
 
@@ -67,7 +68,8 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(events::EventImages images, sensor::simulate_events(known.codes, scene, options));
     file.cycles.push_back(std::move(images));
   }
-  file.codes = make_npy<float>({known.codes.num_patterns, known.codes.views_y, known.codes.views_x}, known.codes.values);
+  file.codes =
+      make_npy<float>({known.codes.num_patterns, known.codes.views_y, known.codes.views_x}, known.codes.values);
   record.end_step("simulate");
   E2LF_RETURN_IF_ERROR(events::write_event_images(arguments.output, file));
   record.end_step("write");
