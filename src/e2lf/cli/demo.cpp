@@ -17,7 +17,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/model/model.h"
-#include "e2lf/recon/inversion.h"
+#include "e2lf/recon/linear_estimate.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/sensor/event_model.h"
 
@@ -53,7 +53,7 @@ Result<Camera> make_camera() {
 
 Result<LightField> reconstruct(const Camera& camera, const events::EventImages& images, const ProgressFn& progress) {
   if (camera.network) return camera.network->reconstruct(images, progress);
-  return recon::invert_to_light_field(images, camera.codes, camera.constants);
+  return recon::reconstruct_by_inversion(images, camera.codes, camera.constants);
 }
 
 /// Pictures focused on the front and on the back of the scene.

@@ -9,7 +9,7 @@
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/recon/reconstruct.h"
+#include "e2lf/recon/gain.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

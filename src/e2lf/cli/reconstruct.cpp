@@ -12,7 +12,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/events/event_images.h"
 #include "e2lf/model/model.h"
-#include "e2lf/recon/inversion.h"
+#include "e2lf/recon/linear_estimate.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -55,7 +55,7 @@ Result<Method> inversion_method(const ReconstructArguments& arguments, const eve
     E2LF_ASSIGN_OR_RETURN(known, load_codes(arguments.codes, record));
   }
   return Method([known](const events::EventImages& images, const ProgressFn&) {
-    return recon::invert_to_light_field(images, known.codes, known.constants);
+    return recon::reconstruct_by_inversion(images, known.codes, known.constants);
   });
 }
 
