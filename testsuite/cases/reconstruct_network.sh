@@ -3,7 +3,7 @@ make release weights
 "$E2LF" model import --release weights -o model.safetensors
 exists model.safetensors model.safetensors.run.json
 "$E2LF" model info model.safetensors --json >model.json
-[ "$(json model.json "j['parameters']")" = 948352 ] || fail "parameters of the paper's network"
+[ "$(json model.json "j['network']['parameters']")" = 948352 ] || fail "parameters of the paper's network"
 make events events.npz height=40 width=72
 make triple triple height=40 width=72
 "$E2LF" reconstruct events.npz -m model.safetensors -o plain --format npy --gain 1 --precision float32

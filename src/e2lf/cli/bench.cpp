@@ -2,7 +2,6 @@
 // e2lf bench reconstruct | decode | simulate
 #include <cstdio>
 
-#include "e2lf/cli/bench_reconstruct.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/sensor/benchmark.h"
 
@@ -10,7 +9,8 @@ namespace e2lf::cli {
 namespace {
 
 int run_bench_simulate(const std::vector<std::string>& arguments) {
-  Verb verb("bench simulate", "Measure the event simulation against the scalar reference on one thread, in the same run.",
+  Verb verb("bench simulate",
+            "Measure the event simulation against the scalar reference on one thread, in the same run.",
             "e2lf bench simulate --json");
   sensor::SimulationBenchmarkOptions options;
   verb.app().add_option("--width", options.width)->capture_default_str();
@@ -40,9 +40,7 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int run_bench(const std::vector<std::string>& arguments) {
-  return run_subverb("bench",
-                     {{"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
-                      {"simulate", "the event simulation, against the scalar reference", run_bench_simulate}},
+  return run_subverb("bench", {{"simulate", "the event simulation, against the scalar reference", run_bench_simulate}},
                      arguments);
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/inputs.h"
