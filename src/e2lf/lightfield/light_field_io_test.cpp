@@ -9,6 +9,7 @@
 #include <hdf5.h>
 #include <map>
 #include <matio.h>
+#include <zlib.h>
 
 #include "e2lf/base/file.h"
 #include "e2lf/base/npy.h"
@@ -394,6 +395,28 @@ TEST(Hdf5File, OddContentIsAnErrorAndPrintsNothing) {
   ASSERT_TRUE(write_file(folder / "b.h5", std::string("\x89HDF\r\n\x1a\n and nothing more")).ok());
   EXPECT_EQ(read_light_field(folder / "b.h5").error().code, ErrorCode::kFormat);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(Hdf5File, AChunkSmallerThanTheLayoutSaysIsRefused) {
+  const TestFolder folder;
+  const hid_t file = H5Fcreate((folder / "a.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t extents[] = {64, 8, 8};
+  const hid_t space = H5Screate_simple(3, extents, nullptr);
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(creation, 3, extents);
+  H5Pset_deflate(creation, 6);
+  const hid_t set = H5Dcreate2(file, "LF_y", H5T_NATIVE_UINT8, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+  const std::vector<uint8_t> part(64 * 8 * 4, 7);
+  std::vector<uint8_t> packed(part.size());
+  uLongf packed_bytes = packed.size();
+  ASSERT_EQ(compress(packed.data(), &packed_bytes, part.data(), part.size()), Z_OK);
+  const hsize_t offset[] = {0, 0, 0};
+  ASSERT_GE(H5Dwrite_chunk(set, H5P_DEFAULT, 0, offset, packed_bytes, packed.data()), 0);
+  H5Dclose(set);
+  H5Pclose(creation);
+  H5Sclose(space);
+  H5Fclose(file);
+  EXPECT_EQ(read_light_field(folder / "a.h5").error().code, ErrorCode::kTruncated);
 }
 
 TEST(Hdf5File, PutsTheErrorHandlerBack) {

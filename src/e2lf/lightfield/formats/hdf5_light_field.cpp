@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <array>
+#include <zlib.h>
+
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/hdf5_file.h"
@@ -23,8 +26,11 @@ std::string find_name(hid_t file) {
   return "";
 }
 
+/// Without the sieve buffer: HDF5 1.10 reads beyond it where a damaged file puts samples past its end.
 Hdf5Id open_file(const std::filesystem::path& path) {
-  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_sieve_buf_size(access.get(), 0);
+  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose};
 }
 
 Result<OpenedSet> open_set(hid_t file, const std::filesystem::path& path) {
@@ -86,6 +92,50 @@ hid_t memory_type(SampleType type) {
   return H5T_NATIVE_FLOAT;
 }
 
+/// False when a chunk does not hold as many bytes as the layout says: HDF5 1.10 then reads beyond it. The compressed
+/// size of every chunk is looked at, and the first one is inflated, which shows a layout that was damaged.
+bool chunks_are_whole(hid_t set, hid_t space, hid_t creation, size_t bytes_each) {
+  std::array<hsize_t, H5S_MAX_RANK> extents{};
+  const int rank = H5Pget_chunk(creation, H5S_MAX_RANK, extents.data());
+  uLongf chunk_bytes = bytes_each;
+  for (int axis = 0; axis < rank; ++axis) chunk_bytes *= extents[static_cast<size_t>(axis)];
+  const int filters = H5Pget_nfilters(creation);
+  hsize_t count = 0;
+  if (rank < 1 || filters < 0 || H5Dget_num_chunks(set, space, &count) < 0) return false;
+  std::array<hsize_t, H5S_MAX_RANK> offset{};
+  hsize_t first_bytes = 0;
+  for (hsize_t chunk = count; chunk-- > 0;) {
+    unsigned skipped_filters = 0;
+    if (H5Dget_chunk_info(set, space, chunk, offset.data(), &skipped_filters, nullptr, &first_bytes) < 0) return false;
+    if (skipped_filters != 0 || (filters == 0 && first_bytes != chunk_bytes)) return false;
+  }
+  if (count == 0 || filters == 0) return true;
+
+  unsigned flags = 0, skipped_filters = 0;
+  size_t num_values = 0;
+  const H5Z_filter_t last =
+      H5Pget_filter2(creation, static_cast<unsigned>(filters) - 1, &flags, &num_values, nullptr, 0, nullptr, nullptr);
+  if (last != H5Z_FILTER_DEFLATE || chunk_bytes / 1032 > first_bytes) return false;
+  std::vector<uint8_t> packed(first_bytes), whole(chunk_bytes);
+  return H5Dread_chunk(set, H5P_DEFAULT, offset.data(), &skipped_filters, packed.data()) >= 0 &&
+         uncompress(whole.data(), &chunk_bytes, packed.data(), first_bytes) == Z_OK && chunk_bytes == whole.size();
+}
+
+/// False when the file does not store what the extents promise. Unwritten chunks take no space, but a light field has
+/// hardly any of these.
+bool holds_samples(hid_t set) {
+  constexpr double kMaxDeflateRatio = 1032.0;
+  const Hdf5Id type(H5Dget_type(set), H5Tclose);
+  const Hdf5Id space(H5Dget_space(set), H5Sclose);
+  const Hdf5Id creation(H5Dget_create_plist(set), H5Pclose);
+  if (!type.valid() || !space.valid() || !creation.valid()) return false;
+  const double promised =
+      static_cast<double>(H5Sget_simple_extent_npoints(space.get())) * static_cast<double>(H5Tget_size(type.get()));
+  const bool chunked = H5Pget_layout(creation.get()) == H5D_CHUNKED;
+  return promised <= static_cast<double>(H5Dget_storage_size(set)) * (chunked ? kMaxDeflateRatio : 1.0) &&
+         (!chunked || chunks_are_whole(set, space.get(), creation.get(), H5Tget_size(type.get())));
+}
+
 std::string extents_text(const std::vector<hsize_t>& extents) {
   return shape_text({extents.begin(), extents.end()});
 }
@@ -134,14 +184,11 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   array.type = *type;
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));
 
-  // Chunks that were never written take no space in a file; a light field has none of these.
-  const hsize_t stored_bytes = H5Dget_storage_size(opened.set.get());
-  std::vector<uint8_t> bytes;
-  const size_t wanted_bytes = array.shape.size() * sample_bytes(*type);
-  if (static_cast<double>(wanted_bytes) > 1032.0 * static_cast<double>(stored_bytes)) {
-    return Error{ErrorCode::kTruncated, "most samples are not in the file; copy or store it again", location};
+  if (!holds_samples(opened.set.get())) {
+    return Error{ErrorCode::kTruncated,
+                 "samples are missing, or packed by another filter than deflate; copy or store it again", location};
   }
-  bytes.resize(wanted_bytes);
+  std::vector<uint8_t> bytes(array.shape.size() * sample_bytes(*type));
   if (H5Dread(opened.set.get(), memory_type(*type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
     return Error{ErrorCode::kFormat, cat("the samples cannot be read (", hdf5_reason(), "); copy the file again"),
                  location};
