@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "e2lf/events/cycles/burst_detector.h"
+#include "e2lf/events/cycles/pattern_tracker.h"
+#include "e2lf/events/cycles/pixel_filter.h"
+#include "e2lf/events/cycles/schedule.h"
+#include "e2lf/events/recording.h"
+
+namespace e2lf::events {
+
+/// What tells when patterns change.
+enum class CycleSource {
+  kTriggers,  ///< an external trigger for each pattern, or for each cycle
+  kSchedule,  ///< the schedule alone, from one known time on
+  kBursts,    ///< the events themselves
+};
+
+enum class TriggerEdge { kRising, kFalling, kBoth };
+
+struct CycleOptions {
+  CycleSource source = CycleSource::kBursts;
+  Schedule schedule = paper_schedule();
+
+  TriggerEdge edge = TriggerEdge::kRising;
+  std::optional<uint16_t> channel = {};  ///< of the triggers; nothing = all
+  bool one_trigger_per_cycle = false;    ///< at the start of its first pattern
+  TrackerOptions tracker = {};           ///< for triggers and bursts
+  BurstOptions bursts = {};
+
+  int64_t origin_us = 0;  ///< kSchedule: when the first pattern of any cycle began
+
+  std::optional<PixelFilterOptions> filter = {};  ///< hot and flickering pixels
+
+  /// Events that may wait until their pattern is known; more than this and the oldest are given up.
+  size_t max_waiting_events = size_t{1} << 26;
+};
+
+/// One pass over the patterns.
+struct Cycle {
+  uint64_t number = 0;            ///< in the recording, dropped ones counted
+  int64_t begin_us = 0;           ///< start of its first pattern
+  std::vector<TimeSlice> slices;  ///< of the event images
+  EventImages images;
+  uint64_t events = 0;      ///< in the images
+  float confidence = 1.0F;  ///< of the least certain transition, 0..1
+};
+
+/// Why a cycle was dropped.
+enum class CycleFault {
+  kMissing,  ///< a transition was not seen
+  kDoubled,  ///< a transition too many was seen
+  kLost,     ///< the transitions left the schedule
+  kPartial,  ///< the recording begins or ends within it
+};
+inline constexpr size_t kNumCycleFaults = 4;
+[[nodiscard]] const char* cycle_fault_name(CycleFault fault);
+
+struct DroppedCycle {
+  uint64_t number = 0;
+  int64_t begin_us = 0;
+  int64_t fault_us = 0;
+  CycleFault fault = CycleFault::kMissing;
+};
+
+struct CycleReport {
+  uint64_t complete = 0;
+  std::array<uint64_t, kNumCycleFaults> dropped{};
+  std::vector<DroppedCycle> drops;  ///< the first kMaxDrops
+  uint64_t marks = 0;               ///< triggers of the channel and edge, or bursts
+  uint64_t unassigned_marks = 0;    ///< of them, those whose pattern could not be told
+  uint64_t events_given_up = 0;     ///< waited too long
+  uint64_t hot_pixels = 0;          ///< that the filter silences now
+
+  static constexpr size_t kMaxDrops = 1000;
+};
+
+/// Cuts a recording into cycles and accumulates each into event images. Memory is bounded by one cycle's images, one
+/// batch and the events whose pattern is not known yet: a few milliseconds of them, or one cycle at the start.
+class CycleReader {
+ public:
+  /// Fails with kInvalidValue: a schedule that is not valid, a first pattern that does not exist, a sensor of unknown
+  /// size (give the reader one).
+  [[nodiscard]] static Result<CycleReader> open(std::unique_ptr<RecordingReader> reader, const CycleOptions& options);
+
+  CycleReader(CycleReader&&) noexcept;
+  CycleReader& operator=(CycleReader&&) noexcept;
+  ~CycleReader();
+
+  /// The next complete cycle; nothing at the end. Cycles that are not complete are dropped and reported.
+  /// Fails as the reader does.
+  [[nodiscard]] Result<std::optional<Cycle>> next();
+
+  [[nodiscard]] CycleReport report() const;
+  [[nodiscard]] const RecordingReader& recording() const;
+
+ private:
+  class Impl;
+  explicit CycleReader(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace e2lf::events
