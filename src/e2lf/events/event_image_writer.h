@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "e2lf/base/result.h"
+#include "e2lf/events/event_images.h"
+
+namespace e2lf::events {
+
+/// Writes an .npz with `events` int16 [cycles, N-1, y, x] cycle by cycle, in constant memory, for any number of cycles.
+/// The file appears at finish(), whole; destroyed without it, nothing is left behind. Read it with read_event_images()
+/// or numpy.
+class EventImageWriter {
+ public:
+  /// Starts beside `path`. Fails with kIo.
+  [[nodiscard]] static Result<EventImageWriter> create(const std::filesystem::path& path);
+  EventImageWriter(EventImageWriter&&) noexcept;
+  ~EventImageWriter();
+
+  /// Appends a cycle; all cycles must have the shape of the first. Fails with kIo.
+  [[nodiscard]] Result<void> add(const EventImages& images);
+
+  [[nodiscard]] uint64_t cycles() const;
+
+  /// Ends the file and puts it in place. Fails with kIo, and kInvalidValue when no cycle was added.
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  class Impl;
+  explicit EventImageWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace e2lf::events

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/events/event_image_writer.h"
+
+#include <filesystem>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/rng.h"
+
+namespace e2lf::events {
+namespace {
+
+namespace fs = std::filesystem;
+
+EventImages random_images(uint64_t seed) {
+  EventImages images(3, 17, 29);
+  const CounterRng rng(seed, 0);
+  for (size_t i = 0; i < images.counts.size(); ++i) {
+    images.counts[i] = static_cast<int16_t>(static_cast<int>(rng.below(i, 4001)) - 2000);
+  }
+  return images;
+}
+
+fs::path test_path(const std::string& name) {
+  return fs::path(testing::TempDir()) / name;
+}
+
+TEST(EventImageWriter, WritesWhatReadEventImagesReads) {
+  const fs::path path = test_path("event_image_writer.npz");
+  fs::remove(path);
+  auto writer = EventImageWriter::create(path);
+  ASSERT_TRUE(writer) << writer.error().text();
+  for (uint64_t cycle = 0; cycle < 5; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
+  EXPECT_FALSE(fs::exists(path));
+  const auto finished = writer->finish();
+  ASSERT_TRUE(finished) << finished.error().text();
+  const auto file = read_event_images(path);
+  ASSERT_TRUE(file) << file.error().text();
+  ASSERT_EQ(file->cycles.size(), 5U);
+  for (uint64_t cycle = 0; cycle < 5; ++cycle) EXPECT_EQ(file->cycles[cycle], random_images(cycle));
+  fs::remove(path);
+}
+
+TEST(EventImageWriter, LeavesNothingBehindWithoutFinish) {
+  const fs::path folder = test_path("event_image_writer_folder");
+  {
+    auto writer = EventImageWriter::create(folder / "a.npz");
+    ASSERT_TRUE(writer);
+    ASSERT_TRUE(writer->add(random_images(1)));
+  }
+  EXPECT_TRUE(fs::is_empty(folder));
+  fs::remove_all(folder);
+}
+
+TEST(EventImageWriter, RefusesAFileWithoutCycles) {
+  auto writer = EventImageWriter::create(test_path("event_image_writer_none.npz"));
+  ASSERT_TRUE(writer);
+  EXPECT_EQ(writer->finish().error().code, ErrorCode::kInvalidValue);
+}
+
+}  // namespace
+}  // namespace e2lf::events
