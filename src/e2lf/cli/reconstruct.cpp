@@ -2,11 +2,16 @@
 // e2lf reconstruct: event images or a recording -> light field
 #include "e2lf/recon/reconstruct.h"
 
+#include <chrono>
 #include <cstdio>
+#include <functional>
+#include <memory>
+#include <optional>
 
 #include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
 #include "e2lf/cli/run_record.h"
@@ -24,6 +29,7 @@ struct ReconstructArguments {
   fs::path input, output;
   CodesSource codes;
   std::string method = "network", precision = "auto", gain = "auto", format = "png";
+  CycleFlags cycles;
 };
 
 /// One way from the event images of a cycle to a light field.
@@ -65,54 +71,152 @@ Result<Method> make_method(const ReconstructArguments& arguments, const events::
   return arguments.method == "network" ? network_method(arguments, record) : inversion_method(arguments, file, record);
 }
 
-fs::path cycle_folder(const fs::path& folder, size_t cycle, size_t num_cycles) {
-  if (num_cycles == 1) return folder;
+/// The event images of one cycle after the other, from a file of them or cut from a recording as it is read.
+class CycleInput {
+ public:
+  explicit CycleInput(events::EventImageFile file) : file_(std::move(file)) {}
+  CycleInput(events::CycleReader reader, uint64_t max_cycles) : reader_(std::move(reader)), max_cycles_(max_cycles) {}
+
+  Result<std::optional<events::EventImages>> next() {
+    if (!reader_) {
+      return taken_ == file_.cycles.size() ? std::nullopt : std::optional(std::move(file_.cycles[taken_++]));
+    }
+    if (max_cycles_ != 0 && taken_ == max_cycles_) return std::optional<events::EventImages>();
+    E2LF_ASSIGN_OR_RETURN(std::optional<events::Cycle> cycle, reader_->next());
+    if (!cycle) return std::optional<events::EventImages>();
+    ++taken_;
+    return std::optional(std::move(cycle->images));
+  }
+
+  [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
+  [[nodiscard]] const events::EventImageFile& file() const { return file_; }
+  [[nodiscard]] events::CycleReport report() const { return reader_->report(); }
+
+ private:
+  events::EventImageFile file_;
+  std::optional<events::CycleReader> reader_;
+  uint64_t max_cycles_ = 0;
+  size_t taken_ = 0;
+};
+
+Result<CycleInput> open_input(const ReconstructArguments& arguments) {
+  if (is_recording(arguments.input)) {
+    E2LF_ASSIGN_OR_RETURN(events::CycleReader reader, open_cycles(arguments.input, arguments.cycles));
+    return CycleInput(std::move(reader), arguments.cycles.max_cycles);
+  }
+  E2LF_ASSIGN_OR_RETURN(events::EventImageFile file, events::read_event_images(arguments.input));
+  return CycleInput(std::move(file));
+}
+
+std::string cycle_name(size_t cycle) {
   std::string number = std::to_string(cycle);
   number.insert(0, number.size() < 5 ? 5 - number.size() : 0, '0');
-  return folder / ("cycle_" + number);
+  return "cycle_" + number;
+}
+
+/// Reconstructs cycles and writes each; what has been done so far.
+class CycleWriter {
+ public:
+  CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common, Method method)
+      : arguments_(arguments), common_(common), method_(std::move(method)) {}
+
+  /// Into an existing folder.
+  Result<void> process(const events::EventImages& images, const fs::path& folder) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto elapsed_s = [begin] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    LightField light_field;
+    {
+      ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet);
+      E2LF_ASSIGN_OR_RETURN(light_field, method_(images, bar.callback()));
+    }
+    const double reconstruct_s = elapsed_s();
+    if (!gain_) {
+      E2LF_ASSIGN_OR_RETURN(gain_, resolve_gain(arguments_.gain, light_field));
+    }
+    if (*gain_ != 1.0F) {
+      for (float& value : light_field.data()) value *= *gain_;
+    }
+    E2LF_RETURN_IF_ERROR(write_reconstruction(folder, light_field, arguments_.format, {}));
+    cycles_.push_back(
+        {{"cycle", cycles_.size()}, {"gain", *gain_}, {"reconstruct_s", reconstruct_s}, {"latency_s", elapsed_s()}});
+    return {};
+  }
+
+  [[nodiscard]] const Json& cycles() const { return cycles_; }
+
+ private:
+  const ReconstructArguments& arguments_;
+  const CommonOptions& common_;
+  Method method_;
+  std::optional<float> gain_;  ///< of the first cycle, kept so that a sequence does not flicker
+  Json cycles_ = Json::array();
+};
+
+/// A file of event images: one folder that appears whole; with several cycles, a folder in it for each.
+Result<void> process_file(CycleInput& input, CycleWriter& writer, const fs::path& folder) {
+  const bool single = input.file().cycles.size() == 1;
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(const std::optional<events::EventImages> images, input.next());
+    if (!images) return {};
+    const fs::path target = single ? folder : folder / cycle_name(writer.cycles().size());
+    std::error_code ignored;
+    fs::create_directories(target, ignored);
+    E2LF_RETURN_IF_ERROR(writer.process(*images, target));
+  }
+}
+
+/// A recording: the folder of each cycle appears, whole, as soon as it is done.
+Result<void> process_recording(CycleInput& input, CycleWriter& writer, const fs::path& folder) {
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(const std::optional<events::EventImages> images, input.next());
+    if (!images) break;
+    E2LF_ASSIGN_OR_RETURN(AtomicFolder target,
+                          AtomicFolder::create(folder / cycle_name(writer.cycles().size()), false));
+    E2LF_RETURN_IF_ERROR(writer.process(*images, target.path()));
+    E2LF_RETURN_IF_ERROR(target.commit());
+  }
+  if (!writer.cycles().empty()) return {};
+  return Error{
+      ErrorCode::kInvalidValue,
+      cat("no complete pattern cycle was found (", report_text(input.report()), "); check --source and --schedule"),
+      folder.string()};
+}
+
+void print_result(const ReconstructArguments& arguments, const CommonOptions& common, const Json& cycles) {
+  if (common.json) {
+    const Json result = {{"output", arguments.output.string()}, {"cycles", cycles}};
+    std::printf("%s\n", result.dump(2).c_str());
+  } else if (!common.quiet) {
+    std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n", cycles.size(),
+                cycles.size() == 1 ? "" : "s", arguments.output.c_str(), cycles.front()["gain"].get<double>());
+  }
 }
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(AtomicFolder output, AtomicFolder::create(arguments.output, common.overwrite));
   RunRecord record("reconstruct");
-  record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(const events::EventImageFile file, events::read_event_images(arguments.input));
-  E2LF_ASSIGN_OR_RETURN(const Method method, make_method(arguments, file, record));
-  record.end_step("read");
-
-  Json cycles = Json::array();
-  for (size_t cycle = 0; cycle < file.cycles.size(); ++cycle) {
-    LightField light_field;
-    {
-      ProgressBar bar(file.cycles.size() == 1 ? "reconstruct" : cat("reconstruct cycle ", cycle), common.quiet);
-      E2LF_ASSIGN_OR_RETURN(light_field, method(file.cycles[cycle], bar.callback()));
-    }
-    E2LF_ASSIGN_OR_RETURN(const float gain, resolve_gain(arguments.gain, light_field));
-    if (gain != 1.0F) {
-      for (float& value : light_field.data()) value *= gain;
-    }
-    record.end_step(cat("reconstruct_", cycle));
-    const fs::path folder = cycle_folder(output.path(), cycle, file.cycles.size());
-    std::error_code ignored;
-    fs::create_directories(folder, ignored);
-    ProgressBar bar("write", common.quiet);
-    E2LF_RETURN_IF_ERROR(write_reconstruction(folder, light_field, arguments.format, bar.callback()));
-    record.end_step(cat("write_", cycle));
-    cycles.push_back({{"cycle", cycle}, {"gain", gain}});
+  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_input(arguments));
+  E2LF_ASSIGN_OR_RETURN(Method method, make_method(arguments, input.file(), record));
+  record.end_step("open");
+  CycleWriter writer(arguments, common, std::move(method));
+  if (input.is_recording()) {
+    // Earlier cycles are of use while later ones are still being recorded: the folder itself appears at once.
+    E2LF_RETURN_IF_ERROR(output.commit());
+    E2LF_RETURN_IF_ERROR(process_recording(input, writer, arguments.output));
+    record.note("found", report_json(input.report()));
+  } else {
+    E2LF_RETURN_IF_ERROR(process_file(input, writer, output.path()));
   }
-  record.note("cycles", cycles);
-  E2LF_RETURN_IF_ERROR(record.write(output.path() / "run.json", verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
-
-  if (common.json) {
-    const Json result = {{"output", arguments.output.string()}, {"cycles", cycles}, {"timings_s", record.timings_s()}};
-    std::printf("%s\n", result.dump(2).c_str());
-  } else if (!common.quiet) {
-    std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n",
-                file.cycles.size(), file.cycles.size() == 1 ? "" : "s", arguments.output.c_str(),
-                cycles.front()["gain"].get<double>());
-  }
+  record.end_step("reconstruct");
+  record.note("cycles", writer.cycles());
+  std::error_code error;
+  if (fs::exists(arguments.input, error)) record.add_input(arguments.input);
+  E2LF_RETURN_IF_ERROR(record.write((input.is_recording() ? arguments.output : output.path()) / "run.json", verb));
+  if (!input.is_recording()) E2LF_RETURN_IF_ERROR(output.commit());
+  print_result(arguments, common, writer.cycles());
   return {};
 }
 
@@ -124,7 +228,8 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   ReconstructArguments reconstruction;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", reconstruction.input,
-                 "event images: an .npz or .npy, or a folder of event_image_00000.npy ...")
+                 "event images (.npz, .npy, folder of event_image_00000.npy ...), a recording, - for a pipe, "
+                 "tcp://127.0.0.1:PORT")
       ->required();
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
   add_codes_options(app, reconstruction.codes);
@@ -135,11 +240,12 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
       ->capture_default_str();
   app.add_option("--gain", reconstruction.gain,
-                 "brightness of the output: auto (estimated) or a number; 1 = as computed")
+                 "brightness of the output: auto (estimated on the first cycle) or a number; 1 = as computed")
       ->capture_default_str();
   app.add_option("--format", reconstruction.format, "png, png16 (64 views) or npy (float32 [8, 8, y, x], not clamped)")
       ->check(CLI::IsMember({"png", "png16", "npy"}))
       ->capture_default_str();
+  add_cycle_options(app, reconstruction.cycles);
   return verb.run(arguments, [&] { return reconstruct(reconstruction, verb); });
 }
 

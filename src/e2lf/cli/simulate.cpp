@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // e2lf simulate: light field -> event images
 #include <cstdio>
+#include <functional>
+#include <optional>
 
 #include "e2lf/base/text.h"
 #include "e2lf/cli/inputs.h"
@@ -9,6 +11,7 @@
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/events/event_images.h"
+#include "e2lf/events/synthesise.h"
 #include "e2lf/sensor/event_model.h"
 
 namespace e2lf::cli {
@@ -22,6 +25,7 @@ struct SimulateArguments {
   std::optional<float> eps, tau, sigma_w, sigma_z;
   float scene_gain = 1.0F;
   size_t cycles = 1;
+  bool no_triggers = false;
 };
 
 /// The model's constants where one is given, the paper's otherwise; flags win.
@@ -50,6 +54,33 @@ void print_statistics(const events::EventImages& images, const CommonOptions& co
   }
 }
 
+using ImagesOf = std::function<Result<events::EventImages>(uint64_t cycle)>;
+
+Result<void> write_images(const SimulateArguments& arguments, const aperture::Codes& codes, const ImagesOf& images_of) {
+  events::EventImageFile file;
+  for (size_t cycle = 0; cycle < arguments.cycles; ++cycle) {
+    E2LF_ASSIGN_OR_RETURN(events::EventImages images, images_of(cycle));
+    file.cycles.push_back(std::move(images));
+  }
+  file.codes = make_npy<float>({codes.num_patterns, codes.views_y, codes.views_x}, codes.values);
+  return events::write_event_images(arguments.output, file);
+}
+
+/// A recording as the paper's camera makes it: every pattern after its inverse ones, bursts of events after each
+/// change.
+Result<void> write_recording(const SimulateArguments& arguments, const aperture::Codes& codes,
+                             const lightfield::Shape& shape, const ImagesOf& images_of) {
+  events::RecordingInfo info;
+  info.width = shape.width;
+  info.height = shape.height;
+  E2LF_ASSIGN_OR_RETURN(const auto writer, events::create_recording(arguments.output, "", info));
+  events::SynthesisOptions synthesis;
+  synthesis.schedule = events::paper_schedule(codes.num_patterns);
+  if (arguments.no_triggers) synthesis.trigger_channel.reset();
+  E2LF_RETURN_IF_ERROR(events::synthesise_recording(*writer, arguments.cycles, synthesis, images_of));
+  return writer->finish();
+}
+
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(check_output(arguments.output, verb.common().overwrite));
   RunRecord record("simulate");
@@ -62,19 +93,19 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   record.end_step("read");
 
   sensor::EventModelOptions options = event_model_options(arguments, known, model);
-  events::EventImageFile file;
-  for (size_t cycle = 0; cycle < arguments.cycles; ++cycle) {
+  const auto images_of = [&](uint64_t cycle) {
     options.seed = verb.common().seed + cycle;
-    E2LF_ASSIGN_OR_RETURN(events::EventImages images, sensor::simulate_events(known.codes, scene, options));
-    file.cycles.push_back(std::move(images));
+    return sensor::simulate_events(known.codes, scene, options);
+  };
+  if (arguments.output.extension() == ".npz") {
+    E2LF_RETURN_IF_ERROR(write_images(arguments, known.codes, images_of));
+  } else {
+    E2LF_RETURN_IF_ERROR(write_recording(arguments, known.codes, scene.shape(), images_of));
   }
-  file.codes =
-      make_npy<float>({known.codes.num_patterns, known.codes.views_y, known.codes.views_x}, known.codes.values);
   record.end_step("simulate");
-  E2LF_RETURN_IF_ERROR(events::write_event_images(arguments.output, file));
-  record.end_step("write");
   E2LF_RETURN_IF_ERROR(record.write(record_path_beside(arguments.output), verb));
-  print_statistics(file.cycles.front(), verb.common());
+  E2LF_ASSIGN_OR_RETURN(const events::EventImages first, images_of(0));
+  print_statistics(first, verb.common());
   return {};
 }
 
@@ -87,7 +118,8 @@ int run_simulate(const std::vector<std::string>& arguments) {
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", simulation.input, "light field: a folder of views, or any format e2lf reads")
       ->required();
-  app.add_option("-o,--output", simulation.output, "event images to write (.npz)")->required();
+  app.add_option("-o,--output", simulation.output, "event images (.npz) or a recording (.raw, .hdf5, .dat, .csv ...)")
+      ->required();
   add_codes_options(app, simulation.codes);
   app.add_option("--event-model", simulation.event_model,
                  "quantised (Eq. 8) or reference-aware (Eq. 9, 10); default: the model's");
@@ -100,6 +132,7 @@ int run_simulate(const std::vector<std::string>& arguments) {
   app.add_option("--cycles", simulation.cycles, "number of pattern cycles, each with noise of its own")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_flag("--no-triggers", simulation.no_triggers, "recordings: leave out the trigger at each pattern's start");
   return verb.run(arguments, [&] { return simulate(simulation, verb); });
 }
 

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// e2lf accumulate: recording -> event images per pattern cycle
+#include <cstdio>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/events/event_image_writer.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct AccumulateArguments {
+  fs::path input, output;
+  CycleFlags cycles;
+};
+
+Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  E2LF_RETURN_IF_ERROR(check_output(arguments.output, common.overwrite));
+  RunRecord record("accumulate");
+  E2LF_ASSIGN_OR_RETURN(events::CycleReader reader, open_cycles(arguments.input, arguments.cycles));
+  E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(arguments.output));
+  float least_confidence = 1.0F;
+  while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
+    E2LF_ASSIGN_OR_RETURN(const std::optional<events::Cycle> cycle, reader.next());
+    if (!cycle) break;
+    least_confidence = std::min(least_confidence, cycle->confidence);
+    E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
+  }
+  record.end_step("accumulate");
+  const events::CycleReport report = reader.report();
+  E2LF_RETURN_IF_ERROR(writer.finish());
+  record.note("cycles", report_json(report));
+  record.note("least_confidence", least_confidence);
+  std::error_code error;
+  if (fs::is_regular_file(arguments.input, error)) record.add_input(arguments.input);
+  E2LF_RETURN_IF_ERROR(record.write(record_path_beside(arguments.output), verb));
+  if (common.json) {
+    Json json = report_json(report);
+    json["least_confidence"] = least_confidence;
+    std::printf("%s\n", json.dump(2).c_str());
+  } else if (!common.quiet) {
+    std::printf("%s in %s, least confidence %.2f\n", report_text(report).c_str(), arguments.output.c_str(),
+                static_cast<double>(least_confidence));
+  }
+  return {};
+}
+
+}  // namespace
+
+int run_accumulate(const std::vector<std::string>& arguments) {
+  Verb verb("accumulate", "Cut a recording into pattern cycles and accumulate each into event images. Constant memory.",
+            "e2lf accumulate recording.raw -o events.npz --source bursts");
+  AccumulateArguments accumulation;
+  verb.app()
+      .add_option("input,-i,--input", accumulation.input, "recording, - for a pipe, or tcp://127.0.0.1:PORT")
+      ->required();
+  verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
+  add_cycle_options(verb.app(), accumulation.cycles);
+  return verb.run(arguments, [&] { return accumulate(accumulation, verb); });
+}
+
+}  // namespace e2lf::cli

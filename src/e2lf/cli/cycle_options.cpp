@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/cycle_options.h"
+
+#include "e2lf/base/npy.h"
+#include "e2lf/base/text.h"
+#include "e2lf/events/tcp_source.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+Result<events::Schedule> schedule_of(const CycleFlags& flags) {
+  if (!flags.schedule.empty()) return events::read_schedule(flags.schedule);
+  return events::paper_schedule(flags.num_patterns);
+}
+
+/// Whether a recording has triggers among its first million events.
+Result<bool> begins_with_triggers(const fs::path& path, const events::OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_recording(path, options));
+  events::EventBatch batch;
+  for (size_t seen = 0; seen < 1'000'000; seen += batch.events.size()) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
+    if (!batch.triggers.empty()) return true;
+    if (!more) break;
+  }
+  return false;
+}
+
+Result<events::CycleSource> source_of(const fs::path& input, const CycleFlags& flags,
+                                      const events::OpenOptions& options) {
+  if (flags.source == "triggers") return events::CycleSource::kTriggers;
+  if (flags.source == "schedule") return events::CycleSource::kSchedule;
+  std::error_code error;
+  if (flags.source == "bursts" || !fs::is_regular_file(input, error)) return events::CycleSource::kBursts;
+  E2LF_ASSIGN_OR_RETURN(const bool triggers, begins_with_triggers(input, options));
+  return triggers ? events::CycleSource::kTriggers : events::CycleSource::kBursts;
+}
+
+events::TriggerEdge edge_of(const std::string& name) {
+  if (name == "falling") return events::TriggerEdge::kFalling;
+  return name == "both" ? events::TriggerEdge::kBoth : events::TriggerEdge::kRising;
+}
+
+}  // namespace
+
+void add_cycle_options(CLI::App& app, CycleFlags& flags) {
+  const std::string group = "Pattern cycles of a recording";
+  app.add_option("--source", flags.source,
+                 "what tells when patterns change: triggers, bursts (the events), schedule, auto")
+      ->check(CLI::IsMember({"auto", "triggers", "bursts", "schedule"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--schedule", flags.schedule,
+                 "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
+      ->group(group);
+  app.add_option("--patterns", flags.num_patterns, "number N of coding patterns of the paper's schedule")
+      ->check(CLI::Range(2, 64))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--edge", flags.edge, "trigger edge: rising, falling, both")
+      ->check(CLI::IsMember({"rising", "falling", "both"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--channel", flags.channel, "trigger input; default: all")->group(group);
+  app.add_option("--first-pattern", flags.first_pattern,
+                 "pattern of the first trigger or burst, from 0; default: 0 for triggers, found for bursts")
+      ->group(group);
+  app.add_flag("--one-trigger-per-cycle", flags.one_trigger_per_cycle, "triggers mark cycles, not patterns")
+      ->group(group);
+  app.add_option("--origin-us", flags.origin_us, "--source schedule: when the first pattern of any cycle began")
+      ->capture_default_str()
+      ->group(group);
+  app.add_flag("--filter-pixels", flags.filter_pixels, "silence hot and flickering pixels")->group(group);
+  app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--event-format", flags.format, "format of the recording, where the file does not tell")->group(group);
+  app.add_option("--sensor-width", flags.width, "px, where the recording does not tell")->group(group);
+  app.add_option("--sensor-height", flags.height, "px, where the recording does not tell")->group(group);
+}
+
+Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags) {
+  events::OpenOptions open;
+  open.format = flags.format;
+  open.width = flags.width;
+  open.height = flags.height;
+  events::CycleOptions options;
+  E2LF_ASSIGN_OR_RETURN(options.schedule, schedule_of(flags));
+  E2LF_ASSIGN_OR_RETURN(options.source, source_of(input, flags, open));
+  options.edge = edge_of(flags.edge);
+  options.channel = flags.channel;
+  options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
+  options.tracker.first_pattern = flags.first_pattern;
+  // Triggers have no sign, and the paper's intervals repeat within a cycle: the pattern of the first one must be given.
+  if (options.source == events::CycleSource::kTriggers && !flags.first_pattern) options.tracker.first_pattern = 0;
+  options.origin_us = flags.origin_us;
+  if (flags.filter_pixels) options.filter = events::PixelFilterOptions{};
+  if (events::is_tcp_name(input.string())) {
+    E2LF_ASSIGN_OR_RETURN(auto source, events::open_tcp_source(input.string()));
+    E2LF_ASSIGN_OR_RETURN(auto reader, events::open_recording(std::move(source), open));
+    return events::CycleReader::open(std::move(reader), options);
+  }
+  E2LF_ASSIGN_OR_RETURN(auto reader, events::open_recording(input, open));
+  return events::CycleReader::open(std::move(reader), options);
+}
+
+std::string report_text(const events::CycleReport& report) {
+  std::string text = cat(report.complete, " complete cycle", report.complete == 1 ? "" : "s");
+  for (size_t i = 0; i < events::kNumCycleFaults; ++i) {
+    if (report.dropped[i] == 0) continue;
+    text +=
+        cat(", ", report.dropped[i], " dropped (", events::cycle_fault_name(static_cast<events::CycleFault>(i)), ")");
+  }
+  if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " pixels silenced");
+  return text;
+}
+
+Json report_json(const events::CycleReport& report) {
+  Json dropped = Json::object();
+  for (size_t i = 0; i < events::kNumCycleFaults; ++i) {
+    dropped[events::cycle_fault_name(static_cast<events::CycleFault>(i))] = report.dropped[i];
+  }
+  return {{"complete", report.complete},
+          {"dropped", dropped},
+          {"marks", report.marks},
+          {"unassigned_marks", report.unassigned_marks},
+          {"events_given_up", report.events_given_up},
+          {"silenced_pixels", report.hot_pixels}};
+}
+
+bool is_recording(const fs::path& path) {
+  std::error_code error;
+  if (path == "-" || events::is_tcp_name(path.string())) return true;
+  if (fs::is_directory(path, error)) return false;
+  if (path.extension() == ".npz") {
+    const auto arrays = read_npz(path);
+    return arrays.ok() && arrays->count("events") == 0;
+  }
+  if (path.extension() == ".npy") {
+    const auto array = read_npy(path);
+    return array.ok() && !array->fields.empty();
+  }
+  return fs::exists(path, error);
+}
+
+}  // namespace e2lf::cli

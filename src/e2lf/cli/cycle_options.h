@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "e2lf/base/options.h"
+#include "e2lf/base/result.h"
+#include "e2lf/events/cycles/cycle_reader.h"
+
+namespace e2lf::cli {
+
+/// The flags of the verbs that cut a recording into pattern cycles.
+struct CycleFlags {
+  std::string source = "auto", edge = "rising", format;
+  std::filesystem::path schedule;
+  size_t num_patterns = 4;  ///< for the paper's schedule
+  std::optional<uint16_t> channel;
+  std::optional<size_t> first_pattern;
+  bool one_trigger_per_cycle = false, filter_pixels = false;
+  int64_t origin_us = 0;
+  uint64_t max_cycles = 0;  ///< 0 = all
+  size_t width = 0, height = 0;
+};
+
+void add_cycle_options(CLI::App& app, CycleFlags& flags);
+
+/// Opens a recording (a path, "-" for standard input, or tcp://127.0.0.1:PORT) cut into cycles as the flags say.
+/// "auto" takes triggers when the recording has some among its first events, else bursts; a pipe or socket cannot be
+/// looked at first, so there it means bursts.
+[[nodiscard]] Result<events::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags);
+
+/// One line for people: cycles found and dropped, and why.
+[[nodiscard]] std::string report_text(const events::CycleReport& report);
+[[nodiscard]] Json report_json(const events::CycleReport& report);
+
+/// Whether a path is a recording rather than event images: no folder, no .npz of event images, no .npy of counts.
+[[nodiscard]] bool is_recording(const std::filesystem::path& path);
+
+}  // namespace e2lf::cli
