@@ -1,0 +1,39 @@
+# A simulated recording gives back the event images that it was made from, by triggers, by bursts, and through a pipe.
+"$E2LF" demo -o demo --width 96 --height 64 --quiet
+"$E2LF" simulate demo/scene -o truth.npz --cycles 4 --quiet
+"$E2LF" simulate demo/scene -o recording.raw --cycles 4 --quiet
+"$E2LF" info recording.raw --json --plot rate.svg >info.json
+[ "$(json info.json "(j['format'], j['triggers'], j['num_violations'] if 'num_violations' in j else 0)")" = "('evt3', 64, 0)" ] || fail "info"
+grep -q '^<svg' rate.svg || fail "no plot"
+"$E2LF" accumulate recording.raw -o triggers.npz --source triggers --quiet
+"$E2LF" accumulate recording.raw -o bursts.npz --source bursts --quiet
+"$E2LF" accumulate - -o piped.npz --source triggers --quiet <recording.raw
+py - <<'PY'
+import numpy as np
+truth = np.load("truth.npz")["events"]
+for name in ("triggers", "bursts", "piped"):
+    found = np.load(name + ".npz")["events"]
+    assert found.shape == truth.shape, (name, found.shape)
+    assert np.array_equal(found, truth), name
+PY
+# Straight from the recording to light fields, one folder per cycle as they come.
+"$E2LF" reconstruct recording.raw --method inversion -o light_fields --quiet
+exists light_fields/cycle_00000/07_07.png light_fields/cycle_00003/epi.png light_fields/run.json
+# The same from a socket.
+py - recording.raw <<'PY' &
+import socket, sys
+server = socket.socket()
+server.bind(("127.0.0.1", 0))
+server.listen(1)
+open("port", "w").write(str(server.getsockname()[1]))
+connection, _ = server.accept()
+connection.sendall(open(sys.argv[1], "rb").read())
+connection.close()
+PY
+for _ in $(seq 100); do [ -s port ] && break; sleep 0.1; done
+"$E2LF" accumulate "tcp://127.0.0.1:$(cat port)" -o socket.npz --source triggers --quiet
+cmp socket.npz piped.npz
+fails 1 "cannot connect" "$E2LF" accumulate tcp://127.0.0.1:1 -o none.npz
+fails 1 "write tcp://127.0.0.1:PORT" "$E2LF" accumulate tcp://localhost -o none.npz
+fails 1 "no complete pattern cycle" "$E2LF" accumulate recording.raw -o none.npz --source triggers --channel 5
+absent none.npz
