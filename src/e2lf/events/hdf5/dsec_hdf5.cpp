@@ -43,7 +43,7 @@ class DsecColumns final : public EventBlocks {
     events.resize(count);
     if (count == 0) return false;
     const auto read = [&](const DatasetShape& column, hid_t type, void* out) {
-      return read_elements(column.dataset.get(), type, next_, count, out, location_);
+      return read_elements(column, type, next_, count, out, location_);
     };
     E2LF_RETURN_IF_ERROR(read(x_, H5T_NATIVE_UINT16, events.x.data()));
     E2LF_RETURN_IF_ERROR(read(y_, H5T_NATIVE_UINT16, events.y.data()));

@@ -56,8 +56,7 @@ Result<bool> EventChunks::next_records(EventColumns& events) {
   const uint64_t count = std::min(kBlockEvents, shape_.length - next_event_);
   if (count == 0) return false;
   records_.resize(count);
-  E2LF_RETURN_IF_ERROR(
-      read_elements(shape_.dataset.get(), event_type().get(), next_event_, count, records_.data(), location_));
+  E2LF_RETURN_IF_ERROR(read_elements(shape_, event_type().get(), next_event_, count, records_.data(), location_));
   next_event_ += count;
   events.resize(count);
   columns_from_records(records_.data(), count, events, 0);

@@ -47,6 +47,20 @@ uint64_t stored_elements(hid_t dataset, uint64_t chunk_length, bool filtered) {
   return chunks * chunk_length;
 }
 
+/// False when a chunk that the elements lie in is stored at another length than the layout says: HDF5 1.10 reads beyond
+/// it. What filters unpack to is not known before.
+bool chunks_are_whole(const DatasetShape& shape, uint64_t begin, uint64_t count) {
+  if (shape.chunk_length == 0 || !shape.filters.empty()) return true;
+  const Handle type(H5Dget_type(shape.dataset.get()), H5Tclose);
+  const uint64_t chunk_bytes = shape.chunk_length * H5Tget_size(type.get());
+  for (uint64_t chunk = begin / shape.chunk_length; chunk * shape.chunk_length < begin + count; ++chunk) {
+    const hsize_t offset = chunk * shape.chunk_length;
+    hsize_t size = 0;
+    if (H5Dget_chunk_storage_size(shape.dataset.get(), &offset, &size) < 0 || size != chunk_bytes) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::recursive_mutex& library_mutex() {
@@ -67,11 +81,13 @@ bool Handle::close() {
 Result<Handle> open_file(ByteSource& source) {
   const LibraryLock lock;
   Handle file;
+  // HDF5 1.10 reads beyond its sieve buffer where a damaged file puts elements past its end.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_sieve_buf_size(access.get(), 0);
   if (!source.path().empty()) {
-    file = Handle(H5Fopen(source.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    file = Handle(H5Fopen(source.path().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
   } else {
     E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> bytes, read_rest(source));
-    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_fapl_core(access.get(), size_t{1} << 20, false);
     H5Pset_file_image(access.get(), bytes.data(), bytes.size());
     file = Handle(H5Fopen(source.name().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
@@ -149,9 +165,13 @@ Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std
   return shape;
 }
 
-Result<void> read_elements(hid_t dataset, hid_t memory_type, uint64_t begin, uint64_t count, void* out,
+Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count, void* out,
                            const std::string& location) {
   const LibraryLock lock;
+  const hid_t dataset = shape.dataset.get();
+  if (!chunks_are_whole(shape, begin, count)) {
+    return Error{ErrorCode::kTruncated, cat("elements from ", begin, " on are missing; the file is damaged"), location};
+  }
   const Handle file_space(H5Dget_space(dataset), H5Sclose);
   const hsize_t start = begin, length = count;
   const Handle memory_space(H5Screate_simple(1, &length, nullptr), H5Sclose);

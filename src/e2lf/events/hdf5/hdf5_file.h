@@ -84,9 +84,10 @@ inline constexpr uint64_t kMaxChunkLength = uint64_t{1} << 22;
 /// kMaxChunkLength). `location` names the file and data set in errors.
 [[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location);
 
-/// Reads elements [begin, begin + count) into `out` as `memory_type`. Fails with kIo.
-[[nodiscard]] Result<void> read_elements(hid_t dataset, hid_t memory_type, uint64_t begin, uint64_t count, void* out,
-                                         const std::string& location);
+/// Reads elements [begin, begin + count) into `out` as `memory_type`. Fails with kIo, and with kTruncated where the
+/// file does not store them.
+[[nodiscard]] Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count,
+                                         void* out, const std::string& location);
 
 /// A one-dimensional data set that grows at its end, uncompressed.
 class GrowingDataset {

@@ -23,8 +23,7 @@ class TriggerDataset final : public TriggerSource {
     const uint64_t count = std::min(kTriggerBlock, shape_.length - next_);
     if (count == 0) return false;
     records_.resize(count);
-    E2LF_RETURN_IF_ERROR(
-        read_elements(shape_.dataset.get(), trigger_type().get(), next_, count, records_.data(), location_));
+    E2LF_RETURN_IF_ERROR(read_elements(shape_, trigger_type().get(), next_, count, records_.data(), location_));
     for (const TriggerRecord& record : records_) {
       block.push_back({record.t, static_cast<uint16_t>(record.id), static_cast<uint8_t>(record.p > 0)});
     }

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/events/convert.h"
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/events/side_triggers.h"
+
+namespace e2lf::events {
+namespace {
+
+void warn(ConvertReport& report, const std::string& message) {
+  log_warning(message);
+  report.warnings.push_back(message);
+}
+
+}  // namespace
+
+Result<ConvertReport> convert_recording(RecordingReader& reader, const std::filesystem::path& output,
+                                        const ConvertOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(auto writer, create_recording(output, options.format, reader.info()));
+  SideTriggerWriter side(output);
+  ConvertReport report;
+  EventBatch batch;
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch));
+    if (!more) break;
+    E2LF_RETURN_IF_ERROR(writer->write(batch));
+    if (!writer->holds_triggers() && output != "-") E2LF_RETURN_IF_ERROR(side.write(batch.triggers));
+    report.events += batch.events.size();
+    report.triggers += batch.triggers.size();
+    if (options.progress) options.progress(report.events, 0);
+  }
+  E2LF_RETURN_IF_ERROR(writer->finish());
+  E2LF_RETURN_IF_ERROR(side.finish());
+
+  if (report.triggers > 0 && !writer->holds_triggers()) {
+    const bool is_kept = output != "-";
+    if (is_kept) report.trigger_file = side.path();
+    warn(report, cat(output.string(), ": the format has no place for ", report.triggers, " triggers; ",
+                     is_kept ? cat("they are in ", side.path().string()) : "they are lost, write to a file instead"));
+  }
+  if (!writer->holds_absolute_time()) {
+    warn(report, cat(output.string(), ": the format does not keep the sensor's absolute time; ask for times from zero ",
+                     "on reading other formats too"));
+  }
+  return report;
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/events/convert.h"
+
+#include <cstdio>
+#include <gtest/gtest.h>
+#include <numeric>
+
+#include "e2lf/base/file.h"
+#include "e2lf/events/event_rate.h"
+#include "e2lf/events/test_streams.h"
+
+namespace e2lf::events {
+namespace {
+
+Result<EventBatch> read(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(path));
+  return read_all(*reader);
+}
+
+Result<ConvertReport> convert(const std::filesystem::path& from, const std::filesystem::path& to) {
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(from));
+  return convert_recording(*reader, to);
+}
+
+/// A file of random events with triggers in a format that holds both.
+std::filesystem::path write_example(const TestFolder& folder, const EventBatch& batch) {
+  RecordingInfo info;
+  info.width = 640;
+  info.height = 480;
+  auto writer = create_recording(folder / "start.hdf5", "", info);
+  EXPECT_TRUE(writer.ok() && (*writer)->write(batch).ok() && (*writer)->finish().ok());
+  return folder / "start.hdf5";
+}
+
+TEST(Convert, EventsAndTriggersSurviveAChainThroughEveryFormat) {
+  TestFolder folder;
+  RandomStream stream;
+  stream.events = 20000;
+  stream.trigger_every = 400;
+  const EventBatch batch = random_stream(stream);
+  std::filesystem::path last = write_example(folder, batch);
+  int step = 0;
+  for (const char* extension : {"csv", "raw", "dat", "npy", "hdf5", "txt", "npz", "h5"}) {
+    const auto next = folder / ("step" + std::to_string(step++) + "." + extension);
+    auto report = convert(last, next);
+    ASSERT_TRUE(report.ok()) << extension << ": " << report.error().text();
+    EXPECT_EQ(report->events, batch.events.size());
+    EXPECT_EQ(report->triggers, batch.triggers.size());
+    auto back = read(next);
+    ASSERT_TRUE(back.ok()) << extension << ": " << back.error().text();
+    EXPECT_TRUE(back->events == batch.events) << extension;
+    EXPECT_EQ(back->triggers, batch.triggers) << extension;
+    last = next;
+  }
+}
+
+TEST(Convert, TriggersWithoutAPlaceGoToAFileBesideWithAWarning) {
+  TestFolder folder;
+  RandomStream stream;
+  stream.trigger_every = 100;
+  const auto from = write_example(folder, random_stream(stream));
+  auto report = convert(from, folder / "out.csv");
+  ASSERT_TRUE(report.ok());
+  EXPECT_EQ(report->trigger_file, folder / "out_triggers.csv");
+  EXPECT_TRUE(std::filesystem::exists(report->trigger_file));
+  EXPECT_EQ(report->warnings.size(), 1u);
+  EXPECT_TRUE(convert(from, folder / "out2.hdf5")->warnings.empty());
+}
+
+TEST(Convert, TextHasTheOrderAndUnitsItsUsersExpect) {
+  TestFolder folder;
+  EventBatch batch;
+  batch.events.push_back({12, 345, 1, 0});
+  batch.events.push_back({639, 0, 0, 9999});
+  batch.events.push_back({0, 479, 1, 12345678});
+  const auto from = write_example(folder, batch);
+  ASSERT_TRUE(convert(from, folder / "out.csv").ok() && convert(from, folder / "out.txt").ok());
+  const auto text = [&](const char* name) {
+    auto bytes = read_file(folder / name);
+    return std::string(bytes->begin(), bytes->end());
+  };
+  EXPECT_EQ(text("out.csv"), "%geometry:640,480\n12,345,1,0\n639,0,0,9999\n0,479,1,12345678\n");
+  EXPECT_EQ(text("out.txt"), "640 480\n0.000000 12 345 1\n0.009999 639 0 0\n12.345678 0 479 1\n");
+}
+
+TEST(Convert, Hdf5OpensInTheVendorNeutralTools) {
+  if (std::system("h5dump --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "h5dump is not installed";
+  TestFolder folder;
+  RandomStream stream;
+  stream.trigger_every = 100;
+  const auto path = write_example(folder, random_stream(stream));
+  const std::string command = "h5dump -p -d CD/indexes -d EXT_TRIGGER/events '" + path.string() +
+                              "' 2>&1 && h5dump -p -H '" + path.string() + "' 2>&1";
+  std::string text;
+  FILE* pipe = ::popen(command.c_str(), "r");
+  ASSERT_NE(pipe, nullptr);
+  for (int c = 0; (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);
+  EXPECT_EQ(::pclose(pipe), 0);
+  EXPECT_NE(text.find("FILTER_ID 36559"), std::string::npos);
+  EXPECT_NE(text.find("ATTRIBUTE \"geometry\""), std::string::npos);
+}
+
+TEST(EventRate, BinsHoldEveryEventOfAnyLength) {
+  EventRateCounter counter(64);
+  RandomStream stream;
+  stream.events = 5000;
+  stream.trigger_every = 10;
+  for (uint32_t part = 0; part < 20; ++part) {
+    stream.begin_us = 1000 + part * 1'000'000;
+    counter.add(random_stream(stream));
+    EXPECT_LE(counter.rate().size(), 64u);
+  }
+  const EventRate& rate = counter.rate();
+  const auto sum = [](const std::vector<uint64_t>& counts) {
+    return std::accumulate(counts.begin(), counts.end(), uint64_t{0});
+  };
+  EXPECT_EQ(sum(rate.on) + sum(rate.off), 100000u);
+  EXPECT_EQ(sum(rate.triggers), 10000u);
+  EXPECT_GE(static_cast<int64_t>(rate.size()) * rate.bin_us, 19'000'000);
+  EXPECT_GT(rate.size(), 32u);
+}
+
+}  // namespace
+}  // namespace e2lf::events
