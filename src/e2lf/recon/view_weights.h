@@ -11,7 +11,8 @@ namespace e2lf::recon {
 /// What is assumed of the views of a light field at one (disparity-corrected) point.
 struct ViewPrior {
   double correlation_length = 8.0;  ///< in view steps: correlation exp(-distance^2 / (2 length^2))
-  double noise = 0.3;               ///< variance of a normalised coded image over that of a view
+  double noise = 0.3;               ///< variance of a normalised coded image over that of a view;
+                                    ///< positive where two patterns are alike
 };
 
 /// The best linear unbiased estimate of each view from the coded images J_n = I_n / (share of open cells): weights
