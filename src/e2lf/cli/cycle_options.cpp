@@ -95,12 +95,7 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   if (options.source == events::CycleSource::kTriggers && !flags.first_pattern) options.tracker.first_pattern = 0;
   options.origin_us = flags.origin_us;
   if (flags.filter_pixels) options.filter = events::PixelFilterOptions{};
-  if (events::is_tcp_name(input.string())) {
-    E2LF_ASSIGN_OR_RETURN(auto source, events::open_tcp_source(input.string()));
-    E2LF_ASSIGN_OR_RETURN(auto reader, events::open_recording(std::move(source), open));
-    return events::CycleReader::open(std::move(reader), options);
-  }
-  E2LF_ASSIGN_OR_RETURN(auto reader, events::open_recording(input, open));
+  E2LF_ASSIGN_OR_RETURN(auto reader, events::open_named_recording(input.string(), open));
   return events::CycleReader::open(std::move(reader), options);
 }
 

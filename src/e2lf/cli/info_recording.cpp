@@ -7,11 +7,13 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/rate_plot.h"
-#include "e2lf/events/recording.h"
+#include "e2lf/events/tcp_source.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr size_t kPlotBins = 2000;
 
 Json to_json(const events::RecordingInfo& info, const events::DecodeSummary& summary) {
   Json json = {{"kind", "recording"},
@@ -78,13 +80,13 @@ Result<void> print_recording_info(const fs::path& path, const RecordingInfoOptio
   open.format = options.format;
   open.policy = events::DecodePolicy::kSkip;  // the summary tells what was damaged
   open.threads = 0;
-  E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_recording(path, open));
-  RateSeries rate;
+  E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(path.string(), open));
+  events::EventRateCounter rate(kPlotBins);
   events::EventBatch batch;
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
     if (!more) break;
-    if (!options.plot.empty()) rate.add(batch.events);
+    if (!options.plot.empty()) rate.add(batch);
   }
   if (common.json) {
     std::printf("%s\n", to_json(reader->info(), reader->summary()).dump(2).c_str());
@@ -92,7 +94,7 @@ Result<void> print_recording_info(const fs::path& path, const RecordingInfoOptio
     print_text(reader->info(), reader->summary());
   }
   if (options.plot.empty()) return {};
-  return write_file(options.plot, rate_plot_svg(rate));
+  return write_file(options.plot, rate_plot_svg(rate.rate()));
 }
 
 }  // namespace e2lf::cli

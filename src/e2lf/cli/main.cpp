@@ -15,6 +15,7 @@ const std::vector<VerbEntry>& verbs() {
   static const std::vector<VerbEntry> list = {
       {"demo", "simulate a scene, reconstruct its light field, measure it", run_demo},
       {"info", "say what a file or folder is", run_info},
+      {"convert", "convert between event formats, or between light-field formats", run_convert},
       {"accumulate", "recording -> event images per pattern cycle", run_accumulate},
       {"simulate", "light field -> event images or a recording", run_simulate},
       {"reconstruct", "event images or a recording -> light field", run_reconstruct},

@@ -44,52 +44,22 @@ std::string line(double x0, double y0, double x1, double y1) {
 
 }  // namespace
 
-void RateSeries::add(const events::EventColumns& events) {
-  for (size_t i = 0; i < events.t.size(); ++i) {
-    const int64_t t = events.t[i];
-    if (!started_) {
-      first_us_ = t;
-      started_ = true;
-    }
-    auto bin = static_cast<size_t>(std::max<int64_t>(t - first_us_, 0) / bin_us_);
-    while (bin >= kMaxBins) {
-      merge_bins();
-      bin /= 2;
-    }
-    if (bin >= on_.size()) {
-      on_.resize(bin + 1);
-      off_.resize(bin + 1);
-    }
-    ++(events.p[i] != 0 ? on_ : off_)[bin];
-  }
-}
-
-void RateSeries::merge_bins() {
-  for (std::vector<uint64_t>* counts : {&on_, &off_}) {
-    const size_t merged = (counts->size() + 1) / 2;
-    counts->resize(2 * merged);
-    for (size_t i = 0; i < merged; ++i) (*counts)[i] = (*counts)[2 * i] + (*counts)[2 * i + 1];
-    counts->resize(merged);
-  }
-  bin_us_ *= 2;
-}
-
-std::string rate_plot_svg(const RateSeries& series) {
+std::string rate_plot_svg(const events::EventRate& rate) {
   std::string svg =
       cat("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ", kWidth, " ", kHeight,
           "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n");
   svg += label(kLeft, 22, "start",
-               cat("event rate, ", static_cast<double>(series.bin_us()) / 1000.0, " ms per bin: ON above, OFF below"));
-  if (series.on().empty()) return svg + label(kWidth / 2, kHeight / 2, "middle", "no events") + "</svg>\n";
+               cat("event rate, ", static_cast<double>(rate.bin_us) / 1000.0, " ms per bin: ON above, OFF below"));
+  if (rate.on.empty()) return svg + label(kWidth / 2, kHeight / 2, "middle", "no events") + "</svg>\n";
 
-  const uint64_t peak = std::max(*std::max_element(series.on().begin(), series.on().end()),
-                                 *std::max_element(series.off().begin(), series.off().end()));
-  const double bin_us = static_cast<double>(series.bin_us());
+  const uint64_t peak =
+      std::max(*std::max_element(rate.on.begin(), rate.on.end()), *std::max_element(rate.off.begin(), rate.off.end()));
+  const double bin_us = static_cast<double>(rate.bin_us);
   const double top_rate = round_up(static_cast<double>(peak) / bin_us);  // events per us = M events/s
   const double half = (kHeight - kTop - kBottom) / 2;
   const double per_count = half / (top_rate * bin_us);
-  svg += area(series.on(), per_count, -1, "#d62728");
-  svg += area(series.off(), per_count, 1, "#1f77b4");
+  svg += area(rate.on, per_count, -1, "#d62728");
+  svg += area(rate.off, per_count, 1, "#1f77b4");
 
   for (const double share : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
     const double y = kTop + half - share * half;
@@ -97,12 +67,12 @@ std::string rate_plot_svg(const RateSeries& series) {
     svg += label(kLeft - 8, y + 4, "end", cat(std::abs(share) * top_rate));
   }
   svg += label(16, 22, "start", "M/s");
-  const double duration_ms = bin_us * static_cast<double>(series.on().size()) / 1000.0;
+  const double duration_ms = bin_us * static_cast<double>(rate.on.size()) / 1000.0;
   for (int tick = 0; tick <= 5; ++tick) {
     const double x = kLeft + (kWidth - kLeft - kRight) * tick / 5;
     svg += label(x, kHeight - 24, "middle", cat(std::round(duration_ms * tick / 5 * 100) / 100));
   }
-  svg += label(kWidth / 2, kHeight - 6, "middle", cat("ms after the first event at ", series.first_us(), " us"));
+  svg += label(kWidth / 2, kHeight - 6, "middle", cat("ms after ", rate.begin_us, " us"));
   return svg + "</svg>\n";
 }
 

@@ -50,8 +50,10 @@ Result<std::unique_ptr<ByteSource>> open_tcp_source(const std::string& name) {
   return make_descriptor_source(descriptor, /*owned=*/true, name);
 }
 
-Result<std::unique_ptr<ByteSource>> open_any_source(const std::string& name) {
-  return is_tcp_name(name) ? open_tcp_source(name) : open_file_source(name);
+Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name, const OpenOptions& options) {
+  if (!is_tcp_name(name)) return open_recording(std::filesystem::path(name), options);
+  E2LF_ASSIGN_OR_RETURN(auto source, open_tcp_source(name));
+  return open_recording(std::move(source), options);
 }
 
 }  // namespace e2lf::events

@@ -6,6 +6,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/events/byte_source.h"
+#include "e2lf/events/recording.h"
 
 namespace e2lf::events {
 
@@ -16,7 +17,8 @@ namespace e2lf::events {
 /// (not of that form) and kIo (nobody listens there).
 [[nodiscard]] Result<std::unique_ptr<ByteSource>> open_tcp_source(const std::string& name);
 
-/// A file, "-" for standard input, or tcp://ADDRESS:PORT.
-[[nodiscard]] Result<std::unique_ptr<ByteSource>> open_any_source(const std::string& name);
+/// open_recording() of a file, of "-" for standard input, or of tcp://ADDRESS:PORT.
+[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name,
+                                                                            const OpenOptions& options = {});
 
 }  // namespace e2lf::events

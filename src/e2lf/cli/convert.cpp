@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// e2lf convert: between event formats, or between light-field formats
+#include "e2lf/events/convert.h"
+
+#include <cstdio>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/events/tcp_source.h"
+#include "e2lf/lightfield/light_field_io.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct ConvertArguments {
+  fs::path input, output;
+  std::string format, input_format;
+  bool shift_time = false, colour = false;
+  size_t width = 0, height = 0;
+};
+
+Result<void> convert_light_field(const ConvertArguments& arguments, const CommonOptions& common) {
+  lightfield::ReadOptions read;
+  read.colour = arguments.colour;
+  read.views_y.count = read.views_x.count = 0;  // all views that are stored
+  read.range = lightfield::RangePolicy::kKeep;
+  lightfield::WriteOptions write;
+  write.overwrite = common.overwrite;
+  write.format = lightfield::format_of_path(arguments.output);
+  if (!arguments.format.empty()) {
+    E2LF_ASSIGN_OR_RETURN(write.format, lightfield::parse_format(arguments.format));
+  }
+  ProgressBar bar("convert", common.quiet);
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(arguments.input, read));
+  return lightfield::write_light_field(arguments.output, light_field, write, bar.callback());
+}
+
+Result<void> convert_events(const ConvertArguments& arguments, const CommonOptions& common) {
+  E2LF_RETURN_IF_ERROR(check_output(arguments.output, common.overwrite));
+  events::OpenOptions open;
+  open.format = arguments.input_format;
+  open.time = arguments.shift_time ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;
+  open.width = arguments.width;
+  open.height = arguments.height;
+  open.threads = 0;
+  E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(arguments.input.string(), open));
+  E2LF_ASSIGN_OR_RETURN(const events::ConvertReport report,
+                        events::convert_recording(*reader, arguments.output, {.format = arguments.format}));
+  if (common.json) {
+    const Json json = {{"events", report.events},
+                       {"triggers", report.triggers},
+                       {"trigger_file", report.trigger_file.string()},
+                       {"warnings", report.warnings}};
+    std::printf("%s\n", json.dump(2).c_str());
+  } else if (!common.quiet) {
+    std::printf("%llu events and %llu triggers in %s\n", static_cast<unsigned long long>(report.events),
+                static_cast<unsigned long long>(report.triggers), arguments.output.c_str());
+  }
+  return {};
+}
+
+}  // namespace
+
+int run_convert(const std::vector<std::string>& arguments) {
+  Verb verb("convert", "Convert a recording to another event format, or a light field to another light-field format.",
+            "e2lf convert recording.raw recording.hdf5");
+  ConvertArguments conversion;
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", conversion.input, "recording (- for a pipe, tcp://127.0.0.1:PORT) or light field")
+      ->required();
+  app.add_option("output,-o,--output", conversion.output, "file or folder to write; its extension says the format")
+      ->required();
+  app.add_option(
+      "--format", conversion.format,
+      "of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz; png, png16, hci, npy, lenslet, h5");
+  app.add_option("--event-format", conversion.input_format, "of the recording, where the file does not tell");
+  app.add_flag("--shift-time", conversion.shift_time, "events: begin at 0 instead of the sensor's own time");
+  app.add_flag("--colour", conversion.colour, "light fields: keep colour");
+  app.add_option("--sensor-width", conversion.width, "px, where the recording does not tell");
+  app.add_option("--sensor-height", conversion.height, "px, where the recording does not tell");
+  return verb.run(arguments, [&] {
+    const bool is_light_field = conversion.input != "-" && lightfield::detect_kind(conversion.input).ok();
+    return is_light_field ? convert_light_field(conversion, verb.common()) : convert_events(conversion, verb.common());
+  });
+}
+
+}  // namespace e2lf::cli
