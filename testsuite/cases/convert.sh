@@ -1,0 +1,29 @@
+# Recordings survive every format that can hold them; light fields too.
+"$E2LF" demo -o demo --width 96 --height 64 --quiet
+"$E2LF" simulate demo/scene -o recording.raw --quiet
+count() { "$E2LF" info "$1" --json >count.json && json count.json "(j['events'], j['events_on'], j['triggers'], j['first_t_us'], j['last_t_us'])"; }
+truth=$(count recording.raw)
+for output in a.hdf5 a.npz b.raw a.dat a.csv a.npy; do
+  "$E2LF" convert recording.raw "$output" --quiet 2>warnings.txt
+  [ "$(count "$output")" = "$truth" ] || fail "$output: $(count "$output") instead of $truth"
+done
+exists a_triggers.csv
+# Back from each container to RAW: the same events, byte for byte what the first encoder wrote.
+for input in a.hdf5 b.raw; do
+  "$E2LF" convert "$input" back.raw --quiet --overwrite
+  "$E2LF" convert back.raw back.npz --quiet --overwrite
+  py - <<'PY'
+import numpy as np
+a, b = np.load("a.npz"), np.load("back.npz")
+assert all(np.array_equal(a[k], b[k]) for k in "xypt"), a.files
+PY
+done
+"$E2LF" convert recording.raw shifted.csv --shift-time --quiet 2>warnings.txt
+"$E2LF" info shifted.csv --json >shifted.json
+[ "$(json shifted.json "min(j['first_t_us'], 1000)")" -lt 1000 ] || fail "the time was not shifted"
+fails 1 "give --overwrite" "$E2LF" convert recording.raw a.csv
+fails 1 "check the path" "$E2LF" convert nothing.raw x.csv
+
+"$E2LF" convert demo/scene scene.npy
+"$E2LF" convert scene.npy scene_back --format png
+cmp demo/scene/03_04.png scene_back/03_04.png
