@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
+#include "e2lf/events/convert.h"
+#include "e2lf/events/hdf5/hdf5_file.h"
+#include "e2lf/events/hdf5/metavision_layout.h"
 #include "e2lf/events/recording.h"
 #include "e2lf/events/test_streams.h"
 
@@ -36,6 +39,30 @@ TEST(ContainerData, EcfFileAndDatFileOfOneRecordingAreEqual) {
   EXPECT_EQ(sum(batch.events.t) - 219596 * (batch.events.t.front() - 11718656), 2574324900467);
   EXPECT_TRUE(read_file_of(ecf, {.threads = 0}) == batch);
   EXPECT_TRUE(read_file_of(dat) == batch);
+}
+
+/// All entries of an index data set as (number, time), and its offset.
+std::pair<std::vector<std::pair<uint64_t, int64_t>>, std::string> read_index(const std::filesystem::path& path,
+                                                                              const std::string& name) {
+  auto source = open_file_source(path);
+  auto file = hdf5::open_file(**source);
+  auto shape = hdf5::open_dataset(file->get(), name, "");
+  std::vector<hdf5::IndexRecord> records(shape->length);
+  EXPECT_TRUE(hdf5::read_elements(*shape, hdf5::index_type().get(), 0, records.size(), records.data(), "").ok());
+  std::vector<std::pair<uint64_t, int64_t>> entries;
+  for (const hdf5::IndexRecord& record : records) entries.emplace_back(record.id, record.ts);
+  return {entries, hdf5::read_text_attribute(shape->dataset.get(), "offset")};
+}
+
+TEST(ContainerData, WrittenIndexesAreThoseOfTheVendorsFile) {
+  const auto vendor = data_file("events/other/evt3_hd_trigger_metavision_ecf.hdf5");
+  E2LF_SKIP_WITHOUT(vendor);
+  TestFolder folder;
+  auto reader = open_recording(vendor);
+  ASSERT_TRUE(convert_recording(**reader, folder / "ours.hdf5").ok());
+  EXPECT_EQ(read_index(folder / "ours.hdf5", "CD/indexes"), read_index(vendor, "CD/indexes"));
+  EXPECT_EQ(read_index(folder / "ours.hdf5", "EXT_TRIGGER/indexes"), read_index(vendor, "EXT_TRIGGER/indexes"));
+  EXPECT_LE(std::filesystem::file_size(folder / "ours.hdf5"), std::filesystem::file_size(vendor));
 }
 
 TEST(ContainerData, EcfFileWithTriggersHasTheRecordingsSums) {
