@@ -16,7 +16,7 @@ Error BatchCheck::find_error(const EventColumns& events) const {
                   "; give the right size"),
               place(i)};
     }
-    if (event.p > 1) return {ErrorCode::kInvalidValue, cat("polarity ", event.p, " is neither 0 nor 1"), place(i)};
+    if (event.p > 1) return {ErrorCode::kInvalidValue, cat("polarity ", int{event.p}, " is neither 0 nor 1"), place(i)};
     if (event.t < last_us) {
       return {ErrorCode::kInvalidValue,
               cat("time runs back from ", last_us, " to ", event.t, " us; sort the events before writing them"),

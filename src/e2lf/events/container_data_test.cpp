@@ -43,7 +43,7 @@ TEST(ContainerData, EcfFileAndDatFileOfOneRecordingAreEqual) {
 
 /// All entries of an index data set as (number, time), and its offset.
 std::pair<std::vector<std::pair<uint64_t, int64_t>>, std::string> read_index(const std::filesystem::path& path,
-                                                                              const std::string& name) {
+                                                                             const std::string& name) {
   auto source = open_file_source(path);
   auto file = hdf5::open_file(**source);
   auto shape = hdf5::open_dataset(file->get(), name, "");

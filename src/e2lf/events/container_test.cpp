@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cstdio>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -92,6 +93,28 @@ TEST_P(Container, ManyThreadsReadTheSame) {
   auto back = read({.threads = 0});
   ASSERT_TRUE(back.ok());
   EXPECT_TRUE(*back == stream);
+}
+
+TEST_P(Container, MemoryAndPipesReadTheSame) {
+  const EventBatch stream = random_stream({.events = 70000});
+  ASSERT_TRUE(write(stream).ok());
+  auto bytes = read_file(path());
+  ASSERT_TRUE(bytes.ok());
+  FILE* pipe = ::popen(("cat '" + path().string() + "'").c_str(), "r");
+  ASSERT_NE(pipe, nullptr);
+  std::vector<std::unique_ptr<ByteSource>> sources;
+  sources.push_back(make_memory_source(std::span<const uint8_t>(*bytes)));
+  sources.push_back(make_descriptor_source(::fileno(pipe), /*owned=*/false, "pipe"));
+  for (auto& source : sources) {
+    OpenOptions options;
+    options.format = GetParam().name;
+    auto reader = open_recording(std::move(source), options);
+    ASSERT_TRUE(reader.ok()) << reader.error().text();
+    auto back = read_all(**reader);
+    ASSERT_TRUE(back.ok()) << back.error().text();
+    EXPECT_TRUE(back->events == stream.events);
+  }
+  ::pclose(pipe);
 }
 
 TEST_P(Container, SizeAndFormatAreFoundAgain) {

@@ -55,7 +55,8 @@ class PatternTracker {
   /// The expected time from the start of a pattern to the next start.
   [[nodiscard]] int64_t interval_us(size_t pattern) const { return static_cast<int64_t>(interval_us_[pattern]); }
 
-  [[nodiscard]] uint64_t unassigned_marks() const { return unassigned_; }
+  /// Marks whose pattern could not be told.
+  [[nodiscard]] uint64_t unassigned_marks() const { return unassigned_ + found_.size(); }
 
  private:
   void search(std::vector<PatternStart>& starts);

@@ -90,7 +90,8 @@ Result<Handle> open_file(ByteSource& source) {
     E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> bytes, read_rest(source));
     H5Pset_fapl_core(access.get(), size_t{1} << 20, false);
     H5Pset_file_image(access.get(), bytes.data(), bytes.size());
-    file = Handle(H5Fopen(source.name().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+    // The name must not be that of a file.
+    file = Handle(H5Fopen((source.name() + " (in memory)").c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
   }
   if (!file.valid()) {
     return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file; it is damaged or not complete",
