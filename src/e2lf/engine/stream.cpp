@@ -24,15 +24,6 @@ size_t first_needed(const Reach& reach, size_t y) {
   return row > reach.before ? row - reach.before : 0;
 }
 
-/// Calls body(block, thread) for all blocks, each once.
-template <typename Body>
-void for_each_block(size_t blocks, const Body& body) {
-  const auto count = static_cast<long>(blocks);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(num_threads())
-  for (long block = 0; block < count; ++block)
-    body(static_cast<size_t>(block), static_cast<size_t>(omp_get_thread_num()));
-}
-
 }  // namespace
 
 Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end)
@@ -128,10 +119,24 @@ size_t Stream::rows_possible(size_t index) const {
   return end == output.height ? end : end / kTileSize * kTileSize;
 }
 
-bool Stream::run_stage(size_t index) {
+void Stream::plan_input(std::vector<Job>& jobs) {
+  Tensor& tensor = tensors_.front();
+  if (tensor.done == tensor.height) return;
+  const size_t begin = tensor.done;
+  const size_t end = std::min(tensor.height, begin + kRowsPerRound);
+  add_rows(tensor, end);
+  jobs.push_back({end - begin, end, &tensor.done, [this, begin](size_t block, std::byte* /*scratch*/) {
+                    const Tensor& input = tensors_.front();
+                    const size_t y = begin + block;
+                    read_planes(image_.input.data() + y * image_.width + wide_begin_, image_.height * image_.width,
+                                input.channels, input.width, input.type, input.table[input.left + y]);
+                  }});
+}
+
+void Stream::plan_stage(size_t index, std::vector<Job>& jobs) {
   const size_t end = rows_possible(index);
   Tensor& output = tensors_[index + 1];
-  if (end <= output.done) return false;
+  if (end <= output.done) return;
   add_rows(output, end);
   const Stage& stage = plan_.stages[index];
   Strip strip;
@@ -142,50 +147,47 @@ bool Stream::run_stage(size_t index) {
   strip.end = end;
   strip.width = output.width;
   strip.height = output.height;
-  for_each_block(stage.kernel->num_blocks(strip),
-                 [&](size_t block, size_t thread) { stage.kernel->run_block(strip, block, scratch_[thread].data()); });
-  output.done = end;
-  for (const size_t tensor : stage.reads()) release_rows(tensor);
-  release_rows(index + 1);
-  return true;
+  const size_t blocks = stage.kernel->num_blocks(strip);
+  jobs.push_back({blocks, end, &output.done, [&stage, strip](size_t block, std::byte* scratch) {
+                    stage.kernel->run_block(strip, block, scratch);
+                  }});
 }
 
-bool Stream::read_input() {
-  Tensor& tensor = tensors_.front();
-  if (tensor.done == tensor.height) return false;
-  const size_t end = std::min(tensor.height, tensor.done + kRowsPerRound);
-  add_rows(tensor, end);
-  const size_t begin = tensor.done;
-  const size_t plane = image_.height * image_.width;
-  for_each_block(end - begin, [&](size_t block, size_t /*thread*/) {
-    const size_t y = begin + block;
-    const float* from = image_.input.data() + y * image_.width + wide_begin_;
-    read_planes(from, plane, tensor.channels, tensor.width, tensor.type, tensor.table[tensor.left + y]);
-  });
-  tensor.done = end;
-  return true;
-}
-
-void Stream::write_output() {
-  const Tensor& tensor = tensors_.back();
+void Stream::plan_output(std::vector<Job>& jobs) {
   const size_t begin = written_;
-  const size_t plane = image_.height * image_.width;
-  for_each_block(tensor.done - begin, [&](size_t block, size_t /*thread*/) {
-    const size_t y = begin + block;
-    const std::byte* from = tensor.table[tensor.left + y] + (begin_ - wide_begin_) * tensor.pixel_bytes;
-    write_planes(from, tensor.channels, end_ - begin_, tensor.type, image_.output.data() + y * image_.width + begin_,
-                 plane);
-  });
-  written_ = tensor.done;
-  release_rows(tensors_.size() - 1);
+  const size_t end = tensors_.back().done;
+  jobs.push_back({end - begin, end, &written_, [this, begin](size_t block, std::byte* /*scratch*/) {
+                    const Tensor& output = tensors_.back();
+                    const size_t y = begin + block;
+                    write_planes(output.table[output.left + y] + (begin_ - wide_begin_) * output.pixel_bytes,
+                                 output.channels, end_ - begin_, output.type,
+                                 image_.output.data() + y * image_.width + begin_, image_.height * image_.width);
+                  }});
 }
 
 bool Stream::advance() {
-  bool progress = read_input();
-  for (size_t stage = 0; stage < plan_.stages.size(); ++stage) progress = run_stage(stage) || progress;
-  write_output();
-  E2LF_REQUIRE(progress, "a stage waits for rows that never come");
+  // What the jobs of a round read was complete before it, so they may run in any order.
+  std::vector<Job> jobs;
+  plan_output(jobs);
+  for (size_t stage = plan_.stages.size(); stage-- > 0;) plan_stage(stage, jobs);
+  plan_input(jobs);
+  run_jobs(jobs);
+  for (const Job& job : jobs) *job.progress = job.end;
+  for (size_t tensor = 0; tensor < tensors_.size(); ++tensor) release_rows(tensor);
   return written_ < image_.height;
+}
+
+void Stream::run_jobs(const std::vector<Job>& jobs) const {
+  std::vector<std::pair<const Job*, size_t>> blocks;
+  for (const Job& job : jobs) {
+    for (size_t block = 0; block < job.blocks; ++block) blocks.emplace_back(&job, block);
+  }
+  const auto count = static_cast<long>(blocks.size());
+#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(scratch_.size()))
+  for (long i = 0; i < count; ++i) {
+    const auto& [job, block] = blocks[static_cast<size_t>(i)];
+    job->run(block, scratch_[static_cast<size_t>(omp_get_thread_num())].data());
+  }
 }
 
 }  // namespace e2lf::engine

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -50,14 +51,23 @@ class Stream {
     [[nodiscard]] size_t row_bytes() const { return (left + width + right + slack) * pixel_bytes; }
   };
 
+  /// Work of one round: `blocks` calls in any order, after which *progress becomes `end`.
+  struct Job {
+    size_t blocks = 0;
+    size_t end = 0;
+    size_t* progress = nullptr;
+    std::function<void(size_t block, std::byte* scratch)> run;
+  };
+
   void add_margins();
   void make_tables();
   void add_rows(Tensor& tensor, size_t end);
   void release_rows(size_t tensor);
   [[nodiscard]] size_t rows_possible(size_t stage) const;
-  [[nodiscard]] bool run_stage(size_t stage);
-  [[nodiscard]] bool read_input();
-  void write_output();
+  void plan_input(std::vector<Job>& jobs);
+  void plan_stage(size_t stage, std::vector<Job>& jobs);
+  void plan_output(std::vector<Job>& jobs);
+  void run_jobs(const std::vector<Job>& jobs) const;
 
   const Plan& plan_;
   Image image_;

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/peak.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "e2lf/base/threads.h"
+#include "e2lf/engine/conv.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/engine/peak.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/engine/vector-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::engine {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Sums that do not wait for each other: more than latency times units of any core.
+constexpr size_t kSums = 12;
+
+/// Multiply-adds in registers alone; the operations done. The sums begin at different multiples of `factor`, and
+/// nobody knows it is zero, so that no compiler computes less.
+template <class Products>
+double multiply_add_loop(size_t rounds, float factor) {
+  const typename Products::Element zeros[2] = {};
+  const auto product = hn::Add(Products::broadcast(zeros), hn::Set(FloatTag(), factor));
+  FloatVec sums[kSums];
+  E2LF_UNROLL
+  for (size_t j = 0; j < kSums; ++j) sums[j] = hn::Set(FloatTag(), factor * static_cast<float>(j));
+  for (size_t i = 0; i < rounds; ++i) {
+    E2LF_UNROLL
+    for (size_t j = 0; j < kSums; ++j) sums[j] = Products::multiply_add(product, product, sums[j]);
+  }
+  FloatVec total = hn::Zero(FloatTag());
+  E2LF_UNROLL
+  for (size_t j = 0; j < kSums; ++j) total = hn::Add(total, sums[j]);
+  return static_cast<double>(rounds * kSums * 2 * kLanes * Products::kStep) +
+         static_cast<double>(hn::GetLane(hn::SumOfLanes(FloatTag(), total)));
+}
+
+}  // namespace
+
+double MultiplyAdd(ElementType type, size_t rounds, float factor) {
+#if E2LF_TARGET_HAS_BF16
+  if (type == ElementType::kBfloat16) return multiply_add_loop<Bfloat16Products>(rounds, factor);
+#endif
+  return type == ElementType::kFloat32 ? multiply_add_loop<FloatProducts>(rounds, factor) : 0.0;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::engine
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::engine {
+
+HWY_EXPORT(MultiplyAdd);
+
+namespace {
+
+constexpr int kTries = 10;
+constexpr size_t kRounds = 2'000'000;
+
+double measure(ElementType type) {
+  const volatile float zero = 0.0F;
+  double best = 0.0;
+  for (int i = 0; i < kTries; ++i) {
+    double operations = 0.0;
+    const auto begin = std::chrono::steady_clock::now();
+#pragma omp parallel num_threads(num_threads()) reduction(+ : operations)
+    operations += HWY_DYNAMIC_DISPATCH(MultiplyAdd)(type, kRounds, zero);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+    best = std::max(best, operations / elapsed.count());
+  }
+  return best;
+}
+
+}  // namespace
+
+Peak measure_peak() {
+  return {measure(ElementType::kFloat32), bfloat16_supported() ? measure(ElementType::kBfloat16) : 0.0};
+}
+
+}  // namespace e2lf::engine
+#endif
