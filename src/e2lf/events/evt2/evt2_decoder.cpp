@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/events/evt2/evt2_decoder.h"
 
+#include "e2lf/events/raw/timed_kernels.h"
+
 namespace e2lf::events::evt2 {
 
 size_t Codec::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
-  return check_scalar(words, count, check, limits);
+  return timed::kernels(timed::Encoding::kEvt2).check(words, count, check, limits);
 }
 
 size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  return decode_scalar(words, count, state, limits, sink);
+  return timed::kernels(timed::Encoding::kEvt2).decode_columns(words, count, state, limits, sink);
 }
 
 size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  return decode_scalar(words, count, state, limits, sink);
+  return timed::kernels(timed::Encoding::kEvt2).decode_images(words, count, state, limits, sink);
 }
 
 }  // namespace e2lf::events::evt2

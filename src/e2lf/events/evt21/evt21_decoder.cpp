@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/events/evt21/evt21_decoder.h"
 
+#include "e2lf/events/raw/timed_kernels.h"
+
 namespace e2lf::events::evt21 {
 namespace {
+
+template <ByteOrder kOrder>
+constexpr timed::Encoding kEncoding =
+    kOrder == ByteOrder::kLittle ? timed::Encoding::kEvt21Little : timed::Encoding::kEvt21Legacy;
 
 template <ByteOrder kOrder>
 size_t bad_words(std::span<const uint8_t> words, const SensorLimits& limits) {
@@ -15,19 +21,19 @@ size_t bad_words(std::span<const uint8_t> words, const SensorLimits& limits) {
 
 template <ByteOrder kOrder>
 size_t Codec<kOrder>::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
-  return timed::Words<Layout<kOrder>>::check_scalar(words, count, check, limits);
+  return timed::kernels(kEncoding<kOrder>).check(words, count, check, limits);
 }
 
 template <ByteOrder kOrder>
 size_t Codec<kOrder>::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
                              ColumnSink& sink) {
-  return timed::Words<Layout<kOrder>>::decode_scalar(words, count, state, limits, sink);
+  return timed::kernels(kEncoding<kOrder>).decode_columns(words, count, state, limits, sink);
 }
 
 template <ByteOrder kOrder>
 size_t Codec<kOrder>::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
                              ImageSink& sink) {
-  return timed::Words<Layout<kOrder>>::decode_scalar(words, count, state, limits, sink);
+  return timed::kernels(kEncoding<kOrder>).decode_images(words, count, state, limits, sink);
 }
 
 template struct Codec<ByteOrder::kLittle>;

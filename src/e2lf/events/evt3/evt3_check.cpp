@@ -6,9 +6,6 @@
 namespace e2lf::events::evt3 {
 namespace {
 
-/// A jump ahead within one TIME_HIGH that is worth a look at what follows.
-constexpr int kLongStepUs = 1024;
-
 uint32_t type_of(uint16_t word) {
   return word >> 12;
 }
@@ -48,7 +45,7 @@ bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
     }
     case kTimeLow: {
       const int low = word & static_cast<int>(kPayloadMask);
-      if (check.low >= 0 && (low + kJitterUs < check.low || low > check.low + kLongStepUs)) return false;
+      if (!is_plausible_low(check.low, low)) return false;
       check.low = low;
       return true;
     }

@@ -100,18 +100,6 @@ size_t decode_scalar(const uint8_t* words, size_t count, State& state, const Sen
   return decode_words(words, count, state, limits, sink);
 }
 
-size_t Codec::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
-  return check_scalar(words, count, check, limits);
-}
-
-size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  return decode_scalar(words, count, state, limits, sink);
-}
-
-size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  return decode_scalar(words, count, state, limits, sink);
-}
-
 size_t Codec::settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
   size_t i = 0;
   for (; i < count && !settled(state); ++i) {

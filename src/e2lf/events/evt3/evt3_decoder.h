@@ -34,6 +34,14 @@ struct Check {
   bool after_zero = false;      ///< the last word was all zero
 };
 
+/// A jump ahead within one TIME_HIGH that is worth a look at what follows.
+inline constexpr int kLongStepUs = 1024;
+
+/// Whether one TIME_LOW may follow another, both of one TIME_HIGH; `last` -1 = unknown.
+inline bool is_plausible_low(int last, int next) {
+  return last < 0 || (next + kJitterUs >= last && next <= last + kLongStepUs);
+}
+
 /// EVT3 for RawStream, see word_checks.h for what each function means.
 struct Codec {
   using State = evt3::State;

@@ -91,10 +91,14 @@ class ImageSink {
     t_us = std::max(latest_, t_us);
     if (t_us >= begin_ && t_us < end_) {
       time_ = t_us;
-      return true;
+      is_open_ = true;
+    } else {
+      is_open_ = select(t_us);
     }
-    return select(t_us);
+    return is_open_;
   }
+  /// What set_time() returned last.
+  [[nodiscard]] bool is_open() const { return is_open_; }
   [[nodiscard]] int64_t time() const { return time_; }
 
   void add(uint32_t x, uint32_t y, uint32_t p) {
@@ -106,6 +110,26 @@ class ImageSink {
   void add_mask(uint32_t base_x, uint32_t y, uint32_t p, uint32_t mask) {
     for (; mask != 0; mask &= mask - 1) add(base_x + static_cast<uint32_t>(std::countr_zero(mask)), y, p);
   }
+  /// Adds `count` events of the current slice (image() is not null) that are sorted by time and inside the image.
+  void add_block(const uint16_t* x, const uint16_t* y, const uint8_t* p, const int64_t* t, size_t count) {
+    if (count == 0) return;
+    uint64_t count_on = 0;
+    for (size_t i = 0; i < count; ++i) {
+      bump(image_[y[i] * images_->width + x[i]], 2 * p[i] - 1);
+      count_on += p[i];
+    }
+    note_events(count_on, count - count_on, t[0], t[count - 1]);
+  }
+  /// Counts events that were added to image() without this sink.
+  void note_events(uint64_t count_on, uint64_t count_off, int64_t first_us, int64_t last_us) {
+    settle();
+    if (settled_ == 0) first_t_us = first_us;
+    on += count_on;
+    off += count_off;
+    settled_ = on + off;
+    time_ = last_t_us = latest_ = std::max(latest_, last_us);
+  }
+
   void add_trigger(uint32_t id, uint32_t edge) {
     ++num_triggers;
     latest_ = time_;
@@ -116,6 +140,7 @@ class ImageSink {
 
   /// The image that events at the current time go to, null between slices; row-major, width() wide.
   [[nodiscard]] int16_t* image() const { return image_; }
+  [[nodiscard]] int64_t slice_end_us() const { return end_; }
   [[nodiscard]] size_t width() const { return images_->width; }
   [[nodiscard]] size_t height() const { return images_->height; }
 
@@ -160,6 +185,7 @@ class ImageSink {
   int64_t begin_ = 0;  // the times for which image_ holds; empty between slices
   int64_t end_ = 0;
   int64_t time_ = INT64_MIN;
+  bool is_open_ = false;
   int64_t latest_ = INT64_MIN;  ///< of the last event or trigger given out
   uint64_t settled_ = 0;
 };

@@ -1,0 +1,419 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "e2lf/events/evt3/evt3_decoder.h"
+
+#define HWY_WANT_AVX3_DL 1
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/events/evt3/evt3_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/events/raw/expand-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::events::evt3 {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+
+size_t check_words(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+  return check_scalar(words, count, check, limits);
+}
+size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  return decode_scalar(words, count, state, limits, sink);
+}
+size_t decode_images(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
+  return decode_scalar(words, count, state, limits, sink);
+}
+
+#else
+
+namespace hn = hwy::HWY_NAMESPACE;
+using events::HWY_NAMESPACE::add_mask_to_row;
+using events::HWY_NAMESPACE::Columns;
+using events::HWY_NAMESPACE::expand_mask;
+
+/// Classes of types in the check, one bit each.
+enum Class : uint8_t { kBad = 1, kHigh = 2, kLow = 4, kRow = 8, kColumn = 16 };
+
+HWY_ALIGN constexpr uint8_t kClasses[16] = {kRow,  kBad, kColumn, kColumn, 0,    0,    kLow, 0,
+                                            kHigh, kBad, 0,       kBad,    kBad, kBad, 0,    0};
+
+/// Bits of a mask over at most 32 lanes.
+template <typename D>
+HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
+  alignas(8) uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return load_le<uint32_t>(bytes);
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+
+/// The lanes moved up by one, with `first` in lane 0.
+HWY_INLINE __m512i move_up(__m512i values, int first) {
+  const __m512i from =
+      _mm512_setr_epi32(0x0000001F, 0x20001, 0x40003, 0x60005, 0x80007, 0xA0009, 0xC000B, 0xE000D, 0x10000F, 0x120011,
+                        0x140013, 0x160015, 0x180017, 0x1A0019, 0x1C001B, 0x1E001D);
+  return _mm512_mask_mov_epi16(_mm512_permutexvar_epi16(from, values), 1,
+                               _mm512_set1_epi16(static_cast<int16_t>(first)));
+}
+
+/// Whether the TIME_LOW words of a group (their lanes in `bits`, not 0) go on plausibly from `low` (not -1); takes over
+/// the last one.
+HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
+  const __m512i payload = _mm512_and_si512(_mm512_loadu_si512(words), _mm512_set1_epi16(kPayloadMask));
+  const __m512i lows = _mm512_maskz_compress_epi16(bits, payload);
+  const __m512i step = _mm512_sub_epi16(lows, move_up(lows, low));
+  const uint32_t back = _mm512_cmplt_epi16_mask(step, _mm512_set1_epi16(-kJitterUs));
+  const uint32_t ahead = _mm512_cmpgt_epi16_mask(step, _mm512_set1_epi16(kLongStepUs));
+  const auto lanes = static_cast<uint32_t>((uint64_t{1} << std::popcount(bits)) - 1);
+  if (((back | ahead) & lanes) != 0) return false;
+  low = load_le<uint16_t>(words + 2 * static_cast<size_t>(31 - std::countl_zero(bits))) & 0xFFF;
+  return true;
+}
+
+#else
+
+HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
+  int last = low;
+  for (; bits != 0; bits &= bits - 1) {
+    const int next = load_le<uint16_t>(words + 2 * static_cast<size_t>(std::countr_zero(bits))) & 0xFFF;
+    if (!is_plausible_low(last, next)) return false;
+    last = next;
+  }
+  low = last;
+  return true;
+}
+
+#endif
+
+size_t check_words(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+  const hn::CappedTag<uint16_t, 32> d;
+  const hn::Repartition<uint8_t, decltype(d)> d8;
+  const hn::Rebind<int16_t, decltype(d)> di;
+  const size_t lanes = hn::Lanes(d);
+  const auto classes = hn::LoadDup128(d8, kClasses);
+  const auto last_row = hn::Set(di, static_cast<int16_t>(limits.height - 1));
+  const auto last_column = hn::Set(di, static_cast<int16_t>(limits.width - 1));
+  const auto zero = hn::Zero(d);
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    const auto word = hn::LoadU(d, reinterpret_cast<const uint16_t*>(words + 2 * i));
+    const auto type = hn::BitCast(d8, hn::ShiftRight<12>(word));
+    const auto kind =
+        hn::And(hn::BitCast(d, hn::TableLookupBytes(classes, type)), hn::Set(d, static_cast<uint16_t>(0xFF)));
+    const auto is = [&](uint16_t bit) { return hn::TestBit(kind, hn::Set(d, bit)); };
+    const auto place = hn::BitCast(di, hn::And(word, hn::Set(d, static_cast<uint16_t>(kCoordinateMask))));
+    const auto outside_row = hn::And(hn::RebindMask(di, is(kRow)), hn::Gt(place, last_row));
+    const auto outside_column = hn::And(hn::RebindMask(di, is(kColumn)), hn::Gt(place, last_column));
+    const auto is_high = is(kHigh);
+    const auto new_high = hn::And(is_high, hn::Ne(word, hn::Set(d, check.time_high)));
+    const auto odd = hn::Or(hn::Or(is(kBad), hn::Eq(word, zero)),
+                            hn::Or(new_high, hn::RebindMask(d, hn::Or(outside_row, outside_column))));
+    if (!hn::AllFalse(d, odd)) {
+      const size_t good = check_scalar(words + 2 * i, lanes, check, limits);
+      if (good < lanes) return i + good;
+      continue;
+    }
+    const auto is_low = is(kLow);
+    if (!hn::AllFalse(d, is_low)) {
+      const uint32_t low_bits = bits_of(d, is_low);
+      if (check.low < 0 || !check_lows(words + 2 * i, low_bits, check.low)) {
+        const size_t good = check_scalar(words + 2 * i, lanes, check, limits);
+        if (good < lanes) return i + good;
+        continue;
+      }
+    }
+    check.after_zero = false;
+    const size_t highs = hn::CountTrue(d, is_high);
+    check.num_time_high += highs;
+    if (highs > 0) check.num_rejected = 0;
+  }
+  return i + check_scalar(words + 2 * i, count - i, check, limits);
+}
+
+/// What plain words change: events and everything that leaves the loops out of them.
+struct Cursor {
+  int64_t high;        ///< time without its low bits
+  int64_t end_us;      ///< words that bring this time or a later one are not taken
+  uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
+  uint32_t low;
+  uint32_t y;
+};
+
+/// Types that are plain: events, what places them, and what is ignored. Others need a closer look.
+constexpr uint32_t kPlainTypes =
+    (1u << kAddrY) | (1u << kAddrX) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kOthers) | (1u << kContinued12);
+
+/// Decodes plain words up to the first that is not, or that moves time back or to the end. No branch depends on the
+/// order in which the types come. Returns how many words were used.
+size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
+  struct Effect {
+    int64_t low_mask;
+    uint32_t y_mask;
+    uint32_t is_event;
+  };
+  static constexpr auto kEffects = [] {
+    std::array<Effect, 16> effects{};
+    effects[kTimeLow].low_mask = kPayloadMask;
+    effects[kAddrY].y_mask = kCoordinateMask;
+    effects[kAddrX].is_event = 1;
+    return effects;
+  }();
+  // Copies, because stores through a byte pointer could change anything that is not local.
+  const Columns to = out;
+  const Cursor from = cursor;
+  size_t num_events = to.count;
+  int64_t low = cursor.low;
+  const int64_t last_low = std::min<int64_t>(cursor.end_us - cursor.high, 4096) - 1;
+  uint32_t y = cursor.y;
+  size_t i = 0;
+  for (; i < count; ++i) {
+    const uint32_t word = load_le<uint16_t>(words + 2 * i);
+    const uint32_t type = word >> 12;
+    const Effect effect = kEffects[type];
+    const int64_t next_low = (low & ~effect.low_mask) | (word & effect.low_mask);
+    // Signs in place of comparisons, of which the compiler would make branches that nothing can predict.
+    const auto out_of_time = static_cast<uint64_t>((next_low - low) | (last_low - next_low)) >> 63;
+    const uint32_t is_heartbeat = ((word ^ from.time_high) - 1) >> 31;
+    if ((((kPlainTypes >> type) & 1 & ~static_cast<uint32_t>(out_of_time)) | is_heartbeat) == 0) break;
+    to.x[num_events] = static_cast<uint16_t>(word & kCoordinateMask);
+    to.y[num_events] = static_cast<uint16_t>(y);
+    to.p[num_events] = static_cast<uint8_t>((word >> 11) & 1);
+    to.t[num_events] = from.high | low;
+    num_events += effect.is_event;
+    y = (y & ~effect.y_mask) | (word & effect.y_mask);
+    low = next_low;
+  }
+  out.count = num_events;
+  cursor.low = static_cast<uint32_t>(low);
+  cursor.y = y;
+  return i;
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+
+/// How many lanes up to each lane, itself included, are set in `bits`.
+HWY_INLINE __m512i count_up_to_lane(uint32_t bits) {
+  const __m512i all = _mm512_set1_epi32(static_cast<int>(bits));
+  const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m512i up_to = _mm512_sub_epi32(_mm512_sllv_epi32(_mm512_set1_epi32(2), lane), _mm512_set1_epi32(1));
+  const __m512i up_to_high = _mm512_or_si512(_mm512_slli_epi32(up_to, 16), _mm512_set1_epi32(0xFFFF));
+  const __m512i first = _mm512_popcnt_epi32(_mm512_and_si512(all, up_to));
+  const __m512i second = _mm512_popcnt_epi32(_mm512_and_si512(all, up_to_high));
+  return _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi32_epi16(first)), _mm512_cvtepi32_epi16(second), 1);
+}
+
+/// For each lane `values` of the last lane set in `bits`, itself included; `before` for lanes in front of the first.
+HWY_INLINE __m512i fill_forward(__m512i values, uint32_t bits, uint32_t before) {
+  const __m512i index = _mm512_sub_epi16(count_up_to_lane(bits), _mm512_set1_epi16(1));
+  const __m512i filled = _mm512_permutexvar_epi16(index, _mm512_maskz_compress_epi16(bits, values));
+  const uint32_t in_front = bits != 0 ? (bits & (0 - bits)) - 1 : 0xFFFFFFFF;
+  return _mm512_mask_mov_epi16(filled, in_front, _mm512_set1_epi16(static_cast<int16_t>(before)));
+}
+
+/// take_plain_words() for 32 words at a time, while 32 are left; events of a group are compressed to the front.
+size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
+  const __m512i coordinate_mask = _mm512_set1_epi16(kCoordinateMask);
+  size_t i = 0;
+  while (i + 32 <= count) {
+    const __m512i word = _mm512_loadu_si512(words + 2 * i);
+    const __m512i type = _mm512_srli_epi16(word, 12);
+    const __m512i type_bit = _mm512_sllv_epi16(_mm512_set1_epi16(1), type);
+    uint32_t plain = _mm512_test_epi16_mask(type_bit, _mm512_set1_epi16(static_cast<int16_t>(kPlainTypes)));
+    plain |= _mm512_cmpeq_epi16_mask(word, _mm512_set1_epi16(static_cast<int16_t>(cursor.time_high)));
+    const auto used = static_cast<uint32_t>(std::countr_one(plain));
+    if (used == 0) break;
+    const uint32_t taken = used == 32 ? 0xFFFFFFFF : (1u << used) - 1;
+    const uint32_t events = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kAddrX));
+    const uint32_t rows = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kAddrY));
+    const uint32_t lows = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kTimeLow));
+    const __m512i place = _mm512_and_si512(word, coordinate_mask);
+
+    __m512i low = _mm512_set1_epi16(static_cast<int16_t>(cursor.low));
+    uint32_t last_low = cursor.low;
+    if (lows != 0) {
+      low = fill_forward(_mm512_and_si512(word, _mm512_set1_epi16(kPayloadMask)), lows, cursor.low);
+      const __m512i before = move_up(low, static_cast<int>(cursor.low));
+      last_low = load_le<uint16_t>(words + 2 * (i + 31 - static_cast<size_t>(std::countl_zero(lows)))) & kPayloadMask;
+      const bool back = _mm512_mask_cmplt_epu16_mask(taken, low, before) != 0;
+      if (back || (cursor.high | static_cast<int64_t>(last_low)) >= cursor.end_us) break;
+    }
+    if (events != 0) {
+      const __m512i y = fill_forward(place, rows, cursor.y);
+      const auto num_events = static_cast<size_t>(std::popcount(events));
+      const size_t at = out.count;
+      _mm512_storeu_si512(out.x + at, _mm512_maskz_compress_epi16(events, place));
+      _mm512_storeu_si512(out.y + at, _mm512_maskz_compress_epi16(events, y));
+      const __m512i polarity = _mm512_and_si512(_mm512_srli_epi16(word, 11), _mm512_set1_epi16(1));
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(out.p + at),
+                          _mm512_cvtepi16_epi8(_mm512_maskz_compress_epi16(events, polarity)));
+      alignas(64) uint16_t low_of[32];
+      _mm512_store_si512(low_of, _mm512_maskz_compress_epi16(events, low));
+      const __m512i high = _mm512_set1_epi64(cursor.high);
+      for (size_t k = 0; k < num_events; k += 8) {
+        const __m512i t = _mm512_cvtepu16_epi64(_mm_load_si128(reinterpret_cast<const __m128i*>(low_of + k)));
+        _mm512_storeu_si512(out.t + at + k, _mm512_or_si512(high, t));
+      }
+      out.count = at + num_events;
+    }
+    if (rows != 0) {
+      const auto last = static_cast<size_t>(31 - std::countl_zero(rows));
+      cursor.y = load_le<uint16_t>(words + 2 * (i + last)) & kCoordinateMask;
+    }
+    cursor.low = last_low;
+    i += used;
+    if (used < 32) break;
+  }
+  return i;
+}
+
+#endif
+
+HWY_INLINE size_t take_plain(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
+  size_t used = 0;
+#if HWY_TARGET == HWY_AVX3_DL
+  used = take_plain_groups(words, count, cursor, out);
+  if (count - used >= 32) return used > 0 ? used : take_plain_words(words, 1, cursor, out);
+#endif
+  return used + take_plain_words(words + 2 * used, count - used, cursor, out);
+}
+
+/// The 32-bit mask of a vector of 12, 12 and 8 pixels that begins here; false when another word is among the three.
+HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
+  const auto a = load_le<uint16_t>(words);
+  const auto b = load_le<uint16_t>(words + 2);
+  const auto c = load_le<uint16_t>(words + 4);
+  mask = (a & 0xFFFu) | ((b & 0xFFFu) << 12) | (static_cast<uint32_t>(c) << 24);
+  return (a >> 12) == kVect12 && (b >> 12) == kVect12 && (c >> 12) == kVect8;
+}
+
+/// Events to the columns of a sink.
+struct ToColumns {
+  static constexpr size_t kMaxRun = SIZE_MAX;
+  ColumnSink& sink;
+  Columns out;
+
+  explicit ToColumns(ColumnSink& target) : sink(target), out{target.x, target.y, target.p, target.t, target.count} {}
+  [[nodiscard]] static bool is_open() { return true; }
+  [[nodiscard]] static int64_t end_us() { return INT64_MAX; }
+  void flush() { sink.count = out.count; }
+  void reload() { out.count = sink.count; }
+  void add_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, int64_t t) {
+    expand_mask<32>(mask, x, y, p, t, out);
+  }
+};
+
+/// Events to images: single ones by way of a few columns, vectors straight to their row.
+struct ToImages {
+  static constexpr size_t kMaxRun = 512;
+  ImageSink& sink;
+  uint16_t x[kMaxRun + kSinkSlack];
+  uint16_t y[kMaxRun + kSinkSlack];
+  uint8_t p[kMaxRun + kSinkSlack];
+  int64_t t[kMaxRun + kSinkSlack];
+  Columns out{x, y, p, t, 0};
+
+  explicit ToImages(ImageSink& target) : sink(target) {}
+  [[nodiscard]] bool is_open() const { return sink.is_open() && sink.image() != nullptr; }
+  [[nodiscard]] int64_t end_us() const { return sink.slice_end_us(); }
+  void flush() {
+    sink.add_block(x, y, p, t, out.count);
+    out.count = 0;
+  }
+  void reload() {}
+  void add_vector(uint32_t mask, uint32_t base, uint32_t row, uint32_t polarity, int64_t time) {
+    sink.set_time(time);
+    add_mask_to_row(mask, polarity != 0 ? 1 : -1, sink.image() + row * sink.width() + base);
+    (polarity != 0 ? sink.on : sink.off) += static_cast<uint64_t>(std::popcount(mask));
+  }
+};
+
+/// Runs of plain words and of vectors by the kernels above, the rest by the scalar reference, word by word.
+template <typename Target, typename Sink>
+HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, Sink& sink,
+                               Target& target) {
+  sink.set_time(Codec::time(state));
+  size_t i = 0;
+  while (i < count) {
+    // The kernels take time as it comes: not while it is held up by an earlier event, or after the last slice.
+    const int64_t time = Codec::time(state);
+    if (target.is_open() && sink.time() == time) {
+      Cursor cursor{state.high_us, target.end_us(), state.time_high, state.low, state.y};
+      for (;;) {
+        const uint32_t word = load_le<uint16_t>(words + 2 * i);
+        uint32_t mask = 0;
+        const uint32_t base = state.base_x;
+        if (word >> 12 == kVectBaseX) {
+          state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
+          state.base_p = static_cast<uint8_t>((word >> 11) & 1);
+          ++i;
+        } else if (word >> 12 == kVect12 && i + 3 <= count && base + 32 <= limits.width &&
+                   load_triple(words + 2 * i, mask)) {
+          target.add_vector(mask, base, cursor.y, state.base_p, cursor.high | cursor.low);
+          state.base_x = static_cast<uint16_t>(base + 32);
+          i += 3;
+        } else {
+          const size_t used = take_plain(words + 2 * i, std::min(count - i, Target::kMaxRun), cursor, target.out);
+          i += used;
+          if constexpr (Target::kMaxRun != SIZE_MAX) target.flush();
+          if (used == 0) break;
+        }
+        if (i == count) break;
+      }
+      state.low = static_cast<uint16_t>(cursor.low);
+      state.y = static_cast<uint16_t>(cursor.y);
+      target.flush();
+      if (i == count) break;
+    }
+    if (decode_scalar(words + 2 * i, 1, state, limits, sink) == 0) return i;
+    sink.set_time(Codec::time(state));
+    target.reload();
+    ++i;
+  }
+  return count;
+}
+
+size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  ToColumns target(sink);
+  return decode_words(words, count, state, limits, sink, target);
+}
+
+size_t decode_images(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
+  if (limits.width > sink.width() || limits.height > sink.height()) {
+    return decode_scalar(words, count, state, limits, sink);
+  }
+  ToImages target(sink);
+  return decode_words(words, count, state, limits, sink, target);
+}
+
+#endif
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::events::evt3
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::events::evt3 {
+
+HWY_EXPORT(check_words);
+HWY_EXPORT(decode_columns);
+HWY_EXPORT(decode_images);
+
+size_t Codec::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+  return HWY_DYNAMIC_DISPATCH(check_words)(words, count, check, limits);
+}
+
+size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  return HWY_DYNAMIC_DISPATCH(decode_columns)(words, count, state, limits, sink);
+}
+
+size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
+  return HWY_DYNAMIC_DISPATCH(decode_images)(words, count, state, limits, sink);
+}
+
+}  // namespace e2lf::events::evt3
+#endif
