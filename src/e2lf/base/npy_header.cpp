@@ -134,7 +134,8 @@ Result<void> parse_record(LiteralReader& reader, NpyHeader& header, const std::s
     }
     reader.accept(',');
     E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(*field_type, location));
-    if (__builtin_add_overflow_p(header.array.item_size, code.size, size_t{0})) {
+    size_t record_size = 0;
+    if (__builtin_add_overflow(header.array.item_size, code.size, &record_size)) {
       return malformed(location, "the record is larger than any memory");
     }
     if (!code.padding) header.array.fields.push_back({*field_name, code.type, header.array.item_size});

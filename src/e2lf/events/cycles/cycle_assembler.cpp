@@ -95,7 +95,7 @@ std::optional<Cycle> CycleAssembler::take() {
 }
 
 void CycleAssembler::begin_cycle(int64_t t_us) {
-  open_.emplace();
+  open_ = Open{};
   open_->cycle.number = next_number_++;
   open_->cycle.begin_us = t_us;
   open_->cycle.images = EventImages(options_.schedule.num_images(), height_, width_);
