@@ -2,11 +2,62 @@
 // e2lf bench reconstruct | decode | simulate
 #include <cstdio>
 
+#include "e2lf/base/progress.h"
+#include "e2lf/cli/bench_reconstruct.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/model/model.h"
 #include "e2lf/sensor/benchmark.h"
 
 namespace e2lf::cli {
 namespace {
+
+void print_precision(const std::string& name, const Json& row) {
+  std::printf("%-28s %9.3f %12.0f", name.c_str(), row["seconds"]["median"].get<double>(), row["gflops"].get<double>());
+  if (row.contains("share_of_peak")) std::printf(" %11.0f %%", 100 * row["share_of_peak"].get<double>());
+  if (row.contains("ratio_to_peer")) std::printf(" %11.1f x", row["ratio_to_peer"].get<double>());
+  std::printf("\n");
+}
+
+void print_bench_reconstruct(const Json& json) {
+  std::printf("%s px, %d threads, %s\n\n", json["image"].dump().c_str(), json["threads"].get<int>(),
+              json["isa"].get<std::string>().c_str());
+  std::printf("%-28s %9s %12s %13s %13s\n", "", "seconds", "GFLOP/s", "of the peak", "to the peer");
+  for (const char* precision : {"float32", "bfloat16"}) {
+    if (json.contains(precision)) print_precision(precision, json[precision]);
+  }
+  if (json["peer"].contains("name")) {
+    print_precision("peer: " + json["peer"]["name"].get<std::string>(), json["peer"]);
+  } else {
+    std::printf("peer: none (%s)\n", json["peer"]["absent"].get<std::string>().c_str());
+  }
+  std::printf("\nmultiply-add peak of this machine, GFLOP/s: %s; peak memory %.0f MiB\n",
+              json["peak_gflops"].dump().c_str(), json["peak_memory_mib"].get<double>());
+}
+
+int run_bench_reconstruct(const std::vector<std::string>& arguments) {
+  Verb verb("bench reconstruct",
+            "Measure the reconstruction network against libtorch and the machine's multiply-add peak, in the same run.",
+            "e2lf bench reconstruct --json");
+  ReconstructBench options;
+  std::filesystem::path model;
+  verb.app().add_option("--width", options.width)->capture_default_str();
+  verb.app().add_option("--height", options.height)->capture_default_str();
+  verb.app().add_option("--runs", options.runs, "of each; figures are medians")->capture_default_str();
+  verb.app().add_option("-m,--model", model, "model file; default: the paper's network with random weights");
+  return verb.run(arguments, [&]() -> Result<void> {
+    if (!model.empty()) {
+      E2LF_ASSIGN_OR_RETURN(options.model, model::read_model(model));
+    }
+    ProgressBar bar("bench", verb.common().quiet);
+    E2LF_ASSIGN_OR_RETURN(const Json json, bench_reconstruct(options, bar.callback()));
+    if (verb.common().json) {
+      std::printf("%s\n", json.dump(2).c_str());
+    } else {
+      print_bench_reconstruct(json);
+    }
+    return {};
+  });
+}
 
 int run_bench_simulate(const std::vector<std::string>& arguments) {
   Verb verb("bench simulate",
@@ -40,7 +91,9 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int run_bench(const std::vector<std::string>& arguments) {
-  return run_subverb("bench", {{"simulate", "the event simulation, against the scalar reference", run_bench_simulate}},
+  return run_subverb("bench",
+                     {{"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
+                      {"simulate", "the event simulation, against the scalar reference", run_bench_simulate}},
                      arguments);
 }
 
