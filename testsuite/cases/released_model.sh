@@ -13,6 +13,18 @@ for y, x in ((0, 0), (328, 608)):
     print("largest difference from the golden crop:", error)
     assert error < 1e-4, error
 PY
+has_bfloat16=no
+if grep -q avx512_bf16 /proc/cpuinfo; then
+  has_bfloat16=yes
+  "$E2LF" reconstruct "$release/Animals" -m release.safetensors -o animals_bf16 --format npy --gain 1 --precision bfloat16 --quiet
+  py - <<'PY'
+import numpy as np
+difference = np.load("animals/lightfield.npy") - np.load("animals_bf16/lightfield.npy")
+psnr_db = -10 * np.log10(np.mean(difference.astype(np.float64) ** 2))
+print("bfloat16 against float32:", psnr_db, "dB")
+assert psnr_db >= 45, psnr_db
+PY
+fi
 # With noise: 28.40 +- 0.08 dB, SSIM 0.833 +- 0.002, 8.48 +- 0.03 events per pixel.
 for seed in 1 2 3; do
   "$E2LF" simulate "$release/Lego_Knights" -m release.safetensors -o "lego_$seed.npz" --seed $seed --quiet
@@ -20,6 +32,11 @@ for seed in 1 2 3; do
   "$E2LF" eval "$release/Lego_Knights" "lego_$seed" --events "lego_$seed.npz" --json >"lego_$seed.json"
   json "lego_$seed.json" "(j['psnr_db'], j['ssim_uniform7'], j['events']['total_events_per_pixel'])"
   check "abs($(json "lego_$seed.json" "j['psnr_db']") - 28.40) <= 0.08"
+  if [ "$has_bfloat16" = yes ]; then
+    "$E2LF" reconstruct "lego_$seed.npz" -m release.safetensors -o "lego_bf16_$seed" --format npy --gain 1 --precision bfloat16 --quiet
+    "$E2LF" eval "$release/Lego_Knights" "lego_bf16_$seed" --json >lego_bf16.json
+    check "abs($(json "lego_$seed.json" "j['psnr_db']") - $(json lego_bf16.json "j['psnr_db']")) <= 0.03"
+  fi
   check "abs($(json "lego_$seed.json" "j['ssim_uniform7']") - 0.833) <= 0.002"
   check "abs($(json "lego_$seed.json" "j['events']['total_events_per_pixel']") - 8.48) <= 0.03"
 done
