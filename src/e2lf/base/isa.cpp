@@ -15,7 +15,6 @@ namespace {
 struct Isa {
   const char* name;
   int64_t targets;  ///< what the cap leaves on (Highway keeps its baseline in any case)
-  const char* onednn_isa;
 };
 
 constexpr int64_t kScalar = HWY_SCALAR | HWY_EMU128;
@@ -24,8 +23,7 @@ constexpr int64_t kAvx2 = kSse4 | HWY_AVX2;
 constexpr int64_t kAvx512 = kAvx2 | HWY_AVX3 | HWY_AVX3_DL;
 
 const std::vector<Isa>& isas() {
-  static const std::vector<Isa> list = {
-      {"scalar", kScalar, "SSE41"}, {"sse4", kSse4, "SSE41"}, {"avx2", kAvx2, "AVX2"}, {"avx512", kAvx512, "ALL"}};
+  static const std::vector<Isa> list = {{"scalar", kScalar}, {"sse4", kSse4}, {"avx2", kAvx2}, {"avx512", kAvx512}};
   return list;
 }
 
@@ -46,7 +44,6 @@ Result<void> set_max_isa(const std::string& word) {
                    "E2LF_MAX_ISA"};
     }
     hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & chosen->targets);
-    ::setenv("ONEDNN_MAX_CPU_ISA", chosen->onednn_isa, /*overwrite=*/0);
   }
   return {};
 }

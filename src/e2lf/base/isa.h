@@ -8,12 +8,12 @@
 
 namespace e2lf {
 
-/// Applies E2LF_MAX_ISA (scalar, sse4, avx2, avx512) from the environment to every kernel of this process: Highway's
-/// dispatch and oneDNN's. Without the variable nothing changes. Call once, before the first kernel runs.
+/// Applies E2LF_MAX_ISA (scalar, sse4, avx2, avx512) from the environment to every kernel of this process.
+/// Without the variable nothing changes. Call once, before the first kernel runs.
 /// Fails with kInvalidValue on another word.
 [[nodiscard]] Result<void> apply_isa_cap();
 
-/// The same from a word; "" lifts the cap for Highway kernels (oneDNN keeps the first cap of a process).
+/// The same from a word; "" lifts the cap.
 [[nodiscard]] Result<void> set_max_isa(const std::string& isa);
 
 /// What vector kernels run as now: "scalar", "sse4", "avx2" or "avx512".

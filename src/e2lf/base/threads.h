@@ -7,7 +7,7 @@
 namespace e2lf {
 
 /// The number of threads parallel work uses: every core this process may run on, unless set. OpenMP (libgomp) is the
-/// one threading runtime; oneDNN and torch share it.
+/// one threading runtime; torch shares it.
 [[nodiscard]] int num_threads();
 
 /// Sets the number; 0 = all cores. Negative breaks the contract.
