@@ -94,26 +94,41 @@ class DirectKernel final : public Kernel {
                                       weights_.depth(), sums);
       }
     }
-    const std::byte* residual = epilogue_.residual_row(pixels.strip, pixels.y);
-    auto* output = pixels.strip.output.template row<std::byte>(static_cast<ptrdiff_t>(pixels.y));
-    E2LF_UNROLL
-    for (size_t i = 0; i < kGemmRows; ++i) {
-      if (i >= pixels.count) break;
-      const size_t x = transposed_ ? (pixels.x + i) * stride_ + pixels.phase : pixels.x + i;
+    epilogue_.select(Finish<kVectors>{*this, pixels, column + offset, sums});
+  }
+
+  template <size_t kVectors>
+  struct Finish {
+    const DirectKernel& kernel;
+    const Pixels& pixels;
+    size_t column;
+    const FloatVec (&sums)[kGemmRows][kVectors];
+
+    template <bool kResidual, class Output>
+    HWY_INLINE void visit() const {
+      const auto row = kernel.epilogue_.row(pixels.strip, pixels.y);
+      const size_t columns = kernel.weights_.columns();
+      const size_t step = (kernel.transposed_ ? kernel.stride_ : 1) * columns;
+      const size_t first = pixels.x * step + (kernel.transposed_ ? pixels.phase * columns : 0);
       E2LF_UNROLL
       for (size_t j = 0; j < kVectors; ++j) {
-        const size_t channel = column + offset + j * kLanes;
-        epilogue_.store(sums[i][j], channel, x * weights_.columns() + channel, residual, output);
+        const size_t channel = column + j * kLanes;
+        const auto channels = kernel.epilogue_.channels(channel);
+        E2LF_UNROLL
+        for (size_t i = 0; i < kGemmRows; ++i) {
+          if (i >= pixels.count) break;
+          Epilogue<Products>::template store<kResidual, Output>(sums[i][j], channels, first + i * step + channel, row);
+        }
       }
     }
-  }
+  };
 
   size_t kernel_, stride_;
   bool transposed_;
   size_t radius_;
   size_t in_stride_;
   PackedMatrices weights_;
-  Epilogue epilogue_;
+  Epilogue<Products> epilogue_;
 };
 
 }  // namespace

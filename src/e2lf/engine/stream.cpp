@@ -2,6 +2,7 @@
 #include "e2lf/engine/stream.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <omp.h>
 
@@ -13,7 +14,10 @@ namespace e2lf::engine {
 namespace {
 
 // Rows of input per round: more rows load the weights less often, fewer stay in cache.
-constexpr size_t kRowsPerRound = 8;
+constexpr size_t kRowsPerRound = 4;
+
+// Threads take at most the remaining work divided by this and their number at a time.
+constexpr size_t kRunsPerThread = 4;
 
 // Kernels read up to this many pixels beyond a row's last one for sums that they then drop.
 constexpr size_t kReadAhead = 8;
@@ -168,8 +172,8 @@ void Stream::plan_output(std::vector<Job>& jobs) {
 bool Stream::advance() {
   // What the jobs of a round read was complete before it, so they may run in any order.
   std::vector<Job> jobs;
+  for (size_t stage = 0; stage < plan_.stages.size(); ++stage) plan_stage(stage, jobs);
   plan_output(jobs);
-  for (size_t stage = plan_.stages.size(); stage-- > 0;) plan_stage(stage, jobs);
   plan_input(jobs);
   run_jobs(jobs);
   for (const Job& job : jobs) *job.progress = job.end;
@@ -182,11 +186,20 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
   for (const Job& job : jobs) {
     for (size_t block = 0; block < job.blocks; ++block) blocks.emplace_back(&job, block);
   }
-  const auto count = static_cast<long>(blocks.size());
-#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(scratch_.size()))
-  for (long i = 0; i < count; ++i) {
-    const auto& [job, block] = blocks[static_cast<size_t>(i)];
-    job->run(block, scratch_[static_cast<size_t>(omp_get_thread_num())].data());
+  // Threads take runs of blocks, so that each loads the weights of few layers; runs get shorter towards the end of the
+  // round, so that no thread waits long for another.
+  const size_t threads = scratch_.size();
+  std::atomic<size_t> next = 0;
+#pragma omp parallel num_threads(static_cast <int>(threads))
+  {
+    std::byte* scratch = scratch_[static_cast<size_t>(omp_get_thread_num())].data();
+    size_t begin = next;
+    while (begin < blocks.size()) {
+      const size_t end = begin + std::max<size_t>(1, (blocks.size() - begin) / (kRunsPerThread * threads));
+      if (!next.compare_exchange_weak(begin, end)) continue;
+      for (size_t i = begin; i < end; ++i) blocks[i].first->run(blocks[i].second, scratch);
+      begin = next;
+    }
   }
 }
 

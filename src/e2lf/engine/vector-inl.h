@@ -8,6 +8,7 @@
 #endif
 
 #include <cstring>
+#include <limits>
 
 #include <hwy/highway.h>
 
@@ -39,11 +40,16 @@ inline constexpr size_t kLanes = hn::MaxLanes(FloatTag());
 inline constexpr size_t kGemmRows = 6;
 inline constexpr size_t kGemmVectors = kLanes == 16 ? 4 : 2;
 
-/// kLanes elements as float32.
+/// kLanes elements as float32, and back.
 HWY_INLINE FloatVec load_floats(const float* from) {
   return hn::LoadU(FloatTag(), from);
 }
 
+HWY_INLINE void store_floats(FloatVec value, float* to) {
+  hn::StoreU(value, FloatTag(), to);
+}
+
+#if E2LF_TARGET_HAS_BF16
 HWY_INLINE FloatVec load_floats(const Bfloat16* from) {
   const hn::Rebind<uint16_t, FloatTag> d16;
   const hn::RebindToUnsigned<FloatTag> d32;
@@ -51,19 +57,15 @@ HWY_INLINE FloatVec load_floats(const Bfloat16* from) {
   return hn::BitCast(FloatTag(), hn::ShiftLeft<16>(hn::PromoteTo(d32, bits)));
 }
 
-/// kLanes float32 values as elements; bfloat16 rounds to the nearest, ties to even.
-HWY_INLINE void store_floats(FloatVec value, float* to) {
-  hn::StoreU(value, FloatTag(), to);
-}
-
+/// Rounds to the nearest, ties to even.
 HWY_INLINE void store_floats(FloatVec value, Bfloat16* to) {
   const hn::Rebind<uint16_t, FloatTag> d16;
-  const hn::RebindToUnsigned<FloatTag> d32;
-  const auto bits = hn::BitCast(d32, value);
-  const auto odd = hn::And(hn::ShiftRight<16>(bits), hn::Set(d32, 1));
-  const auto rounded = hn::Add(hn::Add(bits, hn::Set(d32, 0x7FFF)), odd);
-  hn::StoreU(hn::TruncateTo(d16, hn::ShiftRight<16>(rounded)), d16, reinterpret_cast<uint16_t*>(to));
+  hn::Vec<hn::Rebind<uint16_t, FloatTag>> narrow;
+  // Highway 1.0 has no name for this instruction.
+  asm("vcvtneps2bf16 %1, %0" : "=v"(narrow.raw) : "v"(value.raw));
+  hn::StoreU(narrow, d16, reinterpret_cast<uint16_t*>(to));
 }
+#endif
 
 /// How the products of one element type are made: kStep elements of the depth per multiply-add.
 struct FloatProducts {
@@ -93,7 +95,7 @@ struct Bfloat16Products {
     return hn::Load(FloatTag(), reinterpret_cast<const float*>(from));
   }
   static HWY_INLINE FloatVec multiply_add(Vec a, Vec b, FloatVec sum) {
-    // Highway 1.0 has no name for this instruction.
+    // Nor for this one.
     asm("vdpbf16ps %2, %1, %0" : "+v"(sum.raw) : "v"(a.raw), "v"(b.raw));
     return sum;
   }
@@ -150,46 +152,62 @@ HWY_INLINE void for_column_groups(size_t columns, const Visitor& visitor) {
   }
 }
 
-/// What happens to a finished sum: bias, residual, ReLU, rounding to the output's type.
+/// What happens to finished sums: bias, residual, ReLU, rounding to the output's type.
+template <class Products>
 class Epilogue {
+  using Element = typename Products::Element;
+
  public:
-  Epilogue() = default;
   explicit Epilogue(const ConvSpec& spec)
       : bias_(padded_channels(spec.out_channels) * sizeof(float)),
-        relu_(spec.relu),
+        floor_(spec.relu ? 0.0F : -std::numeric_limits<float>::infinity()),
         residual_(spec.residual),
-        residual_type_(spec.compute),
-        output_type_(spec.output) {
+        wide_(spec.output == ElementType::kFloat32) {
     std::memcpy(bias_.data(), spec.bias.data(), spec.bias.size() * sizeof(float));
   }
 
-  /// `element` counts from the beginning of the output's and the residual's row; `channel` is its channel.
-  HWY_INLINE void store(FloatVec sum, size_t channel, size_t element, const std::byte* residual_row,
-                        std::byte* output_row) const {
-    FloatVec value = hn::Add(sum, hn::Load(FloatTag(), bias_.as<float>() + channel));
-    if (residual_) {
-      value = hn::Add(value, residual_type_ == ElementType::kFloat32
-                                 ? load_floats(reinterpret_cast<const float*>(residual_row) + element)
-                                 : load_floats(reinterpret_cast<const Bfloat16*>(residual_row) + element));
-    }
-    if (relu_) value = hn::Max(value, hn::Zero(FloatTag()));
-    if (output_type_ == ElementType::kFloat32) {
-      store_floats(value, reinterpret_cast<float*>(output_row) + element);
-    } else {
-      store_floats(value, reinterpret_cast<Bfloat16*>(output_row) + element);
-    }
+  /// Where the pixels of output row y and of the residual's begin.
+  struct Row {
+    const Element* residual;
+    std::byte* output;
+  };
+
+  [[nodiscard]] Row row(const Strip& strip, size_t y) const {
+    const auto index = static_cast<ptrdiff_t>(y);
+    return {residual_ ? strip.residual.row<const Element>(index) : nullptr, strip.output.row<std::byte>(index)};
   }
 
-  [[nodiscard]] const std::byte* residual_row(const Strip& strip, size_t y) const {
-    return residual_ ? strip.residual.row<const std::byte>(static_cast<ptrdiff_t>(y)) : nullptr;
+  /// Calls visitor.visit<whether there is a residual, the output's element type>().
+  template <class Visitor>
+  HWY_INLINE void select(const Visitor& visitor) const {
+    if (residual_ && wide_) visitor.template visit<true, float>();
+    if (residual_ && !wide_) visitor.template visit<true, Element>();
+    if (!residual_ && wide_) visitor.template visit<false, float>();
+    if (!residual_ && !wide_) visitor.template visit<false, Element>();
+  }
+
+  /// What store() needs of kLanes channels; to be kept in registers while many pixels are stored.
+  struct Channels {
+    FloatVec bias, floor;
+  };
+
+  HWY_INLINE Channels channels(size_t first) const {
+    return {hn::Load(FloatTag(), bias_.as<float>() + first), hn::Set(FloatTag(), floor_)};
+  }
+
+  /// `element` counts from the beginning of the row.
+  template <bool kResidual, class Output>
+  static HWY_INLINE void store(FloatVec sum, const Channels& channels, size_t element, const Row& row) {
+    FloatVec value = hn::Add(sum, channels.bias);
+    if constexpr (kResidual) value = hn::Add(value, load_floats(row.residual + element));
+    store_floats(hn::Max(value, channels.floor), reinterpret_cast<Output*>(row.output) + element);
   }
 
  private:
   AlignedBuffer bias_;
-  bool relu_ = false;
-  bool residual_ = false;
-  ElementType residual_type_ = ElementType::kFloat32;
-  ElementType output_type_ = ElementType::kFloat32;
+  float floor_;  ///< zero for ReLU, else below everything
+  bool residual_;
+  bool wide_;  ///< float32 output
 };
 
 }  // namespace HWY_NAMESPACE

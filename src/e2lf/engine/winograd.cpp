@@ -94,16 +94,14 @@ class WinogradKernel final : public Kernel {
     auto* sums = reinterpret_cast<float*>(scratch + transformed_bytes());
     auto* patch = reinterpret_cast<Element*>(scratch + transformed_bytes() + sums_bytes());
     for (size_t tile = 0; tile < count; ++tile) {
-      transform_tile(strip, first + tile, patch, transformed + tile * depth_stride_);
+      transform_tile(strip, first + tile, patch, transformed + tile * kWinogradMatrices * depth_stride_);
     }
     for (size_t point = 0; point < kWinogradMatrices; ++point) {
-      const Multiply multiply{*this, transformed + point * kWinogradBlockTiles * depth_stride_,
-                              sums + point * kWinogradBlockTiles * weights_.columns(), point, count};
+      const Multiply multiply{*this, transformed + point * depth_stride_, sums + point * weights_.columns(), point,
+                              count};
       for_column_groups(weights_.columns(), multiply);
     }
-    for (size_t tile = 0; tile < count; ++tile) {
-      finish_tile(strip, first + tile, sums + tile * weights_.columns());
-    }
+    epilogue_.select(Finish{*this, strip, first, count, sums});
   }
 
  private:
@@ -118,17 +116,35 @@ class WinogradKernel final : public Kernel {
     template <size_t kVectors>
     HWY_INLINE void visit(size_t column, size_t offset, size_t width) const {
       const Element* panel = kernel.weights_.template panel<Element>(point, column) + offset * Products::kStep;
+      const size_t in_step = kWinogradMatrices * kernel.depth_stride_;
+      const size_t out_step = kWinogradMatrices * kernel.weights_.columns();
       for (size_t tile = 0; tile < tiles; tile += kGemmRows) {
         FloatVec acc[kGemmRows][kVectors];
         clear(acc);
-        multiply_accumulate<Products>(transformed + tile * kernel.depth_stride_, kernel.depth_stride_, panel, width,
-                                      kernel.weights_.depth(), acc);
+        multiply_accumulate<Products>(transformed + tile * in_step, in_step, panel, width, kernel.weights_.depth(),
+                                      acc);
         E2LF_UNROLL
         for (size_t i = 0; i < kGemmRows; ++i) {
-          float* to = sums + (tile + i) * kernel.weights_.columns() + column + offset;
+          float* to = sums + (tile + i) * out_step + column + offset;
           E2LF_UNROLL
           for (size_t j = 0; j < kVectors; ++j) hn::Store(acc[i][j], FloatTag(), to + j * kLanes);
         }
+      }
+    }
+  };
+
+  /// The outputs of a block's tiles.
+  struct Finish {
+    const WinogradKernel& kernel;
+    const Strip& strip;
+    size_t first, count;
+    const float* sums;
+
+    template <bool kResidual, class Output>
+    HWY_INLINE void visit() const {
+      const size_t step = kWinogradMatrices * kernel.weights_.columns();
+      for (size_t tile = 0; tile < count; ++tile) {
+        kernel.template finish_tile<kResidual, Output>(strip, first + tile, sums + tile * step);
       }
     }
   };
@@ -140,7 +156,7 @@ class WinogradKernel final : public Kernel {
   size_t transformed_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * depth_stride_ * sizeof(Element); }
   size_t sums_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * weights_.columns() * sizeof(float); }
 
-  /// The 6x6 input pixels of a tile, transformed: point p goes to `to` + p * kWinogradBlockTiles * depth_stride_.
+  /// The 6x6 input pixels of a tile, transformed: point p goes to `to` + p * depth_stride_.
   void transform_tile(const Strip& strip, size_t tile, Element* HWY_RESTRICT patch, Element* HWY_RESTRICT to) const {
     const auto y = static_cast<ptrdiff_t>(strip.begin + tile / tiles_per_row(strip) * kTileSize);
     const auto x = static_cast<ptrdiff_t>(tile % tiles_per_row(strip) * kTileSize);
@@ -154,26 +170,25 @@ class WinogradKernel final : public Kernel {
       gather_shifts(strip, y, x, patch);
       for (size_t i = 0; i < kWinogradPoints; ++i) rows[i] = patch + i * kWinogradPoints * depth_stride_;
     }
-    const size_t point_stride = kWinogradBlockTiles * depth_stride_;
-    for (size_t channel = 0; channel < depth_stride_; channel += kLanes) {
+    const size_t depth = depth_stride_;
+    for (size_t channel = 0; channel < depth; channel += kLanes) {
       FloatVec half[kWinogradPoints][kWinogradPoints];
       E2LF_UNROLL
       for (size_t j = 0; j < kWinogradPoints; ++j) {
         FloatVec column[kWinogradPoints], v[kWinogradPoints];
         E2LF_UNROLL
-        for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_floats(rows[i] + j * depth_stride_ + channel);
+        for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_floats(rows[i] + j * depth + channel);
         transform_input(column, v);
         E2LF_UNROLL
         for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = v[i];
       }
+      Element* out = to + channel;
       E2LF_UNROLL
       for (size_t i = 0; i < kWinogradPoints; ++i) {
         FloatVec v[kWinogradPoints];
         transform_input(half[i], v);
         E2LF_UNROLL
-        for (size_t j = 0; j < kWinogradPoints; ++j) {
-          store_floats(v[j], to + (i * kWinogradPoints + j) * point_stride + channel);
-        }
+        for (size_t j = 0; j < kWinogradPoints; ++j, out += depth) store_floats(v[j], out);
       }
     }
   }
@@ -206,35 +221,38 @@ class WinogradKernel final : public Kernel {
     }
   }
 
-  /// The outputs of a tile that lie inside the strip; point p's sums are at `sums` + p * kWinogradBlockTiles * columns.
+  /// The outputs of a tile that lie inside the strip; point p's sums are at `sums` + p * columns.
+  template <bool kResidual, class Output>
   void finish_tile(const Strip& strip, size_t tile, const float* HWY_RESTRICT sums) const {
     const size_t y = strip.begin + tile / tiles_per_row(strip) * kTileSize;
     const size_t x = tile % tiles_per_row(strip) * kTileSize;
     const size_t height = std::min(kTileSize, strip.end - y);
     const size_t width = std::min(kTileSize, strip.width - x);
     const size_t columns = weights_.columns();
-    const size_t point_stride = kWinogradBlockTiles * columns;
+    typename Epilogue<Products>::Row rows[kTileSize];
+    for (size_t i = 0; i < height; ++i) rows[i] = epilogue_.row(strip, y + i);
     for (size_t channel = 0; channel < columns; channel += kLanes) {
       FloatVec half[kTileSize][kWinogradPoints];
+      const auto channels = epilogue_.channels(channel);
+      const float* in = sums + channel;
       E2LF_UNROLL
-      for (size_t j = 0; j < kWinogradPoints; ++j) {
-        FloatVec column[kWinogradPoints], v[kTileSize];
+      for (size_t i = 0; i < kWinogradPoints; ++i) {
+        FloatVec row[kWinogradPoints], v[kTileSize];
         E2LF_UNROLL
-        for (size_t i = 0; i < kWinogradPoints; ++i) {
-          column[i] = hn::Load(FloatTag(), sums + (i * kWinogradPoints + j) * point_stride + channel);
-        }
-        transform_output(column, v);
+        for (size_t j = 0; j < kWinogradPoints; ++j, in += columns) row[j] = hn::Load(FloatTag(), in);
+        transform_output(row, v);
         E2LF_UNROLL
-        for (size_t i = 0; i < kTileSize; ++i) half[i][j] = v[i];
+        for (size_t j = 0; j < kTileSize; ++j) half[j][i] = v[j];
       }
-      for (size_t i = 0; i < height; ++i) {
+      E2LF_UNROLL
+      for (size_t j = 0; j < kTileSize; ++j) {
+        if (j >= width) break;
         FloatVec v[kTileSize];
-        transform_output(half[i], v);
-        const std::byte* residual = epilogue_.residual_row(strip, y + i);
-        auto* output = strip.output.template row<std::byte>(static_cast<ptrdiff_t>(y + i));
+        transform_output(half[j], v);
         E2LF_UNROLL
-        for (size_t j = 0; j < kTileSize; ++j) {
-          if (j < width) epilogue_.store(v[j], channel, (x + j) * columns + channel, residual, output);
+        for (size_t i = 0; i < kTileSize; ++i) {
+          if (i < height)
+            Epilogue<Products>::template store<kResidual, Output>(v[i], channels, (x + j) * columns + channel, rows[i]);
         }
       }
     }
@@ -246,7 +264,7 @@ class WinogradKernel final : public Kernel {
   size_t in_stride_;
   size_t depth_stride_;  ///< channels of all shifted copies, padded
   PackedMatrices weights_;
-  Epilogue epilogue_;
+  Epilogue<Products> epilogue_;
 };
 
 }  // namespace
