@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/model/unet.h"
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::model {
+namespace {
+
+/// Appends layers to a network and returns the name of each, so that they chain.
+class Builder {
+ public:
+  explicit Builder(Network& network) : network_(network) {}
+
+  std::string conv(const std::string& name, const std::string& input, size_t channels, size_t kernel = 3,
+                   size_t stride = 1) {
+    return add({.name = name,
+                .inputs = {input},
+                .out_channels = channels,
+                .kernel = kernel,
+                .stride = stride,
+                .residual = {}});
+  }
+
+  /// `count` blocks of conv-ReLU-conv with their input added.
+  std::string residual_blocks(const std::string& name, std::string input, size_t channels, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      const std::string inner = conv(cat(name, "_", i, "a"), input, channels);
+      network_.layers.back().relu = true;
+      const std::string outer = conv(cat(name, "_", i, "b"), inner, channels);
+      network_.layers.back().residual = input;
+      input = outer;
+    }
+    return input;
+  }
+
+  std::string add(Layer layer) {
+    network_.layers.push_back(std::move(layer));
+    return network_.layers.back().name;
+  }
+
+ private:
+  Network& network_;
+};
+
+}  // namespace
+
+Network unet(const UnetOptions& options) {
+  const auto& widths = options.widths;
+  E2LF_REQUIRE(!widths.empty() && widths.size() == options.blocks.size(), "one width and one block count per level");
+  Network network;
+  network.input_channels = options.input_channels;
+  Builder build(network);
+
+  std::string x = build.add(
+      {.name = "unshuffle", .op = Op::kPixelUnshuffle, .inputs = {"input"}, .kernel = 1, .stride = 2, .residual = {}});
+  x = build.conv("stem", x, widths[0]);
+  std::vector<std::string> skips;
+  const size_t last = widths.size() - 1;
+  for (size_t level = 0; level < last; ++level) {
+    x = build.residual_blocks(cat("down", level), x, widths[level], options.blocks[level]);
+    skips.push_back(x);
+    x = build.conv(cat("down", level, "_half"), x, widths[level + 1], 2, 2);
+  }
+  x = build.residual_blocks("middle", x, widths[last], options.blocks[last]);
+  for (size_t level = last; level-- > 0;) {
+    x = build.add({.name = cat("up", level, "_double"),
+                   .op = Op::kConvTransposed,
+                   .inputs = {x},
+                   .out_channels = widths[level],
+                   .kernel = 2,
+                   .stride = 2,
+                   .residual = {}});
+    x = build.add({.name = cat("up", level, "_join"), .op = Op::kAdd, .inputs = {x, skips[level]}, .residual = {}});
+    x = build.residual_blocks(cat("up", level), x, widths[level], options.blocks[level]);
+  }
+
+  x = build.conv("head", x, 4 * options.head_width);
+  network.layers.back().relu = true;
+  x = build.add({.name = "shuffle", .op = Op::kPixelShuffle, .inputs = {x}, .stride = 2, .residual = {}});
+  const std::string skip = build.conv("skip", "input", options.output_channels, 1);
+  build.conv("output", x, options.output_channels);
+  network.layers.back().residual = skip;
+  return network;
+}
+
+}  // namespace e2lf::model

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/model/unet.h"
+
+#include <gtest/gtest.h>
+
+namespace e2lf::model {
+namespace {
+
+TEST(Unet, IsAValidNetworkWithOneOutputPerView) {
+  const Network network = unet({.input_channels = 9});
+  const auto shapes = infer_shapes(network);
+  ASSERT_TRUE(shapes) << shapes.error().text();
+  EXPECT_EQ(shapes->back().channels, 64U);
+  EXPECT_EQ(shapes->back().scale, 1U);
+  EXPECT_EQ(size_multiple(network), 8U);
+}
+
+TEST(Unet, CostsWhatItsConvolutionsAddUpTo) {
+  const Network network =
+      unet({.input_channels = 3, .output_channels = 5, .widths = {4, 6}, .blocks = {1, 2}, .head_width = 2});
+  // stem 12 -> 4, two blocks of 4 (one a side), down 4 -> 6, two blocks of 6, up 6 -> 4, head 4 -> 8, skip, output.
+  const size_t stem = 12 * 4 * 9, level0 = 2 * 2 * 4 * 4 * 9, down = 4 * 6 * 4, middle = 2 * 2 * 6 * 6 * 9;
+  const size_t up = 6 * 4 * 4, head = 4 * 8 * 9, skip = 3 * 5, output = 2 * 5 * 9;
+  const size_t biases = 4 + 4 * 4 + 6 + 4 * 6 + 4 + 8 + 5 + 5;
+  EXPECT_EQ(num_parameters(network), stem + level0 + down + middle + up + head + skip + output + biases);
+  const double per_pixel = (stem + level0 + head) / 4.0 + (down + middle + up) / 16.0 + skip + output;
+  EXPECT_DOUBLE_EQ(macs_per_pixel(network), per_pixel);
+}
+
+TEST(Unet, BundledSizeIsAtMostAQuarterOfThePapersNetwork) {
+  const Network network = unet({.input_channels = 9, .widths = {48, 96, 128}, .blocks = {2, 2, 3}, .head_width = 32});
+  EXPECT_LT(macs_per_pixel(network), 0.25 * macs_per_pixel(recnet(3)));
+  EXPECT_LT(num_parameters(network) * sizeof(float), size_t{8} << 20U);
+}
+
+}  // namespace
+}  // namespace e2lf::model
