@@ -34,7 +34,7 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
       break;
     case model::InputKind::kIntensity:
       for (size_t x = 0; x < counts.size(); ++x) {
-        row[x] = scale * table.at_half_steps(2 * state.total[x] + state.last_change[x]);
+        row[x] = scale * std::min(table.at_half_steps(2 * state.total[x] + state.last_change[x]), 1.0F);
       }
       break;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/input.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -32,9 +33,11 @@ TEST(NetworkInput, GroupsFollowOneAnother) {
   EXPECT_EQ(values(images, groups), (std::vector<float>{0.5F, 0.5F, -0.25F, 0.25F, 0, -0.375F}));
 }
 
-TEST(NetworkInput, IntensityAddsHalfAThresholdTowardTheLastChange) {
+TEST(NetworkInput, IntensityAddsHalfAThresholdTowardTheLastChangeAndEndsAtOne) {
   const aperture::SensorConstants constants{.eps = 1.0F / 64, .tau = 0.25F};
-  const auto intensity = [](double level) { return static_cast<float>(std::expm1(0.25 * level) / 16); };
+  const auto intensity = [](double level) {
+    return static_cast<float>(4 * std::min(std::expm1(0.25 * level) / 64, 1.0));
+  };
   const auto got = values(pixel({0, 3, 0, -1, 200}), {{InputKind::kIntensity, 4.0F}}, constants);
   const std::vector<float> expected = {0, intensity(3.5), intensity(3.5), intensity(1.5), intensity(202.5)};
   ASSERT_EQ(got.size(), expected.size());
