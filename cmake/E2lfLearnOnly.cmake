@@ -1,0 +1,10 @@
+# The dependencies of e2lf-train alone (E2LF_LEARN_ONLY): torch, and the one header of nlohmann/json.
+set(E2LF_JSON_INCLUDE "" CACHE PATH "Folder that holds nlohmann/json.hpp, where the package is not installed")
+if(E2LF_JSON_INCLUDE)
+  add_library(nlohmann_json::nlohmann_json INTERFACE IMPORTED)
+  target_include_directories(nlohmann_json::nlohmann_json INTERFACE ${E2LF_JSON_INCLUDE})
+else()
+  find_package(nlohmann_json REQUIRED)
+endif()
+find_package(Torch REQUIRED)
+e2lf_feature(torch ON "${Torch_VERSION}")

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/acqnet.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr int64_t kViewsPerSide = 8, kViews = 64;
+constexpr double kStartAmplitude = 0.4, kStartRadius = 2.0;
+constexpr double kMinThreshold = 0.01;  // as in the released simulator
+
+/// Positive within kStartRadius cells of a point, negative outside, soft: the start of a pattern [views].
+torch::Tensor soft_disc(const torch::Tensor& centre) {
+  const auto cells = torch::arange(kViewsPerSide, torch::kFloat);
+  const auto distance = (cells - centre[0]).square().unsqueeze(1) + (cells - centre[1]).square().unsqueeze(0);
+  return (kStartAmplitude * (1.0 - distance / (kStartRadius * kStartRadius)).clamp_min(-1.0)).reshape({kViews});
+}
+
+/// A random point of the aperture that keeps away from earlier ones: the best of a few candidates.
+torch::Tensor distant_point(const std::vector<torch::Tensor>& earlier) {
+  torch::Tensor best;
+  double best_distance = -1;
+  for (int candidate = 0; candidate < 8; ++candidate) {
+    const auto point = 1.0 + 5.0 * torch::rand({2});
+    double nearest = static_cast<double>(kViews);
+    for (const auto& other : earlier) nearest = std::min(nearest, (point - other).norm().item<double>());
+    if (nearest > best_distance) best = point;
+    best_distance = std::max(best_distance, nearest);
+  }
+  return best;
+}
+
+}  // namespace
+
+SampleConstants repeat_constants(const aperture::SensorConstants& constants, int64_t batch, torch::Device device) {
+  const auto repeat = [&](float value) { return torch::full({batch, 1, 1}, value, torch::device(device)); };
+  return {repeat(constants.eps), repeat(constants.tau), repeat(constants.sigma_w), repeat(constants.sigma_z)};
+}
+
+Patterns::Patterns(size_t num_patterns, bool black_first, torch::Device device) : black_first_(black_first) {
+  E2LF_REQUIRE(num_patterns >= 2, "at least two patterns make an event image");
+  const auto rows = static_cast<int64_t>(num_patterns) - (black_first ? 1 : 0);
+  std::vector<torch::Tensor> discs, centres;
+  for (int64_t row = 0; row < rows; ++row) {
+    centres.push_back(distant_point(centres));
+    discs.push_back(soft_disc(centres.back()));
+  }
+  parameters_ = torch::stack(discs).to(device).set_requires_grad(true);
+}
+
+torch::Tensor Patterns::with_black(const torch::Tensor& open) const {
+  return black_first_ ? torch::cat({torch::zeros_like(open.slice(0, 0, 1)), open}) : open;
+}
+
+torch::Tensor Patterns::codes(double scale) const {
+  return with_black(torch::sigmoid(parameters_ * scale));
+}
+
+torch::Tensor Patterns::binary_codes() const {
+  return with_black((parameters_.detach() > 0).to(torch::kFloat));
+}
+
+torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::Tensor& codes) {
+  const auto batch = light_field.size(0), views = light_field.size(1);
+  const auto rays = light_field.reshape({batch, views, -1});
+  return torch::matmul(codes / static_cast<double>(views), rays)
+      .reshape({batch, codes.size(0), light_field.size(2), light_field.size(3)});
+}
+
+torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleConstants& constants,
+                              EventModel event_model) {
+  const auto log_intensity = torch::log(intensities + constants.eps.unsqueeze(1));
+  const bool reference_aware = event_model == EventModel::kReferenceAware;
+  auto reference =
+      reference_aware ? torch::log(constants.eps).expand_as(log_intensity.select(1, 0)) : log_intensity.select(1, 0);
+  std::vector<torch::Tensor> events;
+  for (int64_t n = 1; n < intensities.size(1); ++n) {
+    const auto now = log_intensity.select(1, n);
+    const auto threshold = (constants.tau + constants.sigma_z * torch::randn_like(now)).clamp_min(kMinThreshold);
+    const auto steps = (now - reference + constants.sigma_w * torch::randn_like(now)) / threshold;
+    // Straight through: the value is rounded toward zero, the gradient is that of `steps`.
+    events.push_back(steps + (steps.trunc() - steps).detach());
+    reference = reference_aware ? reference + constants.tau * events.back() : now;
+  }
+  return torch::stack(events, 1);
+}
+
+torch::Tensor to_tensor(const aperture::Codes& codes, torch::Device device) {
+  return torch::tensor(at::ArrayRef<float>(codes.values))
+      .reshape({static_cast<int64_t>(codes.num_patterns), static_cast<int64_t>(codes.pattern_size())})
+      .to(device);
+}
+
+aperture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views_x) {
+  aperture::Codes result(static_cast<size_t>(codes.size(0)), views_y, views_x);
+  const auto values = codes.detach().to(torch::kCPU, torch::kFloat).contiguous();
+  std::copy_n(values.data_ptr<float>(), result.values.size(), result.values.begin());
+  return result;
+}
+
+}  // namespace e2lf::learn

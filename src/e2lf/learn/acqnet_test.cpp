@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/acqnet.h"
+
+#include <cmath>
+#include <functional>
+#include <gtest/gtest.h>
+
+#include "e2lf/learn/input_form.h"
+#include "e2lf/sensor/event_model.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr auto kDouble = torch::kDouble;
+
+SampleConstants noise_free(int64_t batch, torch::ScalarType type = torch::kFloat) {
+  auto constants = repeat_constants({.sigma_w = 0.0F, .sigma_z = 0.0F}, batch, torch::kCPU);
+  for (auto* value : {&constants.eps, &constants.tau, &constants.sigma_w, &constants.sigma_z}) *value = value->to(type);
+  return constants;
+}
+
+/// Largest difference between the gradient of `loss` at x and central differences.
+double gradient_error(const std::function<torch::Tensor(const torch::Tensor&)>& loss, torch::Tensor x) {
+  x = x.detach().clone().set_requires_grad(true);
+  loss(x).backward();
+  torch::NoGradGuard no_grad;
+  double worst = 0;
+  constexpr double kStep = 1e-5;
+  auto values = x.detach().clone();
+  for (int64_t i = 0; i < values.numel(); ++i) {
+    auto element = values.view(-1)[i];
+    const double at = element.item<double>();
+    element.fill_(at + kStep);
+    const double above = loss(values).item<double>();
+    element.fill_(at - kStep);
+    const double below = loss(values).item<double>();
+    element.fill_(at);
+    worst = std::max(worst, std::abs((above - below) / (2 * kStep) - x.grad().view(-1)[i].item<double>()));
+  }
+  return worst;
+}
+
+TEST(CodedIntensities, HaveTheGradientOfDifferences) {
+  torch::manual_seed(1);
+  const auto light_field = torch::rand({2, 64, 2, 3}, kDouble), weights = torch::randn({2, 4, 2, 3}, kDouble);
+  const auto loss = [&](const torch::Tensor& codes) {
+    return (coded_intensities(light_field, torch::sigmoid(codes)).square() * weights).sum();
+  };
+  EXPECT_LT(gradient_error(loss, torch::randn({4, 64}, kDouble)), 1e-8);
+}
+
+TEST(InputForm, HasTheGradientOfDifferencesInEveryGroup) {
+  torch::manual_seed(2);
+  const std::vector<model::InputGroup> groups = {
+      {model::InputKind::kCounts, 0.125F}, {model::InputKind::kCumulative, 0.5F}, {model::InputKind::kIntensity, 4.0F}};
+  const auto weights = torch::randn({1, 9, 2, 2}, kDouble);
+  const auto loss = [&](const torch::Tensor& events) {
+    return (form_inputs(events, groups, noise_free(1, kDouble)).square() * weights).sum();
+  };
+  EXPECT_LT(gradient_error(loss, torch::rand({1, 3, 2, 2}, kDouble) * 3.0 + 0.5), 1e-7);
+}
+
+TEST(InputForm, MatchesItsDefinitionAndLimitsIntensitiesToOne) {
+  const auto events = torch::tensor({5.0F, -2.0F, 0.0F, 90.0F, 0.0F, 0.0F}).reshape({1, 3, 1, 2}).contiguous();
+  // Pixel 0: E = 5, 0, 0; pixel 1: E = -2, 90, 0.
+  const auto form = [&](model::InputKind kind) { return form_inputs(events, {{kind, 2.0F}}, noise_free(1)); };
+  EXPECT_TRUE(torch::equal(form(model::InputKind::kCounts), events * 2.0));
+  const auto cumulative = form(model::InputKind::kCumulative);
+  EXPECT_EQ(cumulative[0][2][0][0].item<float>(), 10.0F);
+  EXPECT_EQ(cumulative[0][2][0][1].item<float>(), 176.0F);
+  const auto intensity = form(model::InputKind::kIntensity);
+  EXPECT_NEAR(intensity[0][0][0][0].item<float>(), 2 * 0.01 * std::expm1(0.3 * 5.5), 1e-6);
+  EXPECT_NEAR(intensity[0][2][0][0].item<float>(), 2 * 0.01 * std::expm1(0.3 * 5.5), 1e-6);
+  EXPECT_NEAR(intensity[0][0][0][1].item<float>(), 2 * 0.01 * std::expm1(-0.3 * 2.5), 1e-6);
+  EXPECT_NEAR(intensity[0][1][0][1].item<float>(), 2.0, 1e-5);
+}
+
+TEST(SimulateEvents, PassesTheGradientOfTheUnroundedStepsThrough) {
+  const double eps = 0.01, tau = 0.3;
+  const auto intensities =
+      torch::tensor({0.1, 0.4, 0.2}, kDouble).reshape({1, 3, 1, 1}).contiguous().set_requires_grad(true);
+  auto constants = noise_free(1, kDouble);
+  constants.eps.fill_(eps);
+  constants.tau.fill_(tau);
+  const auto events = simulate_events(intensities, constants, EventModel::kQuantised);
+  EXPECT_EQ(events.flatten()[0].item<double>(), std::trunc(std::log(0.41 / 0.11) / tau));
+  EXPECT_EQ(events.flatten()[1].item<double>(), std::trunc(std::log(0.21 / 0.41) / tau));
+  events.sum().backward();
+  // d(E_1 + E_2)/dI: I_2 cancels between the two transitions.
+  const auto gradient = intensities.grad().flatten();
+  EXPECT_NEAR(gradient[0].item<double>(), -1 / (tau * 0.11), 1e-9);
+  EXPECT_NEAR(gradient[1].item<double>(), 0.0, 1e-9);
+  EXPECT_NEAR(gradient[2].item<double>(), 1 / (tau * 0.21), 1e-9);
+}
+
+class SensorParity : public testing::TestWithParam<EventModel> {};
+
+TEST_P(SensorParity, CountsTheSameEventsAsTheSensorWithoutNoise) {
+  torch::manual_seed(3);
+  constexpr size_t kHeight = 33, kWidth = 47;
+  const auto views = torch::rand({1, 64, kHeight, kWidth}).square();
+  const lightfield::LightField field(
+      {8, 8, kHeight, kWidth}, std::vector<float>(views.data_ptr<float>(), views.data_ptr<float>() + views.numel()));
+  const auto codes = torch::cat({torch::zeros({1, 64}), (torch::rand({4, 64}) > 0.7).to(torch::kFloat)});
+
+  sensor::EventModelOptions options{.constants = {.sigma_w = 0.0F, .sigma_z = 0.0F}};
+  options.model =
+      GetParam() == EventModel::kQuantised ? sensor::EventModel::kQuantised : sensor::EventModel::kReferenceAware;
+  const auto expected = sensor::simulate_events(to_codes(codes, 8, 8), field, options);
+  ASSERT_TRUE(expected) << expected.error().text();
+  const auto events = simulate_events(coded_intensities(views, codes), noise_free(1), GetParam()).contiguous();
+
+  ASSERT_EQ(static_cast<size_t>(events.numel()), expected->counts.size());
+  size_t different = 0;
+  for (size_t i = 0; i < expected->counts.size(); ++i) {
+    different += std::lround(events.data_ptr<float>()[i]) != expected->counts[i] ? 1 : 0;
+  }
+  EXPECT_LE(different, 3U);  // quotients within float rounding of a whole number
+  EXPECT_GT(events.abs().sum().item<float>(), 1000.0F);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, SensorParity, testing::Values(EventModel::kQuantised, EventModel::kReferenceAware));
+
+TEST(SimulateEvents, DrawsNoiseOfTheGivenWidths) {
+  torch::manual_seed(4);
+  auto constants = repeat_constants({.tau = 0.01F, .sigma_w = 0.2F, .sigma_z = 0.0F}, 1, torch::kCPU);
+  const auto dark = torch::full({1, 2, 200, 200}, 0.5F);
+  const auto steps = simulate_events(dark, constants, EventModel::kQuantised);
+  // Rounding 20 g toward zero leaves a variance of 20^2 - E|20 g| + 1/3 for a standard normal g.
+  EXPECT_NEAR(steps.std().item<double>(), std::sqrt(400.0 - 20.0 * std::sqrt(2.0 / M_PI) + 1.0 / 3.0), 0.3);
+  EXPECT_NEAR(steps.mean().item<double>() * 0.01, 0.0, 0.004);
+}
+
+TEST(Patterns, AreBlackFirstAndBecomeBinaryAsTheScaleGrows) {
+  torch::manual_seed(5);
+  const Patterns patterns(4, /*black_first=*/true, torch::kCPU);
+  EXPECT_EQ(patterns.codes(4.0).sizes(), (std::vector<int64_t>{4, 64}));
+  EXPECT_EQ(patterns.codes(4.0)[0].abs().sum().item<float>(), 0.0F);
+  EXPECT_GT((patterns.codes(4.0) - patterns.binary_codes()).abs().max().item<float>(), 0.1F);
+  EXPECT_LT((patterns.codes(1e5) - patterns.binary_codes()).abs().mean().item<float>(), 0.01F);
+  const auto codes = to_codes(patterns.binary_codes(), 8, 8);
+  EXPECT_TRUE(torch::equal(to_tensor(codes, torch::kCPU), patterns.binary_codes()));
+}
+
+}  // namespace
+}  // namespace e2lf::learn

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/batches.h"
+
+#include <algorithm>
+
+namespace e2lf::learn {
+namespace {
+
+enum SeedPurpose : uint64_t { kNoise = 1, kSynthesis = 2, kSamples = 3 };
+constexpr uint64_t kFirstPool = 32;  // light fields synthesised before the first step
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
+  Batches batches(config, std::move(dataset), device);
+  for (const auto* names : {&config.data.validation, &config.data.exclude}) {
+    for (const std::string& name : *names) {
+      if (const auto found = batches.dataset_.find(name); !found) return found.error();
+    }
+  }
+  const auto patch = static_cast<int64_t>(config.train.patch);
+  double pixels = 0;
+  for (size_t i = 0; i < batches.dataset_.scenes.size(); ++i) {
+    const Scene& scene = batches.dataset_.scenes[i];
+    if (contains(config.data.validation, scene.name) || contains(config.data.exclude, scene.name)) continue;
+    if (scene.views.size(1) < patch || scene.views.size(2) < patch) continue;
+    batches.scenes_.push_back(i);
+    batches.cumulative_pixels_.push_back(pixels += static_cast<double>(scene.views.size(1) * scene.views.size(2)));
+  }
+  if (batches.scenes_.empty() && config.data.synthetic_share < 1.0) {
+    return Error{ErrorCode::kInvalidValue,
+                 "no light field of the data is left to train on; add some or set data.synthetic_share to 1",
+                 config.data.file};
+  }
+  return batches;
+}
+
+void Batches::advance_pool(uint64_t step) {
+  if (config_.data.synthetic_share <= 0.0) return;
+  const auto end = kFirstPool + static_cast<uint64_t>(static_cast<double>(step) * config_.data.pool_per_step);
+  pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
+  for (; pool_end_ < end; ++pool_end_) {
+    pool_.push_back(synthesise(dataset_.textures, config_.data.synthesiser,
+                               mix_seed(config_.seed, kSynthesis, pool_end_), device_));
+    if (pool_.size() > config_.data.pool) pool_.pop_front();
+  }
+}
+
+const torch::Tensor& Batches::random_scene(Draws& draws) const {
+  if (draws.chance(config_.data.synthetic_share)) return pool_[draws.below(pool_.size())];
+  const double pick = draws.uniform(0.0, cumulative_pixels_.back());
+  const auto found = std::upper_bound(cumulative_pixels_.begin(), cumulative_pixels_.end() - 1, pick);
+  return dataset_.scenes[scenes_[static_cast<size_t>(found - cumulative_pixels_.begin())]].views;
+}
+
+torch::Tensor Batches::random_patch(Draws& draws) const {
+  const torch::Tensor& views = random_scene(draws);
+  const auto patch = static_cast<int64_t>(config_.train.patch);
+  const auto y = static_cast<int64_t>(draws.below(static_cast<uint64_t>(views.size(1) - patch + 1)));
+  const auto x = static_cast<int64_t>(draws.below(static_cast<uint64_t>(views.size(2) - patch + 1)));
+  return transform_views(views.slice(1, y, y + patch).slice(2, x, x + patch), draws.below(8));
+}
+
+std::pair<torch::Tensor, SampleConstants> Batches::random_conditions(Draws& draws) const {
+  const SensorConfig& sensor = config_.sensor;
+  std::vector<float> gain, tau, sigma_w, sigma_z;
+  for (uint64_t i = 0; i < config_.train.batch; ++i) {
+    const bool nominal = draws.chance(sensor.nominal_share);
+    const auto pick = [&](float usual, const std::array<double, 2>& range) {
+      const auto drawn = static_cast<float>(draws.uniform(range[0], range[1]));
+      return nominal ? usual : drawn;
+    };
+    tau.push_back(pick(sensor.nominal.tau, sensor.tau));
+    sigma_w.push_back(pick(sensor.nominal.sigma_w, sensor.sigma_w));
+    sigma_z.push_back(pick(sensor.nominal.sigma_z, sensor.sigma_z));
+    const bool full = draws.chance(sensor.full_gain_share);
+    const auto drawn_gain = static_cast<float>(draws.log_uniform(sensor.gain[0], sensor.gain[1]));
+    gain.push_back(full ? 1.0F : drawn_gain);
+  }
+  const auto on_device = [&](const std::vector<float>& values) {
+    return torch::tensor(at::ArrayRef<float>(values)).reshape({-1, 1, 1}).to(device_);
+  };
+  return {on_device(gain).flatten(),
+          {torch::full({static_cast<int64_t>(gain.size()), 1, 1}, sensor.nominal.eps, torch::device(device_)),
+           on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
+}
+
+Batch Batches::at(uint64_t step) {
+  torch::NoGradGuard no_grad;
+  advance_pool(step);
+  Draws draws(mix_seed(config_.seed, kSamples, step), 0);
+  std::vector<torch::Tensor> patches;
+  for (uint64_t i = 0; i < config_.train.batch; ++i) patches.push_back(random_patch(draws));
+  Batch batch;
+  std::tie(batch.gain, batch.constants) = random_conditions(draws);
+  batch.light_field = torch::stack(patches).to(torch::kFloat).mul_((batch.gain / 255.0).reshape({-1, 1, 1, 1}));
+  // From here on torch's generator serves the sensor noise of this step.
+  torch::manual_seed(mix_seed(config_.seed, kNoise, step));
+  return batch;
+}
+
+}  // namespace e2lf::learn

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <deque>
+#include <torch/types.h>
+#include <vector>
+
+#include "e2lf/learn/acqnet.h"
+#include "e2lf/learn/config.h"
+#include "e2lf/learn/dataset.h"
+#include "e2lf/learn/draws.h"
+
+namespace e2lf::learn {
+
+struct Batch {
+  torch::Tensor light_field;  ///< float32 [batch, 64, patch, patch], already darkened by `gain`
+  torch::Tensor gain;         ///< float32 [batch]
+  SampleConstants constants;
+};
+
+/// Training samples. What step k gets depends only on the configuration and k, so a resumed run sees the same data.
+class Batches {
+ public:
+  /// Trains on every scene of the data that is neither validation nor excluded. Fails with kInvalidValue when there is
+  /// nothing to train on, and kNotFound when a named scene is not in the data.
+  [[nodiscard]] static Result<Batches> create(const Config& config, Dataset dataset, torch::Device device);
+
+  /// The batch of a step. Steps in increasing order are fast: the pool of synthesised light fields moves along.
+  [[nodiscard]] Batch at(uint64_t step);
+
+  [[nodiscard]] const Dataset& dataset() const { return dataset_; }
+
+ private:
+  Batches(Config config, Dataset dataset, torch::Device device)
+      : config_(std::move(config)), dataset_(std::move(dataset)), device_(device) {}
+  void advance_pool(uint64_t step);
+  [[nodiscard]] const torch::Tensor& random_scene(Draws& draws) const;
+  [[nodiscard]] torch::Tensor random_patch(Draws& draws) const;
+  [[nodiscard]] std::pair<torch::Tensor, SampleConstants> random_conditions(Draws& draws) const;
+
+  Config config_;
+  Dataset dataset_;
+  torch::Device device_;
+  std::vector<size_t> scenes_;             // indices of those to train on
+  std::vector<double> cumulative_pixels_;  // scenes are drawn in proportion to their size
+  uint64_t pool_end_ = 0;                  // number of light fields synthesised since step 0
+  std::deque<torch::Tensor> pool_;
+};
+
+}  // namespace e2lf::learn

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/commands.h"
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include "e2lf/learn/trainer.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr const char* kCheckpoint = "checkpoint.safetensors";
+
+/// Training frees and takes the same large blocks at every step. Handing them back to the system each time costs a
+/// sixth of the time on a CPU.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  mallopt(M_TOP_PAD, 64 << 20);
+#endif
+}
+
+/// Runs work that calls torch; its exceptions become errors.
+template <typename Work>
+auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const c10::Error& error) {
+    return Error{ErrorCode::kInternal, cat("torch failed: ", error.what_without_backtrace(), "; report this"),
+                 location.string()};
+  }
+}
+
+Result<Config> read_config(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+  E2LF_ASSIGN_OR_RETURN(auto json, read_json(path));
+  for (const std::string& assignment : overrides) E2LF_RETURN_IF_ERROR(apply_override(json, assignment));
+  return config_from_json(json, path.string() + ": $");
+}
+
+Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std::string>& overrides) {
+  E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides));
+  E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config));
+  E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
+  return trainer;
+}
+
+Result<void> run_and_export(Trainer& trainer, const std::filesystem::path& run, const ProgressFn& progress,
+                            const std::function<bool()>& keep_going) {
+  keep_freed_memory();
+  E2LF_RETURN_IF_ERROR(trainer.run(run, progress, keep_going));
+  return model::write_model(run / (trainer.config().name + ".safetensors"), trainer.to_model());
+}
+
+}  // namespace
+
+Result<void> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
+                   const std::vector<std::string>& overrides, const ProgressFn& progress,
+                   const std::function<bool()>& keep_going) {
+  return guarded(config_path, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides));
+    E2LF_RETURN_IF_ERROR(check_output(run / "config.json", /*overwrite=*/false));
+    E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config));
+    return run_and_export(trainer, run, progress, keep_going);
+  });
+}
+
+Result<void> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
+                    const ProgressFn& progress, const std::function<bool()>& keep_going) {
+  return guarded(run, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(auto trainer, open_run(run, overrides));
+    return run_and_export(trainer, run, progress, keep_going);
+  });
+}
+
+Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model) {
+  return guarded(run, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
+    return model::write_model(model, trainer.to_model());
+  });
+}
+
+Result<std::string> evaluate_run(const std::filesystem::path& run, const std::vector<std::string>& scenes,
+                                 const std::vector<std::string>& overrides) {
+  return guarded(run, [&]() -> Result<std::string> {
+    E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, overrides));
+    const auto& nominal = trainer.config().sensor.nominal;
+    auto noise_free = nominal;
+    noise_free.sigma_w = noise_free.sigma_z = 0.0F;
+    std::string table = "scene\tpsnr_db\tevents_per_pixel\tpsnr_db_without_noise\n";
+    E2LF_ASSIGN_OR_RETURN(const auto usual, trainer.evaluate(scenes, nominal));
+    E2LF_ASSIGN_OR_RETURN(const auto clean, trainer.evaluate(scenes, noise_free));
+    for (size_t i = 0; i < usual.size(); ++i) {
+      table +=
+          cat(usual[i].name, '\t', usual[i].psnr_db, '\t', usual[i].events_per_pixel, '\t', clean[i].psnr_db, '\n');
+    }
+    return table;
+  });
+}
+
+}  // namespace e2lf::learn

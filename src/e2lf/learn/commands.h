@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
+
+namespace e2lf::learn {
+
+/// What the command line does. No torch type appears here and no torch exception leaves: they become kInternal.
+/// `overrides` are "a.b=value" on the configuration. `keep_going` returning false stops after a checkpoint
+/// (kCancelled).
+
+/// Starts a run in a folder that does not hold one yet (kExists), and exports its model at the end.
+[[nodiscard]] Result<void> train(const std::filesystem::path& config, const std::filesystem::path& run,
+                                 const std::vector<std::string>& overrides = {}, const ProgressFn& progress = {},
+                                 const std::function<bool()>& keep_going = {});
+
+/// Continues a run from its last checkpoint, and exports its model at the end.
+[[nodiscard]] Result<void> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides = {},
+                                  const ProgressFn& progress = {}, const std::function<bool()>& keep_going = {});
+
+/// The averaged weights of the last checkpoint as a model file.
+[[nodiscard]] Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model);
+
+/// A table (tab-separated text) of PSNR and events per pixel of the last checkpoint on scenes of the run's data: at the
+/// nominal noise and without noise.
+[[nodiscard]] Result<std::string> evaluate_run(const std::filesystem::path& run, const std::vector<std::string>& scenes,
+                                               const std::vector<std::string>& overrides = {});
+
+}  // namespace e2lf::learn

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/options.h"
+#include "e2lf/learn/acqnet.h"
+#include "e2lf/learn/synthesiser.h"
+#include "e2lf/model/model.h"
+
+namespace e2lf::learn {
+
+struct DataConfig {
+  std::string file;                     ///< made by `e2lf pack`
+  std::vector<std::string> validation;  ///< light fields for evaluation, never trained on
+  std::vector<std::string> exclude;     ///< light fields neither trained on nor evaluated during training
+  double synthetic_share = 0.5;         ///< share of samples from the synthesiser
+  uint64_t pool = 256;                  ///< synthesised light fields kept; each gives several crops
+  double pool_per_step = 0.5;           ///< new ones made per step
+  SynthesiserOptions synthesiser;
+};
+
+struct PatternConfig {
+  uint64_t num_patterns = 4;
+  bool black_first = true;
+  EventModel event_model = EventModel::kReferenceAware;
+  std::string codes;            ///< a model file with codes to use as they are; empty: learn them
+  uint64_t begin_step = 200;    ///< patterns keep still until here, while the network learns to use them
+  uint64_t learn_steps = 2000;  ///< steps until learned patterns are rounded to 0/1 and kept
+  double learning_rate = 1e-3;
+  double scale_begin = 4.0, scale_end = 60.0;  ///< s of sigmoid(s * parameter), growing geometrically
+};
+
+/// What varies between samples, so that one model serves many cameras and scenes.
+struct SensorConfig {
+  aperture::SensorConstants nominal;
+  double nominal_share = 0.4;                ///< share of samples with exactly the nominal tau, sigma_w, sigma_z
+  std::array<double, 2> tau = {0.27, 0.33};  ///< uniform; known to the network through its inputs
+  std::array<double, 2> sigma_w = {0.0, 0.25};
+  std::array<double, 2> sigma_z = {0.0, 0.06};
+  double full_gain_share = 0.5;              ///< share of samples with gain 1
+  std::array<double, 2> gain = {0.15, 1.0};  ///< log-uniform factor on the light field
+};
+
+struct NetworkConfig {
+  std::string type = "unet";  ///< "unet" or "recnet"
+  std::vector<uint64_t> widths = {48, 96, 128};
+  std::vector<uint64_t> blocks = {2, 2, 3};
+  uint64_t head_width = 32;
+};
+
+struct TrainConfig {
+  uint64_t patch = 64, batch = 16, steps = 20000;
+  double learning_rate = 1e-3;
+  uint64_t warmup_steps = 200;
+  uint64_t hold_steps = 0;  ///< the rate stays at its peak until here, then follows a cosine to zero
+  double clip_norm = 1.0;
+  double ema = 0.999;
+  double gain_weight_power = 1.0;  ///< a sample with gain g weighs g^-power in the loss
+  uint64_t log_steps = 50, evaluate_steps = 1000, checkpoint_steps = 250;
+};
+
+/// Everything that defines a training run; see docs/training.md for the JSON keys.
+struct Config {
+  std::string name = "model";
+  uint64_t seed = 1;
+  std::string device = "cpu";         ///< "cpu", "cuda", "cuda:1"
+  std::string precision = "float32";  ///< or "bfloat16": of the network's convolutions
+  std::string start;                  ///< a model file whose weights training starts from; empty: random
+  DataConfig data;
+  PatternConfig patterns;
+  SensorConfig sensor;
+  std::vector<model::InputGroup> input = {{model::InputKind::kCounts, 0.125F},
+                                          {model::InputKind::kCumulative, 0.125F},
+                                          {model::InputKind::kIntensity, 4.0F}};
+  NetworkConfig network;
+  TrainConfig train;
+};
+
+/// Reads a configuration; absent keys keep their defaults. Fails with kInvalidValue on an unknown key (naming the
+/// nearest), a wrong type or a value out of range.
+[[nodiscard]] Result<Config> config_from_json(const Json& json, const std::string& location);
+
+/// All fields, so that a run's folder tells what was done. config_from_json reads it back.
+[[nodiscard]] Json to_json(const Config& config);
+
+/// The network that a configuration describes.
+[[nodiscard]] model::Network make_network(const Config& config);
+
+}  // namespace e2lf::learn

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/config.h"
+
+#include <gtest/gtest.h>
+
+namespace e2lf::learn {
+namespace {
+
+Error error_of(const std::string& text) {
+  const auto config = config_from_json(Json::parse(text), "test");
+  EXPECT_FALSE(config) << text;
+  return config ? Error{} : config.error();
+}
+
+TEST(Config, ComesBackFromItsOwnJson) {
+  Config config;
+  config.name = "other";
+  config.patterns.event_model = EventModel::kQuantised;
+  config.input = {{model::InputKind::kCumulative, 0.5F}};
+  config.sensor.gain = {0.5, 0.75};
+  config.network.widths = {8};
+  config.network.blocks = {3};
+  const auto again = config_from_json(to_json(config), "test");
+  ASSERT_TRUE(again) << again.error().text();
+  EXPECT_EQ(to_json(*again), to_json(config));
+  EXPECT_EQ(again->input, config.input);
+}
+
+TEST(Config, AnEmptyObjectIsTheDefault) {
+  const auto config = config_from_json(Json::object(), "test");
+  ASSERT_TRUE(config);
+  EXPECT_EQ(to_json(*config), to_json(Config{}));
+}
+
+TEST(Config, ErrorsNameThePlaceAndTheNearestKey) {
+  const auto unknown = error_of(R"({"train": {"bach": 3}})");
+  EXPECT_EQ(unknown.code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(unknown.location, "test.train.bach");
+  EXPECT_NE(unknown.message.find("\"batch\""), std::string::npos);
+  EXPECT_EQ(error_of(R"({"data": {"synthesiser": {"size": "big"}}})").location, "test.data.synthesiser.size");
+}
+
+TEST(Config, RefusesValuesThatCannotWork) {
+  EXPECT_EQ(error_of(R"({"precision": "float16"})").location, "test.precision");
+  EXPECT_EQ(error_of(R"({"patterns": {"event_model": "magic"}})").location, "test.patterns");
+  EXPECT_EQ(error_of(R"({"patterns": {"black_first": false}})").location, "test.patterns");
+  EXPECT_EQ(error_of(R"({"patterns": {"num_patterns": 1}})").location, "test.patterns");
+  EXPECT_EQ(error_of(R"({"input": [{"kind": "colour"}]})").location, "test.input");
+  EXPECT_EQ(error_of(R"({"network": {"type": "transformer"}})").location, "test.network");
+  EXPECT_EQ(error_of(R"({"network": {"widths": [8]}})").location, "test.network");
+  EXPECT_EQ(error_of(R"({"train": {"batch": 0}})").location, "test.train");
+  EXPECT_EQ(error_of(R"({"train": {"patch": 128}})").location, "test.train.patch");
+}
+
+TEST(MakeNetwork, FitsTheInputAndTheViews) {
+  Config config;
+  config.patterns.num_patterns = 8;
+  const auto network = make_network(config);
+  EXPECT_EQ(network.input_channels, 21U);
+  EXPECT_EQ(network.layers.back().out_channels, 64U);
+  config.network.type = "recnet";
+  config.input = {{model::InputKind::kCounts, 0.125F}};
+  EXPECT_EQ(make_network(config).input_channels, 7U);
+}
+
+}  // namespace
+}  // namespace e2lf::learn

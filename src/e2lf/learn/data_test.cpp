@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/safetensors.h"
+#include "e2lf/learn/batches.h"
+#include "e2lf/learn/synthesiser.h"
+#include "e2lf/learn/test_data.h"
+
+namespace e2lf::learn {
+namespace {
+
+TEST(ReadDataset, GivesScenesAndTexturesByName) {
+  const TestData data;
+  const auto dataset = read_dataset(data.path(), torch::kCPU);
+  ASSERT_TRUE(dataset) << dataset.error().text();
+  ASSERT_EQ(dataset->scenes.size(), 2U);
+  EXPECT_EQ(dataset->textures.size(), 1U);
+  const auto scene = dataset->find("second");
+  ASSERT_TRUE(scene);
+  EXPECT_EQ((*scene)->views.sizes(), (std::vector<int64_t>{64, 32, 32}));
+  const auto missing = dataset->find("secnd");
+  EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);
+  EXPECT_NE(missing.error().message.find("second"), std::string::npos);
+}
+
+TEST(ReadDataset, RefusesTensorsThatAreNotPackedData) {
+  const TestData data;
+  const auto refuse = [&](const std::string& name, Tensor tensor) {
+    Safetensors file;
+    file.tensors[name] = std::move(tensor);
+    EXPECT_TRUE(write_safetensors(data.path(), file));
+    return read_dataset(data.path(), torch::kCPU).error();
+  };
+  const std::vector<uint8_t> bytes(64, 1);
+  const std::vector<float> floats(4, 1.0F);
+  EXPECT_EQ(refuse("picture/a", make_tensor({8, 8}, bytes)).code, ErrorCode::kFormat);
+  EXPECT_EQ(refuse("texture/a", make_tensor({2, 2}, floats)).code, ErrorCode::kFormat);
+  EXPECT_EQ(refuse("texture/a", make_tensor({64}, bytes)).code, ErrorCode::kShape);
+  const auto error = refuse("lightfield/a", make_tensor({4, 4, 2, 2}, bytes));
+  EXPECT_EQ(error.code, ErrorCode::kShape);
+  EXPECT_NE(error.message.find("lightfield/a"), std::string::npos);
+}
+
+TEST(TransformViews, MovesViewsAndPixelsTogether) {
+  const auto views = torch::arange(64 * 5 * 3).reshape({8, 8, 5, 3});
+  const auto flat = views.reshape({64, 5, 3});
+  const auto flipped_y = transform_views(flat, 1).reshape({8, 8, 5, 3});
+  const auto flipped_x = transform_views(flat, 2).reshape({8, 8, 5, 3});
+  const auto transposed = transform_views(flat, 4).reshape({8, 8, 3, 5});
+  EXPECT_TRUE(torch::equal(flipped_y[0][2][1][2], views[7][2][3][2]));
+  EXPECT_TRUE(torch::equal(flipped_x[0][2][1][2], views[0][5][1][0]));
+  EXPECT_TRUE(torch::equal(transposed[0][2][1][4], views[2][0][4][1]));
+  for (unsigned symmetry = 0; symmetry < 4; ++symmetry) {
+    EXPECT_TRUE(torch::equal(transform_views(transform_views(flat, symmetry), symmetry), flat)) << symmetry;
+  }
+}
+
+TEST(Synthesise, DependsOnTheSeedAlone) {
+  const SynthesiserOptions options{.size = 32};
+  const auto first = synthesise({}, options, 5, torch::kCPU);
+  EXPECT_EQ(first.sizes(), (std::vector<int64_t>{64, 32, 32}));
+  EXPECT_TRUE(torch::equal(first, synthesise({}, options, 5, torch::kCPU)));
+  EXPECT_FALSE(torch::equal(first, synthesise({}, options, 6, torch::kCPU)));
+}
+
+TEST(Synthesise, WithoutDisparityAllViewsAreEqual) {
+  SynthesiserOptions options{.size = 32, .max_disparity = 0.0, .slant_share = 0.0};
+  const auto views = synthesise({}, options, 7, torch::kCPU);
+  EXPECT_TRUE(torch::equal(views, views.slice(0, 0, 1).expand_as(views)));
+}
+
+TEST(Synthesise, APlaneMovesByTheSameDisparityAlongRowsAndColumns) {
+  torch::manual_seed(8);
+  const auto photo = at::upsample_bicubic2d(torch::rand({1, 1, 60, 60}) * 255.0, {240, 240}, false)[0][0];
+  const std::vector<torch::Tensor> photos = {photo.clamp(0, 255).to(torch::kByte)};
+  const SynthesiserOptions options{.size = 64,
+                                   .max_disparity = 3.0,
+                                   .max_layers = 1,
+                                   .slant_share = 0.0,
+                                   .highlight_share = 0.0,
+                                   .procedural_share = 0.0};
+  size_t moving = 0;
+  for (uint64_t seed = 0; seed < 8; ++seed) {
+    const auto views = synthesise(photos, options, seed, torch::kCPU).to(torch::kFloat).reshape({8, 8, 64, 64});
+    // Steps of four views make every disparity of a quarter px a whole number of px. A point at x in view (r, c) is at
+    // x + d in view (r, c + 1).
+    const auto mismatch = [&](int64_t shift, bool rows) {
+      const auto a = views[2][2], b = rows ? views[6][2] : views[2][6];
+      const auto near = a.slice(0, 16, 48).slice(1, 16, 48);
+      const auto far = b.slice(0, 16 + (rows ? shift : 0), 48 + (rows ? shift : 0))
+                           .slice(1, 16 + (rows ? 0 : shift), 48 + (rows ? 0 : shift));
+      return (near - far).abs().mean().item<float>();
+    };
+    int64_t best[2] = {0, 0};
+    for (const bool rows : {false, true}) {
+      for (int64_t shift = -12; shift <= 12; ++shift) {
+        if (mismatch(shift, rows) < mismatch(best[rows], rows)) best[rows] = shift;
+      }
+    }
+    EXPECT_EQ(best[0], best[1]) << "seed " << seed;
+    moving += best[0] != 0 ? 1 : 0;
+  }
+  EXPECT_GE(moving, 4U);
+}
+
+TEST(Batches, DependOnTheStepAloneAndNeverShowValidationScenes) {
+  const TestData data;
+  auto config = data.config();
+  config.data.synthetic_share = 0.0;
+  config.data.validation = {"first"};
+  const auto create = [&] {
+    return Batches::create(config, read_dataset(data.path(), torch::kCPU).value(), torch::kCPU);
+  };
+  auto batches = create(), again = create();
+  ASSERT_TRUE(batches) << batches.error().text();
+  (void)batches->at(0);
+  const auto batch = batches->at(3);
+  EXPECT_TRUE(torch::equal(batch.light_field, again->at(3).light_field));
+  EXPECT_FALSE(torch::equal(batch.light_field, batches->at(4).light_field));
+  EXPECT_EQ(batch.light_field.sizes(), (std::vector<int64_t>{2, 64, 16, 16}));
+  // "first" holds values up to 99, "second" from 100 on.
+  const auto brightness = batch.light_field / batch.gain.reshape({-1, 1, 1, 1});
+  EXPECT_GE(brightness.min().item<float>(), 99.5F / 255.0F);
+  config.data.exclude = {"second"};
+  EXPECT_EQ(create().error().code, ErrorCode::kInvalidValue);
+  config.data.exclude = {"third"};
+  EXPECT_EQ(create().error().code, ErrorCode::kNotFound);
+}
+
+TEST(Batches, AResumedPoolHoldsTheSameLightFields) {
+  const TestData data;
+  auto config = data.config();
+  config.data.synthetic_share = 1.0;
+  config.data.pool = 34;
+  config.data.pool_per_step = 1.0;
+  const auto create = [&] {
+    return Batches::create(config, read_dataset(data.path(), torch::kCPU).value(), torch::kCPU);
+  };
+  auto running = create(), resumed = create();
+  for (uint64_t step = 0; step < 5; ++step) (void)running->at(step);
+  EXPECT_TRUE(torch::equal(running->at(5).light_field, resumed->at(5).light_field));
+}
+
+TEST(Batches, DrawConditionsFromTheirRanges) {
+  const TestData data;
+  auto config = data.config();
+  config.train.batch = 200;
+  config.data.synthetic_share = 0.0;
+  auto batches = Batches::create(config, read_dataset(data.path(), torch::kCPU).value(), torch::kCPU);
+  const auto batch = batches->at(0);
+  const auto nominal = (batch.constants.sigma_w == config.sensor.nominal.sigma_w).to(torch::kFloat).mean();
+  EXPECT_NEAR(nominal.item<double>(), config.sensor.nominal_share, 0.12);
+  EXPECT_NEAR((batch.gain == 1.0).to(torch::kFloat).mean().item<double>(), config.sensor.full_gain_share, 0.12);
+  EXPECT_GE(batch.gain.min().item<double>(), config.sensor.gain[0] - 1e-6);
+  EXPECT_LE(batch.constants.tau.max().item<double>(), config.sensor.tau[1] + 1e-6);
+  EXPECT_LT(batch.constants.sigma_w.min().item<double>(), 0.05);
+}
+
+}  // namespace
+}  // namespace e2lf::learn

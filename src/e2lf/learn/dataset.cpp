@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/dataset.h"
+
+#include "e2lf/base/safetensors.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr std::string_view kTexture = "texture/", kLightField = "lightfield/";
+
+torch::Tensor to_torch(const Tensor& tensor, torch::Device device) {
+  std::vector<int64_t> shape(tensor.shape.begin(), tensor.shape.end());
+  // from_blob wants a mutable pointer; clone() makes our own copy at once.
+  return torch::from_blob(const_cast<uint8_t*>(tensor.bytes.data()), shape, torch::kByte).clone().to(device);
+}
+
+Error misfit(ErrorCode code, const std::string& name, const Tensor& tensor, const std::string& file) {
+  return Error{code,
+               cat("\"", name, "\" is ", tensor.type, " ", shape_text(tensor.shape),
+                   "; pack the data with `e2lf pack` (textures U8 [y, x], light fields U8 [8, 8, y, x])"),
+               file};
+}
+
+}  // namespace
+
+Result<const Scene*> Dataset::find(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const Scene& scene : scenes) {
+    if (scene.name == name) return &scene;
+    names.push_back(scene.name);
+  }
+  return Error{ErrorCode::kNotFound,
+               cat("no light field \"", name, "\" in the data; did you mean \"", nearest_word(name, names), "\"?"), ""};
+}
+
+Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device) {
+  E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
+  Dataset dataset;
+  for (const auto& [name, tensor] : file.tensors) {
+    const bool texture = name.starts_with(kTexture), light_field = name.starts_with(kLightField);
+    if (!texture && !light_field) return misfit(ErrorCode::kFormat, name, tensor, path.string());
+    if (tensor.type != "U8") return misfit(ErrorCode::kFormat, name, tensor, path.string());
+    if (texture) {
+      if (tensor.shape.size() != 2) return misfit(ErrorCode::kShape, name, tensor, path.string());
+      dataset.textures.push_back(to_torch(tensor, device));
+    } else {
+      if (tensor.shape.size() != 4 || tensor.shape[0] != 8 || tensor.shape[1] != 8) {
+        return misfit(ErrorCode::kShape, name, tensor, path.string());
+      }
+      dataset.scenes.push_back({name.substr(kLightField.size()), to_torch(tensor, device).flatten(0, 1)});
+    }
+  }
+  return dataset;
+}
+
+torch::Tensor transform_views(const torch::Tensor& views, unsigned symmetry) {
+  auto field = views.reshape({8, 8, views.size(1), views.size(2)});
+  if ((symmetry & 1U) != 0) field = field.flip({0, 2});
+  if ((symmetry & 2U) != 0) field = field.flip({1, 3});
+  if ((symmetry & 4U) != 0) field = field.transpose(0, 1).transpose(2, 3);
+  return field.reshape({64, field.size(2), field.size(3)});
+}
+
+}  // namespace e2lf::learn

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <torch/types.h>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::learn {
+
+struct Scene {
+  std::string name;
+  torch::Tensor views;  ///< uint8 [64, y, x], view number = 8 * view_y + view_x
+};
+
+/// Packed training data in memory: textures and light fields, 8-bit grey.
+struct Dataset {
+  std::vector<torch::Tensor> textures;  ///< uint8 [y, x]
+  std::vector<Scene> scenes;
+
+  /// The scene of that name. Fails with kNotFound and the nearest name.
+  [[nodiscard]] Result<const Scene*> find(const std::string& name) const;
+};
+
+/// Reads a file made by `e2lf pack`: tensors "texture/<name>" U8 [y, x] and "lightfield/<name>" U8 [8, 8, y, x].
+/// Fails with kFormat and kShape, naming the tensor.
+[[nodiscard]] Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device);
+
+/// One of the eight symmetries of a light field, jointly over views and pixels: bit 0 flips y, bit 1 flips x, bit 2
+/// transposes. views: [64, y, x] of any type.
+[[nodiscard]] torch::Tensor transform_views(const torch::Tensor& views, unsigned symmetry);
+
+}  // namespace e2lf::learn

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/evaluate.h"
+
+#include "e2lf/learn/input_form.h"
+
+namespace e2lf::learn {
+
+Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field,
+                           const SampleConstants& constants) {
+  const auto intensities = coded_intensities(light_field, pipeline.codes);
+  const auto events = simulate_events(intensities, constants, pipeline.event_model);
+  const auto inputs = form_inputs(events, pipeline.input, constants);
+  return {events, pipeline.network->forward(inputs, pipeline.compute, *pipeline.weights)};
+}
+
+SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const aperture::SensorConstants& constants,
+                          uint64_t seed) {
+  torch::NoGradGuard no_grad;
+  torch::manual_seed(seed);
+  constexpr int64_t kMultiple = 16;
+  const auto height = scene.views.size(1) / kMultiple * kMultiple, width = scene.views.size(2) / kMultiple * kMultiple;
+  const auto truth = scene.views.slice(1, 0, height).slice(2, 0, width).to(torch::kFloat).div(255.0).unsqueeze(0);
+  const auto result = reconstruct(pipeline, truth, repeat_constants(constants, 1, truth.device()));
+  const auto error = (result.light_field.clamp(0.0, 1.0) - truth).square_().mean({2, 3});
+  return {scene.name, (-10.0 * error.log10()).mean().item<double>(),
+          result.events.abs().sum().item<double>() / static_cast<double>(height * width)};
+}
+
+}  // namespace e2lf::learn

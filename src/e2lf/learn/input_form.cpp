@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/input_form.h"
+
+namespace e2lf::learn {
+namespace {
+
+/// Sign of the last transition that changed anything, so far; 0 before the first.
+torch::Tensor last_change(const torch::Tensor& events) {
+  std::vector<torch::Tensor> signs;
+  for (int64_t k = 0; k < events.size(1); ++k) {
+    const auto now = torch::sign(events.select(1, k).detach());
+    signs.push_back(k == 0 ? now : torch::where(now == 0, signs.back(), now));
+  }
+  return torch::stack(signs, 1);
+}
+
+}  // namespace
+
+torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::InputGroup>& groups,
+                          const SampleConstants& constants) {
+  std::vector<torch::Tensor> channels;
+  for (const model::InputGroup& group : groups) {
+    switch (group.kind) {
+      case model::InputKind::kCounts:
+        channels.push_back(events * group.scale);
+        break;
+      case model::InputKind::kCumulative:
+        channels.push_back(events.cumsum(1) * group.scale);
+        break;
+      case model::InputKind::kIntensity: {
+        const auto eps = constants.eps.unsqueeze(1), tau = constants.tau.unsqueeze(1);
+        const auto level = events.cumsum(1) + 0.5 * last_change(events);
+        // A coded intensity is at most 1: the exponential of a noisy count must not swamp its neighbours. Limiting the
+        // exponent instead of the result keeps the gradient finite.
+        const auto exponent = torch::minimum(tau * level, torch::log1p(eps.reciprocal()));
+        channels.push_back(eps * torch::expm1(exponent) * group.scale);
+        break;
+      }
+    }
+  }
+  return torch::cat(channels, 1);
+}
+
+}  // namespace e2lf::learn

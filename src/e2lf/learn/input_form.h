@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <torch/types.h>
+#include <vector>
+
+#include "e2lf/learn/acqnet.h"
+#include "e2lf/model/model.h"
+
+namespace e2lf::learn {
+
+/// The network's input channels from event images [batch, N - 1, y, x], as model::InputGroup defines them:
+/// [batch, groups * (N - 1), y, x], differentiable. Uses eps and tau of each sample.
+[[nodiscard]] torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::InputGroup>& groups,
+                                        const SampleConstants& constants);
+
+}  // namespace e2lf::learn

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/network_module.h"
+
+#include <cmath>
+#include <map>
+
+namespace e2lf::learn {
+namespace {
+
+using model::Layer;
+using model::Op;
+
+/// Channels of a layer's output, from those of its inputs.
+size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
+  switch (layer.op) {
+    case Op::kConv:
+    case Op::kConvTransposed:
+      return layer.out_channels;
+    case Op::kPixelUnshuffle:
+      return inputs.front() * layer.stride * layer.stride;
+    case Op::kPixelShuffle:
+      return inputs.front() / (layer.stride * layer.stride);
+    case Op::kConcat: {
+      size_t sum = 0;
+      for (const size_t channels : inputs) sum += channels;
+      return sum;
+    }
+    case Op::kUpsample:
+    case Op::kAdd:
+      return inputs.front();
+  }
+  return 0;
+}
+
+/// [batch, c * s^2, y, x] -> [batch, c, y * s, x * s] or back, by views and one copy that keeps channels last.
+torch::Tensor shuffle(const torch::Tensor& x, int64_t s) {
+  const auto b = x.size(0), c = x.size(1) / (s * s), h = x.size(2), w = x.size(3);
+  return x.reshape({b, c, s, s, h, w}).permute({0, 1, 4, 2, 5, 3}).reshape({b, c, h * s, w * s});
+}
+
+torch::Tensor unshuffle(const torch::Tensor& x, int64_t s) {
+  const auto b = x.size(0), c = x.size(1), h = x.size(2) / s, w = x.size(3) / s;
+  return x.reshape({b, c, h, s, w, s}).permute({0, 1, 3, 5, 2, 4}).reshape({b, c * s * s, h, w});
+}
+
+torch::Tensor convolve(const Layer& layer, const torch::Tensor& input, torch::ScalarType compute,
+                       const NamedTensors& weights) {
+  const auto weight = weights.at(layer.name + ".weight").to(compute);
+  const auto bias = weights.at(layer.name + ".bias").to(compute);
+  const auto stride = static_cast<int64_t>(layer.stride);
+  if (layer.op == Op::kConvTransposed) {
+    // Without overlap it is a 1x1 convolution and a shuffle, for which every build of torch has fast kernels.
+    const auto columns = weight.permute({1, 2, 3, 0}).reshape({-1, weight.size(0), 1, 1});
+    const auto spread = shuffle(at::conv2d(input, columns), stride) + bias.reshape({1, -1, 1, 1});
+    return spread.contiguous(at::MemoryFormat::ChannelsLast);
+  }
+  const int64_t padding = layer.stride == 1 ? static_cast<int64_t>(layer.kernel) / 2 : 0;
+  return at::conv2d(input, weight, bias, stride, padding);
+}
+
+}  // namespace
+
+NetworkModule::NetworkModule(model::Network network, torch::Device device) : network_(std::move(network)) {
+  std::map<std::string, size_t> channels = {{"input", network_.input_channels}};
+  for (const Layer& layer : network_.layers) {
+    std::vector<size_t> inputs;
+    for (const std::string& name : layer.inputs) inputs.push_back(channels.at(name));
+    channels[layer.name] = output_channels(layer, inputs);
+    if (layer.op != Op::kConv && layer.op != Op::kConvTransposed) continue;
+
+    const auto in = static_cast<int64_t>(inputs.front()), out = static_cast<int64_t>(layer.out_channels);
+    const auto kernel = static_cast<int64_t>(layer.kernel);
+    const bool transposed = layer.op == Op::kConvTransposed;
+    const double fan_in = static_cast<double>(transposed ? in : in * kernel * kernel);
+    auto weight = torch::randn({transposed ? in : out, transposed ? out : in, kernel, kernel}) *
+                  std::sqrt((layer.relu ? 2.0 : 1.0) / fan_in);
+    if (!layer.residual.empty()) weight.zero_();
+    parameters_[layer.name + ".weight"] = weight.to(device).set_requires_grad(true);
+    parameters_[layer.name + ".bias"] = torch::zeros({out}, torch::device(device)).set_requires_grad(true);
+  }
+}
+
+torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarType compute,
+                                     const NamedTensors& weights) const {
+  std::map<std::string, torch::Tensor> values = {
+      {"input", input.to(compute).contiguous(at::MemoryFormat::ChannelsLast)}};
+  torch::Tensor x;
+  for (const Layer& layer : network_.layers) {
+    x = values.at(layer.inputs.front());
+    const auto stride = static_cast<int64_t>(layer.stride);
+    switch (layer.op) {
+      case Op::kConv:
+      case Op::kConvTransposed:
+        x = convolve(layer, x, compute, weights);
+        break;
+      case Op::kPixelUnshuffle:
+        x = unshuffle(x, stride).contiguous(at::MemoryFormat::ChannelsLast);
+        break;
+      case Op::kPixelShuffle:
+        x = shuffle(x, stride).contiguous(at::MemoryFormat::ChannelsLast);
+        break;
+      case Op::kUpsample:
+        x = x.repeat_interleave(stride, 2).repeat_interleave(stride, 3);
+        break;
+      case Op::kAdd:
+        for (size_t i = 1; i < layer.inputs.size(); ++i) x = x + values.at(layer.inputs[i]);
+        break;
+      case Op::kConcat: {
+        std::vector<torch::Tensor> parts;
+        for (const std::string& name : layer.inputs) parts.push_back(values.at(name));
+        x = torch::cat(parts, 1);
+        break;
+      }
+    }
+    if (!layer.residual.empty()) x = x + values.at(layer.residual);
+    if (layer.relu) x = torch::relu(x);
+    values[layer.name] = x;
+  }
+  return x.to(input.scalar_type());
+}
+
+Result<void> load_weights(const NamedTensors& parameters, const model::Weights& weights, const std::string& location) {
+  torch::NoGradGuard no_grad;
+  for (const auto& [name, tensor] : parameters) {
+    const auto found = weights.find(name);
+    if (found == weights.end()) {
+      return Error{ErrorCode::kNotFound, cat("no weights for \"", name, "\"; the file is for another network"),
+                   location};
+    }
+    if (static_cast<int64_t>(found->second.size()) != tensor.numel()) {
+      return Error{ErrorCode::kShape,
+                   cat("\"", name, "\" has ", found->second.size(), " values instead of ", tensor.numel(),
+                       "; the file is for another network"),
+                   location};
+    }
+    auto target = tensor;
+    target.copy_(torch::tensor(at::ArrayRef<float>(found->second)).reshape(tensor.sizes()));
+  }
+  return {};
+}
+
+model::Weights to_weights(const NamedTensors& parameters) {
+  model::Weights weights;
+  for (const auto& [name, tensor] : parameters) {
+    const auto values = tensor.detach().to(torch::kCPU, torch::kFloat).contiguous();
+    const float* data = values.data_ptr<float>();
+    weights[name].assign(data, data + values.numel());
+  }
+  return weights;
+}
+
+}  // namespace e2lf::learn

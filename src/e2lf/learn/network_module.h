@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <string>
+#include <torch/types.h>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/model/model.h"
+
+namespace e2lf::learn {
+
+/// Named float32 tensors in a fixed order: what is optimised, averaged and checkpointed.
+using NamedTensors = std::map<std::string, torch::Tensor>;
+
+/// A network description as differentiable torch operations: the same layers, names and weight layouts as in `engine`.
+class NetworkModule {
+ public:
+  /// Weights are drawn from torch's generator: He's normal distribution, zero biases; a convolution with a residual
+  /// input starts at zero, so that every residual block starts as the identity. The description must be valid.
+  NetworkModule(model::Network network, torch::Device device);
+
+  /// input: float32 [batch, input_channels, y, x], y and x multiples of model::size_multiple(). Returns float32
+  /// [batch, output_channels, y, x]. Convolutions run in `compute` (kFloat or kBFloat16), channels last, with the
+  /// float32 master weights cast on the way, so that gradients are float32.
+  [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute) const {
+    return forward(input, compute, parameters_);
+  }
+
+  /// The same with other weights of the same names and shapes, e.g. their moving average.
+  [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute,
+                                      const NamedTensors& weights) const;
+
+  /// "<layer>.weight", "<layer>.bias": leaves that require gradients.
+  [[nodiscard]] const NamedTensors& parameters() const { return parameters_; }
+  [[nodiscard]] const model::Network& network() const { return network_; }
+
+ private:
+  model::Network network_;
+  NamedTensors parameters_;
+};
+
+/// Copies values into tensors of the same names. Fails with kNotFound and kShape, naming the tensor in `location`.
+[[nodiscard]] Result<void> load_weights(const NamedTensors& parameters, const model::Weights& weights,
+                                        const std::string& location);
+
+/// The values as plain vectors, as a model file holds them.
+[[nodiscard]] model::Weights to_weights(const NamedTensors& parameters);
+
+}  // namespace e2lf::learn

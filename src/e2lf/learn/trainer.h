@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/learn/adam.h"
+#include "e2lf/learn/batches.h"
+#include "e2lf/learn/config.h"
+#include "e2lf/learn/evaluate.h"
+
+namespace e2lf::learn {
+
+/// What one step of training did.
+struct StepReport {
+  double loss = 0;           ///< weighted mean squared error
+  double mse = 0;            ///< plain mean squared error
+  double gradient_norm = 0;  ///< before clipping
+};
+
+/// Joint training of patterns and network. Everything that changes between steps is in the checkpoint, and what a step
+/// draws depends on the seed and its number alone: a resumed run continues bit-exactly on the same machine.
+class Trainer {
+ public:
+  /// Reads the data and prepares step 0. Fails as read_dataset, Batches::create and (for `start` and `codes`)
+  /// read_model.
+  [[nodiscard]] static Result<Trainer> create(const Config& config);
+
+  /// Trains until config.train.steps, from wherever it is. The folder gets config.json, log.csv, evaluation.csv and
+  /// checkpoint.safetensors. `keep_going` is asked after each step: false stops with a checkpoint and kCancelled.
+  /// Fails with kInvalidValue when the loss is no longer finite; the last good checkpoint stays.
+  [[nodiscard]] Result<void> run(const std::filesystem::path& folder, const ProgressFn& progress = {},
+                                 const std::function<bool()>& keep_going = {});
+
+  /// One step without logs or files.
+  [[nodiscard]] StepReport train_step();
+
+  [[nodiscard]] Result<void> save_checkpoint(const std::filesystem::path& path) const;
+  [[nodiscard]] Result<void> load_checkpoint(const std::filesystem::path& path);
+
+  /// Scores of the averaged weights on the named scenes, at the given constants.
+  [[nodiscard]] Result<std::vector<SceneScore>> evaluate(const std::vector<std::string>& scenes,
+                                                         const aperture::SensorConstants& constants) const;
+
+  /// The averaged weights and the patterns as a model. Patterns still being learned are rounded to 0 and 1.
+  [[nodiscard]] model::Model to_model() const;
+
+  [[nodiscard]] uint64_t step() const { return step_; }
+  [[nodiscard]] const Config& config() const { return config_; }
+  [[nodiscard]] const NamedTensors& parameters() const { return network_.parameters(); }
+  [[nodiscard]] const NamedTensors& average() const { return average_; }
+
+ private:
+  Trainer(Config config, Batches batches, NetworkModule network, torch::Device device);
+  [[nodiscard]] bool learning_patterns() const {
+    return !fixed_codes_.defined() && step_ < config_.patterns.learn_steps;
+  }
+  [[nodiscard]] torch::Tensor current_codes() const;
+  [[nodiscard]] torch::ScalarType compute_type() const;
+  [[nodiscard]] Result<void> write_logs(const std::filesystem::path& folder, const StepReport& report,
+                                        double samples_per_s) const;
+
+  Config config_;
+  torch::Device device_;
+  Batches batches_;
+  NetworkModule network_;
+  Patterns patterns_;
+  torch::Tensor fixed_codes_;  // undefined while patterns come from patterns_
+  NamedTensors pattern_parameters_;
+  Adam adam_, pattern_adam_;
+  NamedTensors average_;
+  uint64_t step_ = 0;
+};
+
+/// The learning rate of a step: a linear warm-up, the peak until `hold_steps`, then half a cosine to zero.
+[[nodiscard]] double learning_rate(const TrainConfig& train, uint64_t step);
+
+}  // namespace e2lf::learn

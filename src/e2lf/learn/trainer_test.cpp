@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/trainer.h"
+
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "e2lf/learn/commands.h"
+#include "e2lf/learn/test_data.h"
+
+namespace e2lf::learn {
+namespace {
+
+void expect_equal(const NamedTensors& a, const NamedTensors& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (const auto& [name, tensor] : a) EXPECT_TRUE(torch::equal(tensor, b.at(name))) << name;
+}
+
+TEST(LearningRate, WarmsUpHoldsAndFallsToZero) {
+  const TrainConfig train{.steps = 100, .learning_rate = 2.0, .warmup_steps = 10, .hold_steps = 60};
+  EXPECT_DOUBLE_EQ(learning_rate(train, 0), 0.2);
+  EXPECT_DOUBLE_EQ(learning_rate(train, 9), 2.0);
+  EXPECT_DOUBLE_EQ(learning_rate(train, 59), 2.0);
+  EXPECT_DOUBLE_EQ(learning_rate(train, 80), 1.0);
+  EXPECT_NEAR(learning_rate(train, 100), 0.0, 1e-12);
+}
+
+TEST(Trainer, ResumesBitExactlyWhilePatternsAreLearnedAndAfter) {
+  const TestData data;
+  for (const uint64_t stop : {3U, 6U}) {
+    auto whole = Trainer::create(data.config());
+    ASSERT_TRUE(whole) << whole.error().text();
+    for (int i = 0; i < 8; ++i) (void)whole->train_step();
+
+    auto first = Trainer::create(data.config());
+    for (uint64_t i = 0; i < stop; ++i) (void)first->train_step();
+    ASSERT_TRUE(first->save_checkpoint(data.folder() / "checkpoint"));
+    auto resumed = Trainer::create(data.config());
+    ASSERT_TRUE(resumed->load_checkpoint(data.folder() / "checkpoint"));
+    for (uint64_t i = stop; i < 8; ++i) (void)resumed->train_step();
+
+    expect_equal(whole->parameters(), resumed->parameters());
+    expect_equal(whole->average(), resumed->average());
+    EXPECT_EQ(whole->to_model().codes, resumed->to_model().codes);
+  }
+}
+
+TEST(Trainer, LowersTheLossOnOneScene) {
+  const TestData data;
+  auto config = data.config();
+  config.data.synthetic_share = 0.0;
+  config.patterns.learn_steps = 0;
+  config.train.steps = 60;
+  config.train.learning_rate = 5e-3;
+  auto trainer = Trainer::create(config);
+  ASSERT_TRUE(trainer);
+  const double before = trainer->train_step().loss;
+  double after = 0;
+  for (int i = 0; i < 59; ++i) after = trainer->train_step().loss;
+  EXPECT_LT(after, 0.3 * before);
+}
+
+TEST(Trainer, StopsAtANumberThatIsNotFiniteAndKeepsTheCheckpoint) {
+  const TestData data;
+  auto config = data.config();
+  auto trainer = Trainer::create(config);
+  ASSERT_TRUE(trainer->run(data.folder() / "run"));
+  const auto size = std::filesystem::file_size(data.folder() / "run" / "checkpoint.safetensors");
+  config.train.steps = 50;
+  config.train.learning_rate = 1e30;
+  auto diverging = Trainer::create(config);
+  ASSERT_TRUE(diverging->load_checkpoint(data.folder() / "run" / "checkpoint.safetensors"));
+  const auto result = diverging->run(data.folder() / "run");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kInvalidValue);
+  EXPECT_NE(result.error().message.find("learning_rate"), std::string::npos);
+  auto good = Trainer::create(config);
+  EXPECT_TRUE(good->load_checkpoint(data.folder() / "run" / "checkpoint.safetensors"));
+  EXPECT_GE(good->step(), 8U);
+  EXPECT_EQ(std::filesystem::file_size(data.folder() / "run" / "checkpoint.safetensors"), size);
+  for (const auto& [name, tensor] : good->parameters()) EXPECT_TRUE(tensor.isfinite().all().item<bool>()) << name;
+}
+
+TEST(Trainer, RefusesCheckpointsOfAnotherNetworkOrKind) {
+  const TestData data;
+  auto trainer = Trainer::create(data.config());
+  const auto path = data.folder() / "checkpoint";
+  ASSERT_TRUE(trainer->save_checkpoint(path));
+  auto config = data.config();
+  config.network.widths = {8, 12};
+  auto other = Trainer::create(config);
+  EXPECT_EQ(other->load_checkpoint(path).error().code, ErrorCode::kShape);
+  EXPECT_EQ(other->load_checkpoint(data.path()).error().code, ErrorCode::kFormat);
+  EXPECT_EQ(other->load_checkpoint(data.folder() / "none").error().code, ErrorCode::kNotFound);
+}
+
+TEST(Commands, TrainWritesLogsAndAModelThatReconstructionCanRead) {
+  const TestData data;
+  const auto run = data.folder() / "run";
+  std::ofstream(data.folder() / "config.json") << to_json(data.config());
+  const auto trained = train(data.folder() / "config.json", run, {"name=tiny"});
+  ASSERT_TRUE(trained) << trained.error().text();
+  const auto model = model::read_model(run / "tiny.safetensors");
+  ASSERT_TRUE(model) << model.error().text();
+  EXPECT_EQ(model->num_patterns, 4U);
+  EXPECT_EQ(model->input.size(), 3U);
+  for (const float value : model->codes->values) EXPECT_TRUE(value == 0.0F || value == 1.0F);
+  EXPECT_EQ(model->provenance["samples"], 16);
+
+  std::ifstream log(run / "log.csv");
+  size_t lines = 0;
+  for (std::string line; std::getline(log, line);) ++lines;
+  EXPECT_EQ(lines, 9U);  // a header and one per step
+  EXPECT_TRUE(std::filesystem::exists(run / "evaluation.csv"));
+  EXPECT_EQ(train(data.folder() / "config.json", run).error().code, ErrorCode::kExists);
+  EXPECT_TRUE(resume(run, {"train.steps=10"}));
+  const auto table = evaluate_run(run, {"first", "second"});
+  ASSERT_TRUE(table) << table.error().text();
+  EXPECT_NE(table->find("second\t"), std::string::npos);
+}
+
+TEST(Commands, StoppingLeavesACheckpointToResumeFrom) {
+  const TestData data;
+  const auto run = data.folder() / "run";
+  std::ofstream(data.folder() / "config.json") << to_json(data.config());
+  int steps = 0;
+  const auto stopped = train(data.folder() / "config.json", run, {}, {}, [&] { return ++steps < 3; });
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+  const auto resumed = resume(run);
+  EXPECT_TRUE(resumed) << resumed.error().text();
+}
+
+}  // namespace
+}  // namespace e2lf::learn
