@@ -123,8 +123,9 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   };
   try {
     parse(arguments);
-    if (!config_.empty() || !overrides_.empty()) {
-      const auto flags = configured_flags(app_, config_, overrides_);
+    const bool set_flags = !overrides_.empty() && !keeps_overrides_;
+    if (!config_.empty() || set_flags) {
+      const auto flags = configured_flags(app_, config_, set_flags ? overrides_ : std::vector<std::string>());
       if (!flags) return usage_error(flags.error().text());
       overrides_.clear();
       arguments.insert(arguments.begin(), flags->begin(), flags->end());

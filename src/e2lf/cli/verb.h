@@ -37,6 +37,10 @@ class Verb {
   [[nodiscard]] CLI::App& app() { return app_; }
   [[nodiscard]] const CommonOptions& common() const { return common_; }
 
+  /// Leaves the assignments of --set to the verb, for a configuration of its own, instead of reading them as flags.
+  void keep_overrides() { keeps_overrides_ = true; }
+  [[nodiscard]] const std::vector<std::string>& overrides() const { return overrides_; }
+
   /// Parses, runs `work` and prints its error as "e2lf: <verb>: <what>; <what to do>".
   /// Returns the process's exit code: 0 done, 1 failed, 2 usage.
   int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
@@ -51,6 +55,7 @@ class Verb {
   CommonOptions common_;
   std::string config_;
   std::vector<std::string> overrides_;
+  bool keeps_overrides_ = false;
 };
 
 /// Turns a configuration object into flags: {"tau": 0.3, "overwrite": true} -> {"--tau=0.3", "--overwrite"}. Keys may
@@ -79,7 +84,10 @@ int run_demo(const std::vector<std::string>& arguments);
 int run_eval(const std::vector<std::string>& arguments);
 int run_info(const std::vector<std::string>& arguments);
 int run_model(const std::vector<std::string>& arguments);
+int run_pack(const std::vector<std::string>& arguments);
 int run_reconstruct(const std::vector<std::string>& arguments);
+int run_resume(const std::vector<std::string>& arguments);
 int run_simulate(const std::vector<std::string>& arguments);
+int run_train(const std::vector<std::string>& arguments);
 
 }  // namespace e2lf::cli
