@@ -19,8 +19,8 @@ namespace e2lf::model {
 enum class InputKind {
   kCounts,      ///< scale * E_k
   kCumulative,  ///< scale * C_k, C_k = E_1 + ... + E_k
-  kIntensity,  ///< scale * min(J_k, 1), J_k = eps * (exp(tau * C_k + m) - 1) (Eq. 7), m = half a threshold with the
-               ///< sign of the last change; a coded intensity is at most 1
+  kIntensity,   ///< scale * min(J_k, 1), J_k = eps * (exp(tau * C_k + m) - 1) (Eq. 7), m = half a threshold with the
+                ///< sign of the last change; a coded intensity is at most 1
 };
 
 struct InputGroup {
