@@ -43,9 +43,7 @@ std::array<float, kWinogradMatrices> transform_part(const ConvSpec& spec, size_t
 
 // The transforms cost about a third on top of the 36 products per 16 outputs.
 double winograd_cost(const ConvSpec& spec) {
-  const size_t parts = (spec.kernel + 2) / 3;
-  const size_t depth = padded_channels(parts * parts * spec.in_channels);
-  return 36.0 / 16.0 * 1.33 * static_cast<double>(depth * padded_channels(spec.out_channels));
+  return 36.0 / 16.0 * 1.33 * static_cast<double>(winograd_parts(spec).depth() * padded_channels(spec.out_channels));
 }
 
 double direct_cost(const ConvSpec& spec) {
@@ -60,20 +58,27 @@ std::string never(const ConvSpec& /*spec*/) {
 
 }  // namespace
 
-PackedMatrices pack_winograd_weights(const ConvSpec& spec) {
+WinogradParts winograd_parts(const ConvSpec& spec) {
   const size_t parts = (spec.kernel + 2) / 3;
-  const size_t depth = parts * parts * spec.in_channels;
-  std::vector<std::array<float, kWinogradMatrices>> transformed(depth * spec.out_channels);
-  for (size_t row = 0; row < depth; ++row) {
-    const size_t part = row / spec.in_channels;
-    for (size_t out = 0; out < spec.out_channels; ++out) {
-      transformed[row * spec.out_channels + out] =
-          transform_part(spec, out, row % spec.in_channels, part / parts * 3, part % parts * 3);
+  return {parts, padded_channels(parts * spec.in_channels)};
+}
+
+PackedMatrices pack_winograd_weights(const ConvSpec& spec) {
+  const WinogradParts parts = winograd_parts(spec);
+  std::vector<std::array<float, kWinogradMatrices>> transformed(parts.depth() * spec.out_channels);
+  for (size_t part = 0; part < parts.parts * parts.parts; ++part) {
+    const size_t y = part / parts.parts;
+    const size_t x = part % parts.parts;
+    for (size_t in = 0; in < spec.in_channels; ++in) {
+      const size_t row = y * parts.group + x * spec.in_channels + in;
+      for (size_t out = 0; out < spec.out_channels; ++out) {
+        transformed[row * spec.out_channels + out] = transform_part(spec, out, in, y * 3, x * 3);
+      }
     }
   }
-  return {spec.compute, kWinogradMatrices, depth, spec.out_channels, [&](size_t matrix, size_t row, size_t column) {
-            return transformed[row * spec.out_channels + column][matrix];
-          }};
+  return {
+      spec.compute, kWinogradMatrices, parts.depth(), spec.out_channels,
+      [&](size_t matrix, size_t row, size_t column) { return transformed[row * spec.out_channels + column][matrix]; }};
 }
 
 std::string winograd_refusal(const ConvSpec& spec) {

@@ -63,10 +63,11 @@ class WinogradKernel final : public Kernel {
  public:
   explicit WinogradKernel(const ConvSpec& spec)
       : kernel_(spec.kernel),
-        shifts_((spec.kernel + 2) / 3),
+        parts_(winograd_parts(spec).parts),
+        group_(winograd_parts(spec).group),
+        depth_(winograd_parts(spec).depth()),
         in_channels_(spec.in_channels),
         in_stride_(padded_channels(spec.in_channels)),
-        depth_stride_(padded_channels(shifts_ * shifts_ * spec.in_channels)),
         weights_(pack_winograd_weights(spec)),
         epilogue_(spec) {}
 
@@ -75,10 +76,11 @@ class WinogradKernel final : public Kernel {
            hwy::TargetName(HWY_TARGET) + (Products::kStep == 2 ? " bfloat16" : " float32");
   }
 
-  Reach reach() const override { return {kernel_ / 2, shifts_ * 3 - 1 - kernel_ / 2, 1, 1}; }
+  Reach reach() const override { return {kernel_ / 2, parts_ * 3 - 1 - kernel_ / 2, 1, 1}; }
 
   size_t scratch_bytes() const override {
-    return transformed_bytes() + sums_bytes() + (kWinogradMatrices * depth_stride_ + kFewChannels) * sizeof(Element);
+    return transformed_bytes() + sums_bytes() +
+           (patch_rows() * kWinogradPoints * group_ + kFewChannels) * sizeof(Element);
   }
 
   size_t num_blocks(const Strip& strip) const override {
@@ -94,11 +96,10 @@ class WinogradKernel final : public Kernel {
     auto* sums = reinterpret_cast<float*>(scratch + transformed_bytes());
     auto* patch = reinterpret_cast<Element*>(scratch + transformed_bytes() + sums_bytes());
     for (size_t tile = 0; tile < count; ++tile) {
-      transform_tile(strip, first + tile, patch, transformed + tile * kWinogradMatrices * depth_stride_);
+      transform_tile(strip, first + tile, patch, transformed + tile * kWinogradMatrices * depth_);
     }
     for (size_t point = 0; point < kWinogradMatrices; ++point) {
-      const Multiply multiply{*this, transformed + point * depth_stride_, sums + point * weights_.columns(), point,
-                              count};
+      const Multiply multiply{*this, transformed + point * depth_, sums + point * weights_.columns(), point, count};
       for_column_groups(weights_.columns(), multiply);
     }
     epilogue_.select(Finish{*this, strip, first, count, sums});
@@ -116,7 +117,7 @@ class WinogradKernel final : public Kernel {
     template <size_t kVectors>
     HWY_INLINE void visit(size_t column, size_t offset, size_t width) const {
       const Element* panel = kernel.weights_.template panel<Element>(point, column) + offset * Products::kStep;
-      const size_t in_step = kWinogradMatrices * kernel.depth_stride_;
+      const size_t in_step = kWinogradMatrices * kernel.depth_;
       const size_t out_step = kWinogradMatrices * kernel.weights_.columns();
       for (size_t tile = 0; tile < tiles; tile += kGemmRows) {
         FloatVec acc[kGemmRows][kVectors];
@@ -153,31 +154,36 @@ class WinogradKernel final : public Kernel {
   static size_t num_tiles(const Strip& strip) {
     return tiles_per_row(strip) * ((strip.end - strip.begin + kTileSize - 1) / kTileSize);
   }
-  size_t transformed_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * depth_stride_ * sizeof(Element); }
+  size_t transformed_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * depth_ * sizeof(Element); }
   size_t sums_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * weights_.columns() * sizeof(float); }
 
-  /// The 6x6 input pixels of a tile, transformed: point p goes to `to` + p * depth_stride_.
+  /// The 6x6 input pixels of a tile, transformed: point p goes to `to` + p * depth_.
   void transform_tile(const Strip& strip, size_t tile, Element* HWY_RESTRICT patch, Element* HWY_RESTRICT to) const {
     const auto y = static_cast<ptrdiff_t>(strip.begin + tile / tiles_per_row(strip) * kTileSize);
     const auto x = static_cast<ptrdiff_t>(tile % tiles_per_row(strip) * kTileSize);
-    const Element* rows[kWinogradPoints];
-    if (shifts_ == 1) {
+    if (parts_ > 1) gather_shifts(strip, y, x, patch);
+    for (size_t part = 0; part < parts_; ++part) {
+      const Element* rows[kWinogradPoints];
       for (size_t i = 0; i < kWinogradPoints; ++i) {
-        rows[i] = strip.inputs[0].template row<const Element>(y - 1 + static_cast<ptrdiff_t>(i)) +
-                  (x - 1) * static_cast<ptrdiff_t>(in_stride_);
+        rows[i] = parts_ > 1 ? patch + (i + 3 * part) * kWinogradPoints * group_
+                             : strip.inputs[0].template row<const Element>(y - 1 + static_cast<ptrdiff_t>(i)) +
+                                   (x - 1) * static_cast<ptrdiff_t>(in_stride_);
       }
-    } else {
-      gather_shifts(strip, y, x, patch);
-      for (size_t i = 0; i < kWinogradPoints; ++i) rows[i] = patch + i * kWinogradPoints * depth_stride_;
+      transform_group(rows, to + part * group_);
     }
-    const size_t depth = depth_stride_;
-    for (size_t channel = 0; channel < depth; channel += kLanes) {
+  }
+
+  /// Transforms 6x6 pixels of group_ channels.
+  HWY_INLINE void transform_group(const Element* const (&rows)[kWinogradPoints], Element* HWY_RESTRICT to) const {
+    const size_t group = group_;
+    const size_t depth = depth_;
+    for (size_t channel = 0; channel < group; channel += kLanes) {
       FloatVec half[kWinogradPoints][kWinogradPoints];
       E2LF_UNROLL
       for (size_t j = 0; j < kWinogradPoints; ++j) {
         FloatVec column[kWinogradPoints], v[kWinogradPoints];
         E2LF_UNROLL
-        for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_floats(rows[i] + j * depth + channel);
+        for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_floats(rows[i] + j * group + channel);
         transform_input(column, v);
         E2LF_UNROLL
         for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = v[i];
@@ -193,20 +199,23 @@ class WinogradKernel final : public Kernel {
     }
   }
 
-  /// Copies what the 3x3 parts of a larger kernel see of a tile: pixel (i, j) of the patch holds, for each shift, the
-  /// channels of the input pixel that many 3s further.
+  /// Input rows that the parts of a kernel together see of a tile.
+  size_t patch_rows() const { return kWinogradPoints + 3 * (parts_ - 1); }
+
+  /// Copies what the 3x3 parts of a larger kernel see of a tile: pixel j of a row of the patch holds the channels of
+  /// the input pixels 0, 3, 6, ... further.
   void gather_shifts(const Strip& strip, ptrdiff_t y, ptrdiff_t x, Element* HWY_RESTRICT patch) const {
     const auto radius = static_cast<ptrdiff_t>(kernel_ / 2);
-    for (size_t i = 0; i < kWinogradPoints; ++i) {
+    const size_t parts = parts_;
+    const size_t in_stride = in_stride_;
+    const size_t rows = patch_rows();
+    for (size_t i = 0; i < rows; ++i) {
+      const Element* row = strip.inputs[0].template row<const Element>(y - radius + static_cast<ptrdiff_t>(i)) +
+                           (x - radius) * static_cast<ptrdiff_t>(in_stride);
       for (size_t j = 0; j < kWinogradPoints; ++j) {
-        Element* to = patch + (i * kWinogradPoints + j) * depth_stride_;
-        for (size_t shift_y = 0; shift_y < shifts_; ++shift_y) {
-          const ptrdiff_t row = y - radius + static_cast<ptrdiff_t>(i + 3 * shift_y);
-          const Element* from = strip.inputs[0].template row<const Element>(row) +
-                                (x - radius + static_cast<ptrdiff_t>(j)) * static_cast<ptrdiff_t>(in_stride_);
-          for (size_t shift_x = 0; shift_x < shifts_; ++shift_x, to += in_channels_) {
-            copy_channels(from + 3 * shift_x * in_stride_, to);
-          }
+        Element* to = patch + (i * kWinogradPoints + j) * group_;
+        for (size_t part = 0; part < parts; ++part) {
+          copy_channels(row + (j + 3 * part) * in_stride, to + part * in_channels_);
         }
       }
     }
@@ -259,10 +268,9 @@ class WinogradKernel final : public Kernel {
   }
 
   size_t kernel_;
-  size_t shifts_;  ///< 3x3 parts along each axis of the kernel
+  size_t parts_, group_, depth_;  ///< see WinogradParts
   size_t in_channels_;
   size_t in_stride_;
-  size_t depth_stride_;  ///< channels of all shifted copies, padded
   PackedMatrices weights_;
   Epilogue<Products> epilogue_;
 };

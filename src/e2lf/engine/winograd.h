@@ -17,9 +17,18 @@ inline constexpr size_t kWinogradMatrices = kWinogradPoints * kWinogradPoints;
 /// Tiles that are transformed and multiplied together: with the weights they should fit the second-level cache.
 inline constexpr size_t kWinogradBlockTiles = 12;
 
-/// The 36 matrices [shifted input channel, output channel] of a stride-1 convolution's transformed weights. A kernel
-/// larger than 3x3 is cut into ceil(kernel / 3)^2 parts; part (py, px) of input channel c is channel
-/// (py * parts + px) * in_channels + c.
+/// A kernel larger than 3x3 is cut into parts x parts 3x3 kernels, which see copies of the input shifted by multiples
+/// of 3 pixels. The copies for one vertical shift are a group of channels, padded; together they are the depth of the
+/// products.
+struct WinogradParts {
+  size_t parts = 1;
+  size_t group = 0;
+  [[nodiscard]] size_t depth() const { return parts * group; }
+};
+[[nodiscard]] WinogradParts winograd_parts(const ConvSpec& spec);
+
+/// The 36 matrices [depth, output channel] of a stride-1 convolution's transformed weights. Part (py, px) of input
+/// channel c is row py * group + px * in_channels + c.
 [[nodiscard]] PackedMatrices pack_winograd_weights(const ConvSpec& spec);
 
 }  // namespace e2lf::engine
