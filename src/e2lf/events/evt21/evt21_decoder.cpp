@@ -10,11 +10,18 @@ template <ByteOrder kOrder>
 constexpr timed::Encoding kEncoding =
     kOrder == ByteOrder::kLittle ? timed::Encoding::kEvt21Little : timed::Encoding::kEvt21Legacy;
 
+/// How many words make sense from the first on, in steps and up to some.
 template <ByteOrder kOrder>
-size_t bad_words(std::span<const uint8_t> words, const SensorLimits& limits) {
-  constexpr size_t kLookedAt = 512;
-  const size_t count = std::min(kLookedAt, words.size() / 8);
-  return timed::Words<Layout<kOrder>>::count_bad(words.data(), count, count, limits);
+size_t good_words(std::span<const uint8_t> words) {
+  constexpr size_t kLookedAt = 512, kStep = 8;
+  const size_t count = std::min(words.size() / 8, kLookedAt);
+  size_t good = 0;
+  while (good < count) {
+    const size_t next = std::min(good + kStep, count);
+    if (timed::Words<Layout<kOrder>>::count_bad(words.data(), next, 1) != 0) break;
+    good = next;
+  }
+  return good;
 }
 
 }  // namespace
@@ -39,11 +46,11 @@ size_t Codec<kOrder>::decode(const uint8_t* words, size_t count, State& state, c
 template struct Codec<ByteOrder::kLittle>;
 template struct Codec<ByteOrder::kLegacy>;
 
-ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint, const SensorLimits& limits) {
-  const size_t little = bad_words<ByteOrder::kLittle>(words, limits);
-  const size_t legacy = bad_words<ByteOrder::kLegacy>(words, limits);
+ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint) {
+  const size_t little = good_words<ByteOrder::kLittle>(words);
+  const size_t legacy = good_words<ByteOrder::kLegacy>(words);
   if (little == legacy) return hint == "legacy" ? ByteOrder::kLegacy : ByteOrder::kLittle;
-  return little < legacy ? ByteOrder::kLittle : ByteOrder::kLegacy;
+  return little > legacy ? ByteOrder::kLittle : ByteOrder::kLegacy;
 }
 
 }  // namespace e2lf::events::evt21

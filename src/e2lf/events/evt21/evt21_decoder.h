@@ -31,9 +31,8 @@ struct Codec : timed::Words<Layout<kOrder>> {
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
 };
 
-/// The byte order in which the first words make sense; headers are known to be silent about it, or wrong. `hint` (the
-/// header's "little", "legacy" or nothing) decides when the words do not.
-[[nodiscard]] ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint,
-                                        const SensorLimits& limits);
+/// The byte order in which the first words make sense for longer; headers are known to be silent about it, or wrong.
+/// `hint` (the header's "little", "legacy" or nothing) decides when both do. `words`: the first few kilobytes.
+[[nodiscard]] ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint);
 
 }  // namespace e2lf::events::evt21

@@ -28,19 +28,15 @@ bool is_outside(uint16_t word, const SensorLimits& limits) {
 
 /// Whether one word is plausible after what the check knows; takes it over if so. A run of zeros is no data.
 bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
-  if (word == 0 && check.after_zero) return false;
-  check.after_zero = word == 0;
+  check.num_zeros = word == 0 ? check.num_zeros + 1 : 0;
+  if (check.num_zeros > kMaxZeros) return false;
   switch (type_of(word)) {
     case kTimeHigh: {
       if (check.time_high == 0xFFFF) return false;
       const uint32_t step = steps(check.time_high, word);
-      if (step > 1) return false;
+      if (step != 0) return false;
       ++check.num_time_high;
       check.num_rejected = 0;
-      if (step == 0) return true;
-      ++check.num_time_steps;
-      check.time_high = word;
-      check.low = -1;
       return true;
     }
     case kTimeLow: {
@@ -54,45 +50,47 @@ bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
   }
 }
 
-/// Another word of the given type behind `words[0]`, before TIME_HIGH changes; `count` when there is none.
-size_t find_next(const uint8_t* words, size_t count, uint32_t type) {
-  for (size_t i = 1; i < count; ++i) {
-    const auto word = load_le<uint16_t>(words + 2 * i);
-    if (type_of(word) == type) return i;
-  }
-  return count;
-}
-
+/// A TIME_HIGH that steps back or far ahead is right if most of those behind it go on from it, and not from the last.
 Verdict judge_time_high(const uint8_t* words, size_t count, bool ended, const Check& check) {
   const auto word = load_le<uint16_t>(words);
-  const size_t next = find_next(words, std::min(count, kJudgeWords), kTimeHigh);
-  if (next == std::min(count, kJudgeWords)) {
-    if (count < kJudgeWords && !ended) return Verdict::kNeedMore;
-    const bool ahead = check.time_high == 0xFFFF || steps(check.time_high, word) < 2048;
-    return ahead ? Verdict::kAccept : Verdict::kReject;
+  const bool is_first = check.time_high == 0xFFFF;
+  const bool is_back = !is_first && steps(check.time_high, word) >= kHalfCircle;
+  const bool is_restart = check.num_rejected >= kClockRestart;
+  // A plain step needs one witness, so that live streams do not wait.
+  const size_t wanted = !is_first && steps(check.time_high, word) == 1 ? 1 : kJudges;
+  const size_t seen = std::min(count, kJudgeWords);
+  size_t judges = 0, in_favour = 0;
+  for (size_t i = 1; i < seen && judges < wanted; ++i) {
+    const auto following = load_le<uint16_t>(words + 2 * i);
+    if (type_of(following) != kTimeHigh) continue;
+    const uint32_t from_this = steps(word, following);
+    ++judges;
+    const uint32_t limit = is_first     ? (check.after_damage ? kJudges : kHalfCircle)
+                           : is_restart ? kHalfCircle / 2
+                                        : steps(check.time_high, following);
+    in_favour += from_this <= limit ? 1 : 0;
   }
-  const auto following = load_le<uint16_t>(words + 2 * next);
-  const uint32_t from_this = steps(word, following);
-  if (check.time_high == 0xFFFF) return from_this < 2048 ? Verdict::kAccept : Verdict::kReject;
-  if (check.num_rejected >= kClockRestart) return from_this <= 1 ? Verdict::kAccept : Verdict::kReject;
-  if (steps(check.time_high, word) >= 2048) return Verdict::kReject;
-  return from_this <= steps(check.time_high, following) ? Verdict::kAccept : Verdict::kReject;
+  if (judges < wanted && count < kJudgeWords && !ended) return Verdict::kNeedMore;
+  if (is_back && !is_restart) return Verdict::kReject;
+  return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
 }
 
-/// A TIME_LOW that steps back or far ahead is right if the next one goes on from it.
+/// A TIME_LOW that steps back or far ahead is right if most of those behind it go on from it, and not from the last.
 Verdict judge_time_low(const uint8_t* words, size_t count, bool ended, const Check& check) {
   const int low = load_le<uint16_t>(words) & static_cast<int>(kPayloadMask);
   const size_t seen = std::min(count, kWindowWords);
-  for (size_t i = 1; i < seen; ++i) {
+  size_t judges = 0, in_favour = 0;
+  bool stepped = false;
+  for (size_t i = 1; i < seen && judges < kJudges && !stepped; ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
-    if (type_of(word) == kTimeHigh && word != check.time_high) return Verdict::kAccept;
+    stepped = type_of(word) == kTimeHigh && steps(check.time_high, word) == 1;
     if (type_of(word) != kTimeLow) continue;
     const int next = word & static_cast<int>(kPayloadMask);
-    const bool follows_last = next + kJitterUs >= check.low && next <= check.low + kLongStepUs;
-    const bool follows_this = next + kJitterUs >= low;
-    return follows_this && !(follows_last && low > next) ? Verdict::kAccept : Verdict::kReject;
+    ++judges;
+    in_favour += next + kJitterUs >= low && !is_plausible_low(check.low, next) ? 1 : 0;
   }
-  return seen < kWindowWords && !ended ? Verdict::kNeedMore : Verdict::kAccept;
+  if (judges < kJudges && !stepped && seen < kWindowWords && !ended) return Verdict::kNeedMore;
+  return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
 }
 
 }  // namespace
@@ -103,20 +101,20 @@ size_t check_scalar(const uint8_t* words, size_t count, Check& check, const Sens
   return i;
 }
 
-size_t Codec::count_bad(const uint8_t* words, size_t count, size_t enough, const SensorLimits& limits) {
+size_t Codec::count_bad(const uint8_t* words, size_t count, size_t enough) {
   size_t bad = 0;
   uint16_t time_high = 0xFFFF;
   int low = -1;
   bool may_continue = true;
-  bool after_zero = false;
+  uint32_t num_zeros = 0;
   for (size_t i = 0; i < count && bad < enough; ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
     const uint32_t type = type_of(word);
-    bool odd = !is_known(word) || is_outside(word, limits) || (word == 0 && after_zero);
-    after_zero = word == 0;
+    num_zeros = word == 0 ? num_zeros + 1 : 0;
+    bool odd = !is_known(word) || num_zeros > kMaxZeros;
     if (type == kTimeHigh) {
       const uint32_t step = time_high == 0xFFFF ? 0 : steps(time_high, word);
-      odd = step >= 2048;
+      odd = step >= kHalfCircle;
       if (step != 0) low = -1;
       time_high = word;
     } else if (type == kTimeLow) {
@@ -138,15 +136,17 @@ Suspicion Codec::suspicion(const uint8_t* word, const Check& check, const Sensor
   const auto value = load_le<uint16_t>(word);
   if (!is_known(value) || value == 0) return Suspicion::kUnknown;
   if (is_outside(value, limits)) return Suspicion::kRange;
-  const bool is_back = type_of(value) == kTimeHigh ? check.time_high != 0xFFFF && steps(check.time_high, value) >= 2048
-                                                   : (value & static_cast<int>(kPayloadMask)) < check.low;
+  const bool is_back = type_of(value) == kTimeHigh
+                           ? check.time_high != 0xFFFF && steps(check.time_high, value) >= kHalfCircle
+                           : (value & static_cast<int>(kPayloadMask)) < check.low;
   return is_back ? Suspicion::kTimeBack : Suspicion::kTimeAhead;
 }
 
 int64_t Codec::step_us(const uint8_t* word, const Check& check) {
   const auto value = load_le<uint16_t>(word);
   if (type_of(value) != kTimeHigh || check.time_high == 0xFFFF) return 0;
-  return static_cast<int64_t>(steps(check.time_high, value)) << 12;
+  const uint32_t step = steps(check.time_high, value);
+  return step == 1 ? 0 : int64_t{step} << 12;
 }
 
 Verdict Codec::judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
@@ -156,7 +156,7 @@ Verdict Codec::judge_time(const uint8_t* words, size_t count, bool ended, const 
 
 void Codec::accept_time(const uint8_t* word, Check& check) {
   const auto value = load_le<uint16_t>(word);
-  check.after_zero = false;
+  check.num_zeros = 0;
   if (type_of(value) == kTimeLow) {
     check.low = value & static_cast<int>(kPayloadMask);
     return;
@@ -164,6 +164,7 @@ void Codec::accept_time(const uint8_t* word, Check& check) {
   check.time_high = value;
   check.low = -1;
   check.num_rejected = 0;
+  check.after_damage = false;
   ++check.num_time_high;
   ++check.num_time_steps;
 }
@@ -176,7 +177,8 @@ void Codec::forget(State& state, Check& check) {
   state.need_time_high = state.need_low = state.need_y = true;
   state.base_x = 0xFFFF;
   check.low = -1;
-  check.after_zero = false;
+  check.num_zeros = 0;
+  check.after_damage = true;
 }
 
 void Codec::drop_word(const uint8_t* word, State& state) {

@@ -8,13 +8,15 @@ namespace {
 
 constexpr uint16_t kNone = 0xFFFF;
 
-/// The state's time after a TIME_HIGH word: another one starts its low part at 0.
+/// The state's time after a TIME_HIGH word: another one starts its low part at 0. A step back gets this far only when
+/// the clock was set anew: time goes on by one step.
 void take_time_high(uint16_t word, State& state) {
   if (word == state.time_high) return;
   if (state.time_high == kNone) {
     state.high_us = static_cast<int64_t>(word & kPayloadMask) << 12;
   } else {
-    state.high_us += static_cast<int64_t>((word - state.time_high) & kPayloadMask) << 12;
+    const uint32_t step = (static_cast<uint32_t>(word) - state.time_high) & kPayloadMask;
+    state.high_us += int64_t{step < kHalfCircle ? step : 1} << 12;
   }
   state.time_high = word;
   state.low = 0;

@@ -31,11 +31,12 @@ struct Check {
   uint32_t num_rejected = 0;    ///< unexpected TIME_HIGH words in a row
   uint64_t num_time_high = 0;   ///< such words in all
   uint64_t num_time_steps = 0;  ///< those with another time than the one before
-  bool after_zero = false;      ///< the last word was all zero
+  bool after_damage = false;    ///< the next TIME_HIGH may be noise
+  uint32_t num_zeros = 0;       ///< words that are all zero, up to here
 };
 
 /// A jump ahead within one TIME_HIGH that is worth a look at what follows.
-inline constexpr int kLongStepUs = 1024;
+inline constexpr int kLongStepUs = 128;
 
 /// Whether one TIME_LOW may follow another, both of one TIME_HIGH; `last` -1 = unknown.
 inline bool is_plausible_low(int last, int next) {
@@ -51,7 +52,7 @@ struct Codec {
   static constexpr const char* kName = "evt3";
 
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
-  static size_t count_bad(const uint8_t* words, size_t count, size_t enough, const SensorLimits& limits);
+  static size_t count_bad(const uint8_t* words, size_t count, size_t enough);
   static Suspicion suspicion(const uint8_t* word, const Check& check, const SensorLimits& limits);
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check);
   static void accept_time(const uint8_t* word, Check& check);

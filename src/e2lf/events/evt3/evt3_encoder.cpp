@@ -11,7 +11,7 @@ namespace evt3 {
 namespace {
 
 constexpr int64_t kHeartbeatUs = 16;
-constexpr int64_t kMaxStep = 2047;  // of TIME_HIGH: more reads as a step back
+constexpr int64_t kMaxStep = 512;  // of TIME_HIGH, where loops are counted: a quarter of what reads as a step back
 constexpr uint32_t kVectorPixels = 32;
 
 uint16_t make_word(Type type, uint32_t payload) {

@@ -16,7 +16,7 @@ class Encoder {
   explicit Encoder(const RecordingInfo& info) : width_(static_cast<uint32_t>(info.width)) {}
 
   /// Later starts need too many words that do nothing but count the loops of the 24-bit clock.
-  static constexpr int64_t kMaxFirstUs = int64_t{1} << 43;
+  static constexpr int64_t kMaxFirstUs = int64_t{1} << 41;
 
   void put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out);
   void put_trigger(const Trigger& trigger, WordBuffer& out);

@@ -127,7 +127,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
         continue;
       }
     }
-    check.after_zero = false;
+    check.num_zeros = 0;
     const size_t highs = hn::CountTrue(d, is_high);
     check.num_time_high += highs;
     if (highs > 0) check.num_rejected = 0;

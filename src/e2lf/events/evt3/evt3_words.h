@@ -30,6 +30,7 @@ inline constexpr uint32_t kKnownTypes = (1u << kAddrY) | (1u << kAddrX) | (1u <<
 
 inline constexpr uint32_t kCoordinateMask = 0x7FF;
 inline constexpr uint32_t kPayloadMask = 0xFFF;
+inline constexpr uint32_t kHalfCircle = 2048;  ///< a TIME_HIGH this far ahead or more is a step back
 inline constexpr int64_t kLoopUs = int64_t{1} << 24;
 
 /// Times may step back by this much without being damaged: real sensors do by some microseconds.

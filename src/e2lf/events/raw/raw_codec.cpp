@@ -20,10 +20,7 @@ Result<std::unique_ptr<RecordingReader>> open_evt21(std::unique_ptr<ByteSource> 
                                                     const OpenOptions& options) {
   constexpr size_t kLookedAtBytes = 4096;
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> words, source->fetch(kLookedAtBytes));
-  SensorLimits limits;
-  if (header.info.width != 0)
-    limits = {static_cast<uint32_t>(header.info.width), static_cast<uint32_t>(header.info.height)};
-  const evt21::ByteOrder order = evt21::find_byte_order(words, header.endianness, limits);
+  const evt21::ByteOrder order = evt21::find_byte_order(words, header.endianness);
   return order == evt21::ByteOrder::kLittle
              ? make_reader<evt21::Codec<evt21::ByteOrder::kLittle>>(std::move(source), std::move(header), options)
              : make_reader<evt21::Codec<evt21::ByteOrder::kLegacy>>(std::move(source), std::move(header), options);

@@ -89,8 +89,8 @@ class RawStream {
   bool start(Input& input) {
     if (input.num_words() < kWindowWords && !input.ended) return false;
     started_ = true;
-    const size_t window = std::min(input.num_words(), kWindowWords);
-    lost_ = window >= kMinWindowWords && Codec::count_bad(input.data(), window, window, limits_) * 4 > window;
+    const size_t window = std::min(input.num_words(), kMinWindowWords);
+    lost_ = window == kMinWindowWords && Codec::count_bad(input.data(), window, window) * 4 > window;
     if (lost_) input.summary->add(Violation::kMisaligned, input.byte(0));
     return true;
   }
@@ -166,7 +166,7 @@ class RawStream {
     const size_t behind = input.num_words() - checked_ - 1;
     if (behind < kWindowWords && !input.ended) return Step::kNeedMore;
     const size_t window = std::min(behind, kWindowWords);
-    const size_t bad = Codec::count_bad(word + kWordBytes, window, kWindowBad + 1, limits_);
+    const size_t bad = Codec::count_bad(word + kWordBytes, window, kWindowBad + 1);
     if (bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1)) {
       return begin_break(input);
     }
@@ -203,8 +203,7 @@ class RawStream {
 
   [[nodiscard]] bool is_aligned(const uint8_t* data, size_t words) const {
     constexpr size_t kFirst = 8;
-    return Codec::count_bad(data, kFirst, 1, limits_) == 0 &&
-           Codec::count_bad(data, words, kResumeBad + 1, limits_) <= kResumeBad;
+    return Codec::count_bad(data, kFirst, 1) == 0 && Codec::count_bad(data, words, kResumeBad + 1) <= kResumeBad;
   }
 
   /// The next offset >= `offset` where words make sense; the first that cannot be told yet when there is none.
@@ -229,7 +228,7 @@ class RawStream {
     keep_ = checked_ - std::min<size_t>(checked_, 8);
     if (found && (jump_ - word) % kWordBytes != 0) {
       size_t begin = jump_;
-      while (begin >= kWordBytes && Codec::count_bad(input.data() + begin - kWordBytes, 1, 1, limits_) == 0) {
+      while (begin >= kWordBytes && Codec::count_bad(input.data() + begin - kWordBytes, 1, 1) == 0) {
         begin -= kWordBytes;
       }
       keep_ = std::min(checked_, begin / kWordBytes);

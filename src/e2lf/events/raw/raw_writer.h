@@ -58,7 +58,6 @@ class RawWriter final : public RecordingWriter {
 
  private:
   Result<void> check(const EventBatch& batch) {
-    E2LF_RETURN_IF_ERROR(check_(batch));
     int64_t first_us = INT64_MAX;
     int64_t last_us = latest_us_;
     if (!batch.events.empty()) {
@@ -78,6 +77,7 @@ class RawWriter final : public RecordingWriter {
                    cat("time runs back from ", latest_us_, " to ", first_us, " us; sort events and triggers first"),
                    name_};
     }
+    E2LF_RETURN_IF_ERROR(check_(batch));
     latest_us_ = last_us;
     return {};
   }

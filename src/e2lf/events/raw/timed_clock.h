@@ -35,7 +35,7 @@ class Clock {
 
  private:
   static constexpr int64_t kHeartbeatUs = 16;
-  static constexpr int64_t kMaxStep = (int64_t{1} << 27) - 1;
+  static constexpr int64_t kMaxStep = int64_t{1} << 25;   ///< a quarter of what reads as a step back
   static constexpr int64_t kMaxFilled = 10'000'000 / 64;  ///< quiet times up to 10 s are filled step by step
 
   static uint32_t head(int64_t high) {

@@ -28,6 +28,7 @@ inline constexpr uint32_t kKnownTypes =
 inline constexpr uint32_t kTimeHighMask = 0xFFFFFFF;
 inline constexpr uint32_t kHalfCircle = 1u << 27;
 inline constexpr uint32_t kBackOne = kTimeHighMask;  ///< one step back on the 28-bit circle: jitter
+inline constexpr uint32_t kNearSteps = 64;           ///< 4 ms
 inline constexpr int kLoopBits = 34;
 inline constexpr uint32_t kNoTime = 0xFFFFFFFF;
 
@@ -61,16 +62,18 @@ struct Check {
   uint32_t num_rejected = 0;
   uint64_t num_time_high = 0;
   uint64_t num_time_steps = 0;
-  bool after_zero = false;  ///< the last word was all zero
+  bool after_damage = false;  ///< the next TIME_HIGH may be noise
+  uint32_t num_zeros = 0;     ///< words that are all zero, up to here
 };
 
-/// The state's time after a TIME_HIGH word.
+/// The state's time after a TIME_HIGH word. A step back by more than jitter gets this far only when the clock was set
+/// anew: time goes on by one step.
 inline void take_time_high(uint32_t time_high, State& state) {
   if (state.time_high == kNoTime) {
     state.high_us = static_cast<int64_t>(time_high) << 6;
   } else {
     const uint32_t step = steps(state.time_high, time_high);
-    state.high_us += step == kBackOne ? -64 : static_cast<int64_t>(step) << 6;
+    state.high_us += step == kBackOne ? -64 : int64_t{step < kHalfCircle ? step : 1} << 6;
   }
   state.time_high = time_high;
 }
@@ -92,9 +95,8 @@ struct Words {
   /// Whether one word is plausible after what the check knows; takes it over if so. A run of zeros is no data.
   static bool check_word(const uint8_t* word, Check& check, const SensorLimits& limits) {
     const uint32_t head = Layout::head(word);
-    const bool zero = is_zero(word);
-    if (zero && check.after_zero) return false;
-    check.after_zero = zero;
+    check.num_zeros = is_zero(word) ? check.num_zeros + 1 : 0;
+    if (check.num_zeros > kMaxZeros) return false;
     if (type_of(head) != kTimeHigh) return is_known(head) && !is_outside(head, limits);
     if (check.time_high == kNoTime) return false;
     const uint32_t step = steps(check.time_high, head);
@@ -112,20 +114,22 @@ struct Words {
     return i;
   }
 
-  static size_t count_bad(const uint8_t* words, size_t count, size_t enough, const SensorLimits& limits) {
+  static size_t count_bad(const uint8_t* words, size_t count, size_t enough) {
     size_t bad = 0;
     uint32_t time_high = kNoTime;
-    bool after_zero = false;
+    uint32_t num_zeros = 0;
     for (size_t i = 0; i < count && bad < enough; ++i) {
       const uint8_t* word = words + i * kWordBytes;
       const uint32_t head = Layout::head(word);
-      const bool zero = is_zero(word);
-      bool odd = !is_known(head) || is_outside(head, limits) || (zero && after_zero);
-      after_zero = zero;
+      num_zeros = is_zero(word) ? num_zeros + 1 : 0;
+      bool odd = !is_known(head) || num_zeros > kMaxZeros;
       if (type_of(head) == kTimeHigh) {
         const uint32_t step = time_high == kNoTime ? 0 : steps(time_high, head);
         odd = step >= kHalfCircle && step != kBackOne;
         time_high = head & kTimeHighMask;
+      } else if (kMaxEventsPerWord > 1 && type_of(head) <= kOn) {
+        // Vectors begin at multiples of 32 and are not empty.
+        odd = odd || x_of(head) % 32 != 0 || Layout::mask(word) == 0;
       } else if (type_of(head) == kTrigger) {
         odd = (head & 0x3FE0FE) != 0;
       }
@@ -142,33 +146,34 @@ struct Words {
     return is_back ? Suspicion::kTimeBack : Suspicion::kTimeAhead;
   }
 
+  /// A TIME_HIGH that steps back or far ahead is right if most of those behind it go on from it, not from the last.
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
     const uint32_t head = Layout::head(words);
+    const bool is_first = check.time_high == kNoTime;
+    const bool is_back = !is_first && steps(check.time_high, head) >= kHalfCircle;
+    const bool is_restart = check.num_rejected >= kClockRestart;
     const size_t seen = std::min(count, kJudgeWords);
-    size_t next = 1;
-    while (next < seen && type_of(Layout::head(words + next * kWordBytes)) != kTimeHigh) ++next;
-    const uint32_t from_last = check.time_high == kNoTime ? 0 : steps(check.time_high, head);
-    if (next >= seen) {
-      if (count < kJudgeWords && !ended) return Verdict::kNeedMore;
-      return from_last < kHalfCircle ? Verdict::kAccept : Verdict::kReject;
+    size_t judges = 0, in_favour = 0;
+    for (size_t i = 1; i < seen && judges < kJudges; ++i) {
+      const uint32_t following = Layout::head(words + i * kWordBytes);
+      if (type_of(following) != kTimeHigh) continue;
+      const uint32_t from_this = steps(head, following);
+      ++judges;
+      const uint32_t limit = is_first     ? (check.after_damage ? kNearSteps : kHalfCircle)
+                             : is_restart ? kHalfCircle / 2
+                                          : steps(check.time_high, following);
+      in_favour += from_this <= limit ? 1 : 0;
     }
-    const uint32_t following = Layout::head(words + next * kWordBytes);
-    const uint32_t from_this = steps(head, following);
-    bool believed = from_last < kHalfCircle;
-    if (check.time_high == kNoTime) {
-      believed = from_this < kHalfCircle;
-    } else if (check.num_rejected >= kClockRestart) {
-      believed = from_this <= 1;
-    } else if (believed) {
-      believed = from_this <= steps(check.time_high, following);
-    }
-    return believed ? Verdict::kAccept : Verdict::kReject;
+    if (judges < kJudges && count < kJudgeWords && !ended) return Verdict::kNeedMore;
+    if (is_back && !is_restart) return Verdict::kReject;
+    return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
   }
 
   static void accept_time(const uint8_t* word, Check& check) {
     check.time_high = Layout::head(word) & kTimeHighMask;
     check.num_rejected = 0;
-    check.after_zero = false;
+    check.num_zeros = 0;
+    check.after_damage = false;
     ++check.num_time_high;
     ++check.num_time_steps;
   }
@@ -180,7 +185,8 @@ struct Words {
 
   static void forget(State& state, Check& check) {
     state.need_time_high = true;
-    check.after_zero = false;
+    check.num_zeros = 0;
+    check.after_damage = true;
   }
   static void drop_word(const uint8_t* word, State& state) {
     if (type_of(Layout::head(word)) == kTimeHigh) state.need_time_high = true;

@@ -14,11 +14,12 @@ namespace e2lf::events {
 //
 //   State            what decoding depends on           Check    what checking depends on; it runs ahead of decoding
 //   check            how many words from here on are plausible; the one behind them, if any, needs a closer look
-//   count_bad        how many words of a window make no sense on their own (up to `enough`); low = well aligned
+//   count_bad        how many words of a window make no sense (up to `enough`); low = well aligned. The sensor's size
+//                    does not count: headers are known to be wrong about it
 //   suspicion        what is odd about the word that check() stopped at
 //   judge_time       whether a time word that steps unexpectedly is right, from the words behind it
 //   accept_time, reject_time  moves the check past such a word
-//   step_us          how far a coarse time word steps from the last one; 0 for other words
+//   step_us          how far a coarse time word jumps from the last one; 0 for other words and for the next step
 //   drop_word        the state when a word is left out
 //   forget           the state when an unknown number of words is missing
 //   settle           goes over words without giving out events until the state is complete again
@@ -45,8 +46,14 @@ inline constexpr size_t kMinWindowWords = 16;
 inline constexpr size_t kWindowBad = kWindowWords / 16;
 inline constexpr size_t kResumeBad = 1;
 
+/// More words in a row that are all zero are no data (a simulator may well repeat the first pixel's event).
+inline constexpr uint32_t kMaxZeros = 7;
+
 /// How far judge_time() looks ahead for another time word.
 inline constexpr size_t kJudgeWords = 8192;
+
+/// How many of the time words behind an unexpected one are asked.
+inline constexpr size_t kJudges = 5;
 
 /// So many unexpected time words in a row are a clock that was set anew.
 inline constexpr uint32_t kClockRestart = 256;
