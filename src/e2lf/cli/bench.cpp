@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// e2lf bench reconstruct | decode | simulate
+// e2lf bench reconstruct | simulate; decode is in a file of its own
 #include <cstdio>
 
 #include "e2lf/base/progress.h"
+#include "e2lf/cli/bench_decode.h"
 #include "e2lf/cli/bench_reconstruct.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/model/model.h"
@@ -92,7 +93,8 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
 
 int run_bench(const std::vector<std::string>& arguments) {
   return run_subverb("bench",
-                     {{"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
+                     {{"decode", "RAW recordings, against the scalar reference", run_bench_decode},
+                      {"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
                       {"simulate", "the event simulation, against the scalar reference", run_bench_simulate}},
                      arguments);
 }
