@@ -84,6 +84,7 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   open.format = flags.format;
   open.width = flags.width;
   open.height = flags.height;
+  open.threads = 0;
   events::CycleOptions options;
   E2LF_ASSIGN_OR_RETURN(options.schedule, schedule_of(flags));
   E2LF_ASSIGN_OR_RETURN(options.source, source_of(input, flags, open));

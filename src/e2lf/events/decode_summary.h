@@ -39,6 +39,7 @@ inline constexpr size_t kNumViolations = 7;
 struct ViolationCount {
   uint64_t count = 0;
   uint64_t first_byte = 0;
+  bool operator==(const ViolationCount&) const = default;
 };
 
 /// A stretch of time that damage took away: no event of (begin_us, end_us) is to be trusted as complete.
@@ -46,6 +47,7 @@ struct TimeGap {
   int64_t begin_us = 0;
   int64_t end_us = 0;
   uint64_t byte = 0;  ///< where in the file
+  bool operator==(const TimeGap&) const = default;
 };
 
 /// What a reader met since it was opened or last sought. Times are as handed out (shifted when asked to).
@@ -76,6 +78,8 @@ struct DecodeSummary {
 
   /// Adds what a later part of the same recording met (times, counts, violations, gaps).
   void append(const DecodeSummary& later);
+
+  bool operator==(const DecodeSummary&) const = default;
 };
 
 /// The Error that the strict policy returns for the first violation in a summary (location "name: byte N").

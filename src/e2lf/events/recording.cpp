@@ -11,22 +11,13 @@
 namespace e2lf::events {
 namespace {
 
-int16_t add_saturated(int16_t count, int step) {
-  return static_cast<int16_t>(std::clamp(count + step, -32768, 32767));
-}
-
-/// Index of the first time in [begin, size) that is at or after `t_us`; times need not be sorted.
-template <typename Times, typename TimeOf>
-size_t first_at_or_after(const Times& times, size_t begin, int64_t t_us, const TimeOf& time_of) {
-  while (begin < times.size() && time_of(times[begin]) < t_us) ++begin;
-  return begin;
-}
-
-int64_t time_of_event(int64_t t) {
-  return t;
-}
-int64_t time_of_trigger(const Trigger& trigger) {
-  return trigger.t;
+/// Adds the signed events [begin, end) to an image, saturating; events outside it are left out.
+void add_events(const EventColumns& events, size_t begin, size_t end, int16_t* image, size_t width, size_t height) {
+  for (size_t i = begin; i < end; ++i) {
+    if (events.x[i] >= width || events.y[i] >= height) continue;
+    int16_t& count = image[events.y[i] * width + events.x[i]];
+    count = static_cast<int16_t>(std::clamp(count + (events.p[i] != 0 ? 1 : -1), -32768, 32767));
+  }
 }
 
 }  // namespace
@@ -38,31 +29,10 @@ std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   return std::nullopt;
 }
 
-bool RecordingReader::has_pending() const {
-  return pending_event_ < pending_.events.size() || pending_trigger_ < pending_.triggers.size();
-}
-
 Result<bool> RecordingReader::refill_pending(size_t max_events) {
-  pending_.clear();
-  pending_event_ = pending_trigger_ = 0;
-  E2LF_ASSIGN_OR_RETURN(const bool more, read_next(pending_, max_events));
+  E2LF_ASSIGN_OR_RETURN(const bool more, read_next(pending_.refill(), max_events));
   E2LF_RETURN_IF_ERROR(apply_policy());
-  return more || has_pending();
-}
-
-void RecordingReader::take_pending(EventBatch& batch, size_t max_events) {
-  const size_t event_end = std::min(pending_.events.size(), pending_event_ + max_events);
-  size_t trigger_end = pending_.triggers.size();
-  if (event_end < pending_.events.size()) {
-    const int64_t end_us = pending_.events.t[event_end];
-    trigger_end = first_at_or_after(pending_.triggers, pending_trigger_, end_us, time_of_trigger);
-  }
-  trigger_end = std::min(trigger_end, pending_trigger_ + max_events);
-  batch.events.append(pending_.events, pending_event_, event_end);
-  batch.triggers.insert(batch.triggers.end(), pending_.triggers.begin() + static_cast<ptrdiff_t>(pending_trigger_),
-                        pending_.triggers.begin() + static_cast<ptrdiff_t>(trigger_end));
-  pending_event_ = event_end;
-  pending_trigger_ = trigger_end;
+  return more || !pending_.empty();
 }
 
 Result<void> RecordingReader::find_shift() {
@@ -72,13 +42,14 @@ Result<void> RecordingReader::find_shift() {
     return {};
   }
   bool more = true;
-  while (more && !has_pending()) {
+  while (more && pending_.empty()) {
     E2LF_ASSIGN_OR_RETURN(more, refill_pending(kMinBatch));
   }
-  if (!has_pending()) return {};
-  shift_us_ = pending_.events.empty()     ? pending_.triggers.front().t
-              : pending_.triggers.empty() ? pending_.events.t.front()
-                                          : std::min(pending_.events.t.front(), pending_.triggers.front().t);
+  if (pending_.empty()) return {};
+  const EventBatch& first = pending_.batch();
+  shift_us_ = first.events.empty()     ? first.triggers.front().t
+              : first.triggers.empty() ? first.events.t.front()
+                                       : std::min(first.events.t.front(), first.triggers.front().t);
   return {};
 }
 
@@ -97,15 +68,18 @@ Result<void> RecordingReader::apply_policy() {
   return {};
 }
 
-void RecordingReader::count(const EventBatch& batch) {
-  const size_t events = batch.events.size();
-  summary_.triggers += batch.triggers.size();
-  if (events == 0) return;
-  if (summary_.events() == 0) summary_.first_t_us = batch.events.t.front();
-  summary_.last_t_us = batch.events.t.back();
-  const uint64_t on = std::accumulate(batch.events.p.begin(), batch.events.p.end(), uint64_t{0});
+void RecordingReader::count(const EventColumns& events, size_t begin, size_t end) {
+  if (begin == end) return;
+  if (summary_.events() == 0) summary_.first_t_us = events.t[begin];
+  summary_.last_t_us = events.t[end - 1];
+  uint64_t on = 0;
+  // 32-bit sums of a block are what compilers add many of at once.
+  constexpr size_t kBlock = size_t{1} << 16;
+  for (size_t block = begin; block < end; block += kBlock) {
+    on += std::accumulate(&events.p[block], events.p.data() + std::min(end, block + kBlock), uint32_t{0});
+  }
   summary_.events_on += on;
-  summary_.events_off += events - on;
+  summary_.events_off += end - begin - on;
 }
 
 DecodeSummary RecordingReader::summary() const {
@@ -126,8 +100,8 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   E2LF_REQUIRE(max_events >= kMinBatch, "a batch holds at least kMinBatch events");
   batch.clear();
   E2LF_RETURN_IF_ERROR(find_shift());
-  if (has_pending()) {
-    take_pending(batch, max_events);
+  if (!pending_.empty()) {
+    pending_.take(batch, max_events);
   } else {
     bool more = true;
     while (more && batch.empty()) {
@@ -135,7 +109,8 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
       E2LF_RETURN_IF_ERROR(apply_policy());
     }
   }
-  count(batch);
+  count(batch.events, 0, batch.events.size());
+  summary_.triggers += batch.triggers.size();
   if (const int64_t shift_us = shift_us_.value_or(0); shift_us != 0) {
     for (int64_t& t : batch.events.t) t -= shift_us;
     for (Trigger& trigger : batch.triggers) trigger.t -= shift_us;
@@ -145,29 +120,28 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
 
 bool RecordingReader::accumulate_pending(std::span<const TimeSlice> slices, EventImages& images,
                                          std::vector<Trigger>* triggers) {
+  const EventBatch& batch = pending_.batch();
+  const EventColumns& events = batch.events;
   const int64_t end_us = slices.back().end_us;
-  const EventColumns& events = pending_.events;
   size_t slice = 0;
-  size_t i = pending_event_;
-  for (; i < events.size() && events.t[i] < end_us; ++i) {
-    const Event event = events[i];
-    while (event.t >= slices[slice].end_us) ++slice;
-    if (summary_.events() == 0) summary_.first_t_us = event.t;
-    summary_.last_t_us = event.t;
-    ++(event.p != 0 ? summary_.events_on : summary_.events_off);
-    if (event.t < slices[slice].begin_us || event.x >= images.width || event.y >= images.height) continue;
-    int16_t& count = images.image(slice)[event.y * images.width + event.x];
-    count = add_saturated(count, event.p != 0 ? 1 : -1);
+  size_t i = pending_.event();
+  while (i < events.size() && events.t[i] < end_us) {
+    while (events.t[i] >= slices[slice].end_us) ++slice;
+    const bool is_inside = events.t[i] >= slices[slice].begin_us;
+    const int64_t until_us = is_inside ? slices[slice].end_us : slices[slice].begin_us;
+    const size_t begin = i;
+    while (i < events.size() && events.t[i] < until_us) ++i;
+    if (is_inside) add_events(events, begin, i, images.image(slice).data(), images.width, images.height);
   }
-  pending_event_ = i;
-  const size_t trigger_end = first_at_or_after(pending_.triggers, pending_trigger_, end_us, time_of_trigger);
-  summary_.triggers += trigger_end - pending_trigger_;
+  const size_t trigger_end = pending_.first_trigger(end_us);
+  count(events, pending_.event(), i);
+  summary_.triggers += trigger_end - pending_.trigger();
   if (triggers != nullptr) {
-    triggers->insert(triggers->end(), pending_.triggers.begin() + static_cast<ptrdiff_t>(pending_trigger_),
-                     pending_.triggers.begin() + static_cast<ptrdiff_t>(trigger_end));
+    triggers->insert(triggers->end(), batch.triggers.begin() + static_cast<ptrdiff_t>(pending_.trigger()),
+                     batch.triggers.begin() + static_cast<ptrdiff_t>(trigger_end));
   }
-  pending_trigger_ = trigger_end;
-  return has_pending();
+  pending_.skip_to(i, trigger_end);
+  return !pending_.empty();
 }
 
 Result<bool> RecordingReader::accumulate_next(std::span<const TimeSlice> slices, EventImages& images,
@@ -215,14 +189,12 @@ Result<void> RecordingReader::seek(int64_t t_us) {
   const int64_t absolute_us = t_us + shift_us_.value_or(0);
   summary_ = {};
   known_violations_ = {};
-  pending_.clear();
-  pending_event_ = pending_trigger_ = 0;
+  pending_.refill();
   E2LF_RETURN_IF_ERROR(seek_before(absolute_us));
   bool more = true;
-  while (more && !has_pending()) {
+  while (more && pending_.empty()) {
     E2LF_ASSIGN_OR_RETURN(more, refill_pending(kDefaultBatch));
-    pending_event_ = first_at_or_after(pending_.events.t, 0, absolute_us, time_of_event);
-    pending_trigger_ = first_at_or_after(pending_.triggers, 0, absolute_us, time_of_trigger);
+    pending_.skip_to(pending_.first_event(absolute_us), pending_.first_trigger(absolute_us));
   }
   return {};
 }

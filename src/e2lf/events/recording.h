@@ -17,6 +17,7 @@
 #include "e2lf/events/decode_summary.h"
 #include "e2lf/events/event.h"
 #include "e2lf/events/event_images.h"
+#include "e2lf/events/pending_batch.h"
 
 namespace e2lf::events {
 
@@ -102,18 +103,13 @@ class RecordingReader {
   std::string name_ = "recording";  ///< of the source, for messages
 
  private:
-  [[nodiscard]] bool has_pending() const;
-  void take_pending(EventBatch& batch, size_t max_events);
   bool accumulate_pending(std::span<const TimeSlice> slices, EventImages& images, std::vector<Trigger>* triggers);
   [[nodiscard]] Result<bool> refill_pending(size_t max_events);
   [[nodiscard]] Result<void> find_shift();
   [[nodiscard]] Result<void> apply_policy();
-  void count(const EventBatch& batch);
+  void count(const EventColumns& events, size_t begin, size_t end);
 
-  // Read but not yet handed out, absolute in time; the parts before the two indices are gone.
-  EventBatch pending_;
-  size_t pending_event_ = 0;
-  size_t pending_trigger_ = 0;
+  PendingBatch pending_;             ///< read but not yet handed out, absolute in time
   std::optional<int64_t> shift_us_;  ///< what to subtract; unknown until the first event under TimeOrigin::kZero
   std::array<uint64_t, kNumViolations> known_violations_{};
 };

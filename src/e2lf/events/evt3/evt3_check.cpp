@@ -35,7 +35,7 @@ bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
       if (check.time_high == 0xFFFF) return false;
       const uint32_t step = steps(check.time_high, word);
       if (step != 0) return false;
-      ++check.num_time_high;
+      ++check.heartbeat;
       check.num_rejected = 0;
       return true;
     }
@@ -165,8 +165,7 @@ void Codec::accept_time(const uint8_t* word, Check& check) {
   check.low = -1;
   check.num_rejected = 0;
   check.after_damage = false;
-  ++check.num_time_high;
-  ++check.num_time_steps;
+  check.heartbeat -= 3;
 }
 
 void Codec::reject_time(const uint8_t* word, Check& check) {

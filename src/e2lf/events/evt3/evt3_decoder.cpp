@@ -145,4 +145,15 @@ size_t Codec::settle(const uint8_t* words, size_t count, State& state, DecodeSum
   return i;
 }
 
+void Codec::go_on_from(State& state, const State& before) {
+  // Up to 14 s ahead, or 2 s back.
+  constexpr uint32_t kBack = 512;
+  const uint32_t ahead = (static_cast<uint32_t>(state.time_high) - before.time_high + kBack) & kPayloadMask;
+  state.high_us = before.high_us + ((int64_t{ahead} - kBack) << 12);
+  if (state.base_x == kNone) {
+    state.base_x = before.base_x;
+    state.base_p = before.base_p;
+  }
+}
+
 }  // namespace e2lf::events::evt3

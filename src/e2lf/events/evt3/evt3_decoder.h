@@ -22,6 +22,7 @@ struct State {
   bool need_time_high = true;  ///< drop events until such a word has come
   bool need_low = false;
   bool need_y = false;
+  bool operator==(const State&) const = default;
 };
 
 /// What the check of words runs ahead with.
@@ -29,10 +30,10 @@ struct Check {
   uint16_t time_high = 0xFFFF;  ///< as in State
   int32_t low = -1;             ///< the last TIME_LOW payload, -1 = unknown
   uint32_t num_rejected = 0;    ///< unexpected TIME_HIGH words in a row
-  uint64_t num_time_high = 0;   ///< such words in all
-  uint64_t num_time_steps = 0;  ///< those with another time than the one before
+  int64_t heartbeat = -4;       ///< repeated TIME_HIGH words less three for each that steps; 0 or more is a heartbeat
   bool after_damage = false;    ///< the next TIME_HIGH may be noise
   uint32_t num_zeros = 0;       ///< words that are all zero, up to here
+  bool operator==(const Check&) const = default;
 };
 
 /// A jump ahead within one TIME_HIGH that is worth a look at what follows.
@@ -62,7 +63,7 @@ struct Codec {
   static void drop_word(const uint8_t* word, State& state);
   static size_t settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
   static bool settled(const State& state) { return !state.need_time_high && !state.need_low && !state.need_y; }
-  static bool has_heartbeat(const Check& check) { return check.num_time_high >= 4 * check.num_time_steps + 4; }
+  static void go_on_from(State& state, const State& before);
   static int64_t time(const State& state) { return state.high_us | state.low; }
   static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us / kLoopUs); }
 

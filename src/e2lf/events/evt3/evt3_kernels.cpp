@@ -129,7 +129,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
     }
     check.num_zeros = 0;
     const size_t highs = hn::CountTrue(d, is_high);
-    check.num_time_high += highs;
+    check.heartbeat += static_cast<int64_t>(highs);
     if (highs > 0) check.num_rejected = 0;
   }
   return i + check_scalar(words + 2 * i, count - i, check, limits);

@@ -2,17 +2,21 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "e2lf/base/threads.h"
+#include "e2lf/events/raw/part_decoder.h"
 #include "e2lf/events/raw/raw_header.h"
 #include "e2lf/events/raw/raw_stream.h"
 #include "e2lf/events/recording.h"
 
 namespace e2lf::events {
 
-/// Reads a RAW recording of one encoding: bytes from a source through a RawStream. Every kCheckpointBytes the stream is
-/// copied, so that seeking needs no index file: it goes on from the last copy before the time.
+/// Reads a RAW recording of one encoding: bytes from a source through a RawStream, or where the source is a file and
+/// there may be several threads, through a PartDecoder that is some parts ahead of what is read. Every kCheckpointBytes
+/// the stream is copied, so that seeking needs no index file: it goes on from the last copy before the time.
 template <typename Codec>
 class RawReader final : public RecordingReader {
  public:
@@ -21,33 +25,27 @@ class RawReader final : public RecordingReader {
       : RecordingReader(options), source_(std::move(source)), stream_(limits_of(header.info)) {
     info_ = std::move(header.info);
     name_ = source_->name();
-    checkpoints_.push_back({INT64_MIN, source_->position(), stream_});
+    checkpoints_.push_back({INT64_MIN, source_->position(), stream_, INT64_MIN});
+    const auto threads = static_cast<size_t>(options.threads == 0 ? num_threads() : options.threads);
+    if (threads > 1 && source_->seekable()) parts_.emplace(kPartsPerThread * threads, limits_of(info_));
   }
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
-    EventColumns& events = batch.events;
-    const size_t known = events.size();
-    events.resize(known + max_events + kSinkSlack);
-    ColumnSink sink;
-    sink.x = events.x.data() + known;
-    sink.y = events.y.data() + known;
-    sink.p = events.p.data() + known;
-    sink.t = events.t.data() + known;
-    sink.capacity = max_events;
-    sink.set_latest(latest_us_);
-    sink.triggers = &batch.triggers;
-    sink.max_triggers = batch.triggers.size() + max_events;
-    Result<bool> more = true;
-    bool full = false;
-    while (more && *more && !full && (source_->seekable() || sink.count == 0)) more = step(sink, full);
-    events.resize(known + sink.count);
-    latest_us_ = sink.latest();
-    return more;
+    if (next_part_ == num_parts_) E2LF_RETURN_IF_ERROR(decode_parts());
+    if (next_part_ == num_parts_) return read_directly(batch, max_events);
+    auto& part = parts_->part(next_part_);
+    // Noted once, with the first of its events.
+    summary_.append(std::exchange(part.summary, {}));
+    summary_.time_loops = part.stream.time_loops();
+    part.batch.take(batch, max_events);
+    if (part.batch.empty()) ++next_part_;
+    return true;
   }
 
   Result<bool> accumulate_next(std::span<const TimeSlice> slices, EventImages& images,
                                std::vector<Trigger>* triggers) override {
+    if (parts_) return RecordingReader::accumulate_next(slices, images, triggers);
     ImageSink sink(slices, images, triggers);
     Result<bool> more = true;
     bool full = false;
@@ -71,18 +69,22 @@ class RawReader final : public RecordingReader {
     while (checkpoint->time_us >= t_us) ++checkpoint;
     E2LF_RETURN_IF_ERROR(source_->seek(checkpoint->byte));
     stream_ = checkpoint->stream;
-    wanted_ = 1;
-    latest_us_ = INT64_MIN;
+    latest_us_ = checkpoint->latest_us;
+    wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
+    next_part_ = num_parts_ = 0;
     return {};
   }
 
  private:
   static constexpr uint64_t kCheckpointBytes = uint64_t{4} << 20;
 
+  static constexpr size_t kPartsPerThread = 2;
+
   struct Checkpoint {
-    int64_t time_us;
+    int64_t time_us;  ///< no event in front of it is later
     uint64_t byte;
     RawStream<Codec> stream;
+    int64_t latest_us;  ///< of what was given out up to here
   };
 
   static SensorLimits limits_of(const RecordingInfo& info) {
@@ -90,6 +92,47 @@ class RawReader final : public RecordingReader {
     if (info.width != 0) limits.width = static_cast<uint32_t>(info.width);
     if (info.height != 0) limits.height = static_cast<uint32_t>(info.height);
     return limits;
+  }
+
+  /// Decodes the next parts on several threads, where that can be done.
+  Result<void> decode_parts() {
+    next_part_ = num_parts_ = 0;
+    if (!parts_ || !stream_.is_steady()) return {};
+    E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> bytes, source_->fetch(parts_->wanted_bytes()));
+    const uint64_t first_byte = source_->position();
+    num_parts_ = parts_->decode(bytes, first_byte, stream_, latest_us_);
+    for (size_t i = 0; i < num_parts_; ++i) {
+      const auto& part = parts_->part(i);
+      stream_ = part.stream;
+      latest_us_ = part.latest_us;
+      add_checkpoint(first_byte + part.end, latest_us_);
+    }
+    if (num_parts_ == 0) return {};
+    source_->consume(parts_->part(num_parts_ - 1).end);
+    wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
+    return {};
+  }
+
+  /// Decodes into the batch on this thread.
+  Result<bool> read_directly(EventBatch& batch, size_t max_events) {
+    EventColumns& events = batch.events;
+    const size_t known = events.size();
+    events.resize(known + max_events + kSinkSlack);
+    ColumnSink sink;
+    sink.x = events.x.data() + known;
+    sink.y = events.y.data() + known;
+    sink.p = events.p.data() + known;
+    sink.t = events.t.data() + known;
+    sink.capacity = max_events;
+    sink.set_latest(latest_us_);
+    sink.triggers = &batch.triggers;
+    sink.max_triggers = batch.triggers.size() + max_events;
+    Result<bool> more = true;
+    bool full = false;
+    while (more && *more && !full && (source_->seekable() || sink.count == 0)) more = step(sink, full);
+    events.resize(known + sink.count);
+    latest_us_ = sink.latest();
+    return more;
   }
 
   /// Decodes what is at hand; false at the end of the source, `full` when the sink stopped.
@@ -101,22 +144,27 @@ class RawReader final : public RecordingReader {
     source_->consume(progress.used);
     summary_.time_loops = stream_.time_loops();
     full = progress.wanted == 0 && !(ended && progress.used == bytes.size());
-    wanted_ = std::max<size_t>(progress.wanted, 1);
-    add_checkpoint();
+    wanted_ = std::max<size_t>({progress.wanted, stream_.num_seen_bytes(), 1});
+    add_checkpoint(source_->position(), sink.latest());
     return full || !ended;
   }
 
-  void add_checkpoint() {
-    if (!source_->seekable() || source_->position() < checkpoints_.back().byte + kCheckpointBytes) return;
-    if (stream_.time_us() <= checkpoints_.back().time_us) return;
-    checkpoints_.push_back({stream_.time_us(), source_->position(), stream_});
+  /// Notes that stream_ is at that byte.
+  void add_checkpoint(uint64_t byte, int64_t latest_us) {
+    if (!source_->seekable() || byte < checkpoints_.back().byte + kCheckpointBytes) return;
+    const int64_t time_us = std::max(stream_.time_us(), latest_us);
+    if (time_us > checkpoints_.back().time_us) checkpoints_.push_back({time_us, byte, stream_, latest_us});
   }
 
   std::unique_ptr<ByteSource> source_;
   RawStream<Codec> stream_;
   std::vector<Checkpoint> checkpoints_;
   size_t wanted_ = 1;
-  int64_t latest_us_ = INT64_MIN;  ///< of what was given out
+  int64_t latest_us_ = INT64_MIN;  ///< of what was decoded
+
+  std::optional<PartDecoder<Codec>> parts_;
+  size_t num_parts_ = 0;  ///< of these are decoded, the first next_part_ of them handed out
+  size_t next_part_ = 0;
 };
 
 }  // namespace e2lf::events

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "e2lf/events/decode_summary.h"
 #include "e2lf/events/raw/sinks.h"
@@ -26,13 +28,17 @@ class RawStream {
     size_t wanted = 0;  ///< bytes needed from there to go on; 0 when the sink stopped
   };
 
+  static constexpr size_t kNoStop = SIZE_MAX;
+
   /// Decodes as much of `bytes` as the sink takes. `first_byte` is the position of bytes[0] in the file, for reports;
-  /// `ended` = nothing follows. At the end, used == bytes.size().
+  /// `ended` = nothing follows. At the end, used == bytes.size(). Stops too when the next word would reach beyond the
+  /// first `stop` bytes: two streams that stop between the same words of a well aligned stretch have one state there.
   template <typename Sink>
-  Progress process(std::span<const uint8_t> bytes, bool ended, uint64_t first_byte, Sink& sink,
-                   DecodeSummary& summary) {
-    Input input{bytes, 0, ended, first_byte, &summary};
+  Progress process(std::span<const uint8_t> bytes, bool ended, uint64_t first_byte, Sink& sink, DecodeSummary& summary,
+                   size_t stop = kNoStop) {
+    Input input{bytes, 0, stop, ended, first_byte, &summary};
     for (;;) {
+      if (input.num_words_to_stop() == 0) return {input.position, 0};
       if (!started_ && !start(input)) return need_more(input);
       if (lost_ && !find_alignment(input)) return need_more(input);
       extend_check(input);
@@ -43,7 +49,7 @@ class RawStream {
         if (step == Step::kEnd) return end(input);
         continue;
       }
-      ready = std::min(ready, kBlockWords);
+      ready = std::min({ready, kBlockWords, input.num_words_to_stop()});
       if (Codec::settled(state_)) {
         ready = std::min(ready, sink.room(Codec::kMaxEventsPerWord));
         if (ready == 0) return {input.position, 0};
@@ -58,6 +64,34 @@ class RawStream {
   [[nodiscard]] int64_t time_us() const { return Codec::time(state_); }
   [[nodiscard]] uint64_t time_loops() const { return Codec::time_loops(state_); }
 
+  /// The bytes that process() has looked at behind those it used; it must be given at least these again.
+  [[nodiscard]] size_t num_seen_bytes() const {
+    return std::max((checked_ + (problem_ == Problem::kNone ? 0 : 1)) * kWordBytes, jump_);
+  }
+
+  /// Whether decoding goes on here as it does within undamaged data.
+  [[nodiscard]] bool is_steady() const {
+    return started_ && !lost_ && problem_ != Problem::kBreak && Codec::settled(state_);
+  }
+
+  /// Makes a stream that has come up to some place from shortly before it a guess at what `before`, which is further
+  /// back, will be there: clock, counts and what else has not shown are taken from it.
+  void go_on_from(const RawStream& before) {
+    Codec::go_on_from(state_, before.state_);
+    check_.heartbeat = before.check_.heartbeat;
+    asked_ = {};
+  }
+
+  /// Whether `end`, decoded from `guess`, is what decoding from `truth` would have come to, with the same events; sets
+  /// right what `end` counts from the start.
+  [[nodiscard]] static bool is_confirmed(const RawStream& guess, const RawStream& truth, RawStream& end) {
+    const int64_t late = truth.check_.heartbeat - guess.check_.heartbeat;
+    if (end.asked_.lowest_yes + late < 0 || end.asked_.highest_no + late >= 0) return false;
+    if (!guess.is_same_but_heartbeat(truth)) return false;
+    end.check_.heartbeat += late;
+    return true;
+  }
+
  private:
   static constexpr size_t kWordBytes = Codec::kWordBytes;
   static constexpr size_t kBlockWords = 2048;
@@ -65,6 +99,7 @@ class RawStream {
   struct Input {
     std::span<const uint8_t> bytes;
     size_t position;
+    size_t stop;
     bool ended;
     uint64_t first_byte;
     DecodeSummary* summary;
@@ -72,7 +107,14 @@ class RawStream {
     [[nodiscard]] const uint8_t* data() const { return bytes.data() + position; }
     [[nodiscard]] size_t num_bytes() const { return bytes.size() - position; }
     [[nodiscard]] size_t num_words() const { return num_bytes() / kWordBytes; }
+    [[nodiscard]] size_t num_words_to_stop() const { return stop > position ? (stop - position) / kWordBytes : 0; }
     [[nodiscard]] uint64_t byte(size_t offset) const { return first_byte + position + offset; }
+  };
+
+  /// What Codec::heartbeat() was where it decided something: the answers nearest to the other one.
+  struct Asked {
+    int64_t lowest_yes = INT64_MAX / 2;
+    int64_t highest_no = INT64_MIN / 2;
   };
 
   enum class Problem { kNone, kUnresolved, kSkipWord, kBreak };
@@ -96,7 +138,8 @@ class RawStream {
   }
 
   void extend_check(const Input& input) {
-    const size_t words = input.num_words();
+    size_t words = input.num_words();
+    if (input.stop != kNoStop) words = std::min(words, input.num_words_to_stop() + kHoldWords);
     if (problem_ != Problem::kNone || checked_ >= words || checked_ > kHoldWords) return;
     const size_t count = std::min(words - checked_, kBlockWords);
     const size_t good = Codec::check(input.data() + checked_ * kWordBytes, count, check_, limits_);
@@ -114,19 +157,42 @@ class RawStream {
 
   template <typename Sink>
   size_t decode(Input& input, size_t count, Sink& sink) {
-    const uint64_t outside = state_.num_outside;
-    const uint64_t byte = input.byte(0);
+    const typename Codec::State before = state_;
     const size_t used = Codec::decode(input.data(), count, state_, limits_, sink);
-    input.summary->add(Violation::kOutOfRange, byte, state_.num_outside - outside);
+    if (const uint64_t outside = std::exchange(state_.num_outside, 0); outside > 0) {
+      input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
+    }
     advance(input, used);
     return used;
+  }
+
+  /// The byte of the first word that had an event outside the sensor, decoding from `state` again.
+  size_t first_outside(const uint8_t* words, size_t count, typename Codec::State state) const {
+    constexpr size_t kRoom = Codec::kMaxEventsPerWord + kSinkSlack;
+    std::array<uint16_t, kRoom> x, y;
+    std::array<uint8_t, kRoom> p;
+    std::array<int64_t, kRoom> t;
+    std::vector<Trigger> triggers;
+    ColumnSink sink;
+    sink.x = x.data();
+    sink.y = y.data();
+    sink.p = p.data();
+    sink.t = t.data();
+    sink.triggers = &triggers;
+    size_t i = 0;
+    for (; i < count && state.num_outside == 0; ++i) {
+      sink.count = 0;
+      Codec::decode(words + i * kWordBytes, 1, state, limits_, sink);
+    }
+    return (i - 1) * kWordBytes;
   }
 
   void settle(Input& input, size_t count) {
     advance(input, Codec::settle(input.data(), count, state_, *input.summary));
     if (Codec::settled(state_) && gap_open_) {
       gap_open_ = false;
-      input.summary->add_gap({gap_.begin_us, std::max(gap_.begin_us, time_us()), gap_.byte});
+      const TimeGap gap = std::exchange(gap_, {});
+      input.summary->add_gap({gap.begin_us, std::max(gap.begin_us, time_us()), gap.byte});
     }
   }
 
@@ -152,7 +218,7 @@ class RawStream {
         break;
       case Problem::kBreak:
         input.position += jump_;
-        checked_ = 0;
+        checked_ = keep_ = jump_ = 0;
         Codec::forget(state_, check_);
         break;
     }
@@ -191,7 +257,7 @@ class RawStream {
   /// A jump in a stream that repeats its time all along means that data is missing.
   void accept_time(Input& input, const uint8_t* word) {
     const int64_t step_us = Codec::step_us(word, check_);
-    if (step_us > 0 && Codec::has_heartbeat(check_)) {
+    if (step_us > 0 && has_heartbeat()) {
       const uint64_t byte = input.byte(checked_ * kWordBytes);
       input.summary->add(Violation::kTimeJump, byte);
       input.summary->add_gap({time_us(), time_us() + step_us, byte});
@@ -201,16 +267,36 @@ class RawStream {
     problem_ = Problem::kNone;
   }
 
+  bool has_heartbeat() {
+    const int64_t heartbeat = check_.heartbeat;
+    if (heartbeat < 0) {
+      asked_.highest_no = std::max(asked_.highest_no, heartbeat);
+    } else {
+      asked_.lowest_yes = std::min(asked_.lowest_yes, heartbeat);
+    }
+    return heartbeat >= 0;
+  }
+
+  [[nodiscard]] bool is_same_but_heartbeat(const RawStream& other) const {
+    auto check = check_;
+    check.heartbeat = other.check_.heartbeat;
+    return state_ == other.state_ && check == other.check_ && checked_ == other.checked_ &&
+           problem_ == other.problem_ && keep_ == other.keep_ && jump_ == other.jump_ && started_ == other.started_ &&
+           lost_ == other.lost_ && dropped_bytes_ == other.dropped_bytes_ && gap_open_ == other.gap_open_ &&
+           gap_ == other.gap_;
+  }
+
   [[nodiscard]] bool is_aligned(const uint8_t* data, size_t words) const {
     constexpr size_t kFirst = 8;
     return Codec::count_bad(data, kFirst, 1) == 0 && Codec::count_bad(data, words, kResumeBad + 1) <= kResumeBad;
   }
 
-  /// The next offset >= `offset` where words make sense; the first that cannot be told yet when there is none.
-  size_t next_alignment(const Input& input, size_t offset, bool& found) const {
+  /// The next offset >= `offset` where words make sense, looking at the first `end` bytes; the first that cannot be
+  /// told yet when there is none.
+  size_t next_alignment(const Input& input, size_t offset, size_t end, bool& found) const {
     const size_t needed = input.ended ? kMinWindowWords : kWindowWords;
-    for (found = false; offset + needed * kWordBytes <= input.num_bytes(); ++offset) {
-      const size_t words = std::min(kWindowWords, (input.num_bytes() - offset) / kWordBytes);
+    for (found = false; offset + needed * kWordBytes <= end; ++offset) {
+      const size_t words = std::min(kWindowWords, (end - offset) / kWordBytes);
       found = is_aligned(input.data() + offset, words);
       if (found) break;
     }
@@ -222,8 +308,10 @@ class RawStream {
   Step begin_break(Input& input) {
     const size_t word = checked_ * kWordBytes;
     bool found = false;
-    jump_ = next_alignment(input, word + 1, found);
-    if (!found && !input.ended && input.num_words() < checked_ + kJudgeWords) return Step::kNeedMore;
+    // Not further than is waited for: what is found must not depend on how much happens to be at hand.
+    const size_t seen = std::min(input.num_bytes(), word + kJudgeWords * kWordBytes);
+    jump_ = next_alignment(input, word + 1, seen, found);
+    if (!found && !input.ended && seen < word + kJudgeWords * kWordBytes) return Step::kNeedMore;
     lost_ = !found;
     keep_ = checked_ - std::min<size_t>(checked_, 8);
     if (found && (jump_ - word) % kWordBytes != 0) {
@@ -234,10 +322,17 @@ class RawStream {
       keep_ = std::min(checked_, begin / kWordBytes);
     }
     input.summary->add(Violation::kMisaligned, input.byte(word));
-    input.summary->dropped_words += (jump_ - keep_ * kWordBytes) / kWordBytes;
+    count_dropped(input, jump_ - keep_ * kWordBytes);
     open_gap(input.byte(word));
     problem_ = Problem::kBreak;
     return Step::kGoOn;
+  }
+
+  /// Counts dropped bytes in words; what is left over goes on to the next time, however many pieces there are.
+  void count_dropped(const Input& input, size_t bytes) {
+    dropped_bytes_ += bytes;
+    input.summary->dropped_words += dropped_bytes_ / kWordBytes;
+    dropped_bytes_ %= kWordBytes;
   }
 
   void open_gap(uint64_t byte) {
@@ -249,10 +344,10 @@ class RawStream {
   bool find_alignment(Input& input) {
     if (problem_ == Problem::kBreak) return true;  // what was kept goes out first
     bool found = false;
-    size_t skipped = next_alignment(input, 0, found);
+    size_t skipped = next_alignment(input, 0, input.num_bytes(), found);
     if (!found && input.ended) skipped = input.num_bytes();
     input.position += skipped;
-    input.summary->dropped_words += skipped / kWordBytes;
+    count_dropped(input, skipped);
     lost_ = !found && !input.ended;
     if (found) Codec::forget(state_, check_);
     return !lost_;
@@ -266,9 +361,11 @@ class RawStream {
   size_t keep_ = 0;  ///< at a break: words to decode before it,
   size_t jump_ = 0;  ///< and where to go on, in bytes from the position
   bool started_ = false;
-  bool lost_ = false;  ///< no alignment known
+  bool lost_ = false;         ///< no alignment known
+  size_t dropped_bytes_ = 0;  ///< not yet counted as a word
   bool gap_open_ = false;
   TimeGap gap_;
+  Asked asked_;
 };
 
 }  // namespace e2lf::events

@@ -113,12 +113,26 @@ class ImageSink {
   /// Adds `count` events of the current slice (image() is not null) that are sorted by time and inside the image.
   void add_block(const uint16_t* x, const uint16_t* y, const uint8_t* p, const int64_t* t, size_t count) {
     if (count == 0) return;
+    // Images are larger than caches near the core: the pixels of the next events are fetched while some are counted.
+    constexpr size_t kAhead = 32;
+    const auto prefetch = [&](size_t begin) {
+      for (size_t i = begin; i < std::min(begin + kAhead, count); ++i) prefetch_pixel(x[i], y[i]);
+    };
     uint64_t count_on = 0;
-    for (size_t i = 0; i < count; ++i) {
-      bump(image_[y[i] * images_->width + x[i]], 2 * p[i] - 1);
-      count_on += p[i];
+    prefetch(0);
+    for (size_t begin = 0; begin < count; begin += kAhead) {
+      prefetch(begin + kAhead);
+      for (size_t i = begin; i < std::min(begin + kAhead, count); ++i) {
+        bump(image_[y[i] * images_->width + x[i]], 2 * p[i] - 1);
+        count_on += p[i];
+      }
     }
     note_events(count_on, count - count_on, t[0], t[count - 1]);
+  }
+  /// Has a pixel of image() brought near; it may lie outside.
+  void prefetch_pixel(size_t x, size_t y) const {
+    const auto place = reinterpret_cast<uintptr_t>(image_) + sizeof(int16_t) * (y * images_->width + x);
+    __builtin_prefetch(reinterpret_cast<const void*>(place), 1);
   }
   /// Counts events that were added to image() without this sink.
   void note_events(uint64_t count_on, uint64_t count_off, int64_t first_us, int64_t last_us) {
@@ -156,7 +170,10 @@ class ImageSink {
     settled_ = events;
   }
 
-  [[nodiscard]] int64_t latest() const { return latest_; }
+  [[nodiscard]] int64_t latest() {
+    settle();
+    return latest_;
+  }
   void set_latest(int64_t t_us) { latest_ = t_us; }
 
   uint64_t on = 0;

@@ -55,15 +55,16 @@ struct State {
   uint32_t time_high = kNoTime;  ///< the payload of the last TIME_HIGH word
   uint64_t num_outside = 0;      ///< events of a vector outside the sensor, dropped
   bool need_time_high = true;    ///< drop events until such a word has come
+  bool operator==(const State&) const = default;
 };
 
 struct Check {
   uint32_t time_high = kNoTime;
   uint32_t num_rejected = 0;
-  uint64_t num_time_high = 0;
-  uint64_t num_time_steps = 0;
+  int64_t heartbeat = -16;    ///< repeated TIME_HIGH words less those that step; 0 or more is a heartbeat
   bool after_damage = false;  ///< the next TIME_HIGH may be noise
   uint32_t num_zeros = 0;     ///< words that are all zero, up to here
+  bool operator==(const Check&) const = default;
 };
 
 /// The state's time after a TIME_HIGH word. A step back by more than jitter gets this far only when the clock was set
@@ -101,9 +102,8 @@ struct Words {
     if (check.time_high == kNoTime) return false;
     const uint32_t step = steps(check.time_high, head);
     if (step > 1 && step != kBackOne) return false;
-    ++check.num_time_high;
+    check.heartbeat += step == 0 ? 1 : -1;
     check.num_rejected = 0;
-    if (step != 0) ++check.num_time_steps;
     check.time_high = head & kTimeHighMask;
     return true;
   }
@@ -174,8 +174,7 @@ struct Words {
     check.num_rejected = 0;
     check.num_zeros = 0;
     check.after_damage = false;
-    ++check.num_time_high;
-    ++check.num_time_steps;
+    --check.heartbeat;
   }
   static void reject_time(const uint8_t*, Check& check) { ++check.num_rejected; }
 
@@ -209,7 +208,13 @@ struct Words {
     return i;
   }
   static bool settled(const State& state) { return !state.need_time_high; }
-  static bool has_heartbeat(const Check& check) { return check.num_time_high >= 2 * check.num_time_steps + 16; }
+
+  static void go_on_from(State& state, const State& before) {
+    // Up to 15/16 of a loop ahead, or 18 minutes back.
+    constexpr uint32_t kBack = 1u << 24;
+    const uint32_t ahead = (state.time_high - before.time_high + kBack) & kTimeHighMask;
+    state.high_us = before.high_us + ((int64_t{ahead} - kBack) << 6);
+  }
   static int64_t time(const State& state) { return state.high_us; }
   static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us >> kLoopBits); }
 

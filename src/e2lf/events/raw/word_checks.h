@@ -12,7 +12,8 @@ namespace e2lf::events {
 // The three RAW encodings are sequences of words of one size whose meaning depends on words before them. RawStream
 // decodes them all; an encoding is a `Codec` struct with static functions:
 //
-//   State            what decoding depends on           Check    what checking depends on; it runs ahead of decoding
+//   State            what decoding depends on           Check    what checking depends on; it runs ahead of decoding;
+//                    its `heartbeat` is 0 or more where the stream repeats its time all along
 //   check            how many words from here on are plausible; the one behind them, if any, needs a closer look
 //   count_bad        how many words of a window make no sense (up to `enough`); low = well aligned. The sensor's size
 //                    does not count: headers are known to be wrong about it
@@ -22,6 +23,8 @@ namespace e2lf::events {
 //   step_us          how far a coarse time word jumps from the last one; 0 for other words and for the next step
 //   drop_word        the state when a word is left out
 //   forget           the state when an unknown number of words is missing
+//   go_on_from       makes the state that a stretch of words has brought about a guess at the one after `before` and
+//                    all words up to there: the clock's loops, and what the stretch has not set
 //   settle           goes over words without giving out events until the state is complete again
 //   decode           checked words to events
 
