@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
 #include <bit>
 
 #include "e2lf/events/evt3/evt3_decoder.h"
@@ -11,6 +10,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "e2lf/events/evt3/lane_groups-inl.h"
+#include "e2lf/events/evt3/plain_words-inl.h"
 #include "e2lf/events/raw/expand-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -52,15 +53,6 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
 
 #if HWY_TARGET == HWY_AVX3_DL
 
-/// The lanes moved up by one, with `first` in lane 0.
-HWY_INLINE __m512i move_up(__m512i values, int first) {
-  const __m512i from =
-      _mm512_setr_epi32(0x0000001F, 0x20001, 0x40003, 0x60005, 0x80007, 0xA0009, 0xC000B, 0xE000D, 0x10000F, 0x120011,
-                        0x140013, 0x160015, 0x180017, 0x1A0019, 0x1C001B, 0x1E001D);
-  return _mm512_mask_mov_epi16(_mm512_permutexvar_epi16(from, values), 1,
-                               _mm512_set1_epi16(static_cast<int16_t>(first)));
-}
-
 /// Whether the TIME_LOW words of a group (their lanes in `bits`, not 0) go on plausibly from `low` (not -1); takes over
 /// the last one.
 HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
@@ -78,13 +70,21 @@ HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
 #else
 
 HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
-  int last = low;
-  for (; bits != 0; bits &= bits - 1) {
-    const int next = load_le<uint16_t>(words + 2 * static_cast<size_t>(std::countr_zero(bits))) & 0xFFF;
-    if (!is_plausible_low(last, next)) return false;
-    last = next;
+  const Group d;
+  const SignedGroup di;
+  auto last = hn::Set(d, static_cast<uint16_t>(low));
+  auto bad = hn::MaskFromVec(hn::Zero(di));
+  for (; bits != 0; bits >>= kGroupWords, words += 2 * kGroupWords) {
+    const auto payload = hn::And(hn::LoadU(d, reinterpret_cast<const uint16_t*>(words)),
+                                 hn::Set(d, static_cast<uint16_t>(kPayloadMask)));
+    const auto lows = fill_forward(payload, bits & 0xFF, last);
+    const auto steps = steps_of(lows, last);
+    bad = hn::Or(bad, hn::Or(hn::Lt(steps, hn::Set(di, static_cast<int16_t>(-kJitterUs))),
+                             hn::Gt(steps, hn::Set(di, static_cast<int16_t>(kLongStepUs)))));
+    last = last_in_all(lows);
   }
-  low = last;
+  if (!hn::AllFalse(di, bad)) return false;
+  low = hn::GetLane(last);
   return true;
 }
 
@@ -135,153 +135,6 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
   return i + check_scalar(words + 2 * i, count - i, check, limits);
 }
 
-/// What plain words change: events and everything that leaves the loops out of them.
-struct Cursor {
-  int64_t high;        ///< time without its low bits
-  int64_t end_us;      ///< words that bring this time or a later one are not taken
-  uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
-  uint32_t low;
-  uint32_t y;
-};
-
-/// Types that are plain: events, what places them, and what is ignored. Others need a closer look.
-constexpr uint32_t kPlainTypes =
-    (1u << kAddrY) | (1u << kAddrX) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kOthers) | (1u << kContinued12);
-
-/// Decodes plain words up to the first that is not, or that moves time back or to the end. No branch depends on the
-/// order in which the types come. Returns how many words were used.
-size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
-  struct Effect {
-    int64_t low_mask;
-    uint32_t y_mask;
-    uint32_t is_event;
-  };
-  static constexpr auto kEffects = [] {
-    std::array<Effect, 16> effects{};
-    effects[kTimeLow].low_mask = kPayloadMask;
-    effects[kAddrY].y_mask = kCoordinateMask;
-    effects[kAddrX].is_event = 1;
-    return effects;
-  }();
-  // Copies, because stores through a byte pointer could change anything that is not local.
-  const Columns to = out;
-  const Cursor from = cursor;
-  size_t num_events = to.count;
-  int64_t low = cursor.low;
-  const int64_t last_low = std::min<int64_t>(cursor.end_us - cursor.high, 4096) - 1;
-  uint32_t y = cursor.y;
-  size_t i = 0;
-  for (; i < count; ++i) {
-    const uint32_t word = load_le<uint16_t>(words + 2 * i);
-    const uint32_t type = word >> 12;
-    const Effect effect = kEffects[type];
-    const int64_t next_low = (low & ~effect.low_mask) | (word & effect.low_mask);
-    // Signs in place of comparisons, of which the compiler would make branches that nothing can predict.
-    const auto out_of_time = static_cast<uint64_t>((next_low - low) | (last_low - next_low)) >> 63;
-    const uint32_t is_heartbeat = ((word ^ from.time_high) - 1) >> 31;
-    if ((((kPlainTypes >> type) & 1 & ~static_cast<uint32_t>(out_of_time)) | is_heartbeat) == 0) break;
-    to.x[num_events] = static_cast<uint16_t>(word & kCoordinateMask);
-    to.y[num_events] = static_cast<uint16_t>(y);
-    to.p[num_events] = static_cast<uint8_t>((word >> 11) & 1);
-    to.t[num_events] = from.high | low;
-    num_events += effect.is_event;
-    y = (y & ~effect.y_mask) | (word & effect.y_mask);
-    low = next_low;
-  }
-  out.count = num_events;
-  cursor.low = static_cast<uint32_t>(low);
-  cursor.y = y;
-  return i;
-}
-
-#if HWY_TARGET == HWY_AVX3_DL
-
-/// How many lanes up to each lane, itself included, are set in `bits`.
-HWY_INLINE __m512i count_up_to_lane(uint32_t bits) {
-  const __m512i all = _mm512_set1_epi32(static_cast<int>(bits));
-  const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const __m512i up_to = _mm512_sub_epi32(_mm512_sllv_epi32(_mm512_set1_epi32(2), lane), _mm512_set1_epi32(1));
-  const __m512i up_to_high = _mm512_or_si512(_mm512_slli_epi32(up_to, 16), _mm512_set1_epi32(0xFFFF));
-  const __m512i first = _mm512_popcnt_epi32(_mm512_and_si512(all, up_to));
-  const __m512i second = _mm512_popcnt_epi32(_mm512_and_si512(all, up_to_high));
-  return _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi32_epi16(first)), _mm512_cvtepi32_epi16(second), 1);
-}
-
-/// For each lane `values` of the last lane set in `bits`, itself included; `before` for lanes in front of the first.
-HWY_INLINE __m512i fill_forward(__m512i values, uint32_t bits, uint32_t before) {
-  const __m512i index = _mm512_sub_epi16(count_up_to_lane(bits), _mm512_set1_epi16(1));
-  const __m512i filled = _mm512_permutexvar_epi16(index, _mm512_maskz_compress_epi16(bits, values));
-  const uint32_t in_front = bits != 0 ? (bits & (0 - bits)) - 1 : 0xFFFFFFFF;
-  return _mm512_mask_mov_epi16(filled, in_front, _mm512_set1_epi16(static_cast<int16_t>(before)));
-}
-
-/// take_plain_words() for 32 words at a time, while 32 are left; events of a group are compressed to the front.
-size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
-  const __m512i coordinate_mask = _mm512_set1_epi16(kCoordinateMask);
-  size_t i = 0;
-  while (i + 32 <= count) {
-    const __m512i word = _mm512_loadu_si512(words + 2 * i);
-    const __m512i type = _mm512_srli_epi16(word, 12);
-    const __m512i type_bit = _mm512_sllv_epi16(_mm512_set1_epi16(1), type);
-    uint32_t plain = _mm512_test_epi16_mask(type_bit, _mm512_set1_epi16(static_cast<int16_t>(kPlainTypes)));
-    plain |= _mm512_cmpeq_epi16_mask(word, _mm512_set1_epi16(static_cast<int16_t>(cursor.time_high)));
-    const auto used = static_cast<uint32_t>(std::countr_one(plain));
-    if (used == 0) break;
-    const uint32_t taken = used == 32 ? 0xFFFFFFFF : (1u << used) - 1;
-    const uint32_t events = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kAddrX));
-    const uint32_t rows = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kAddrY));
-    const uint32_t lows = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kTimeLow));
-    const __m512i place = _mm512_and_si512(word, coordinate_mask);
-
-    __m512i low = _mm512_set1_epi16(static_cast<int16_t>(cursor.low));
-    uint32_t last_low = cursor.low;
-    if (lows != 0) {
-      low = fill_forward(_mm512_and_si512(word, _mm512_set1_epi16(kPayloadMask)), lows, cursor.low);
-      const __m512i before = move_up(low, static_cast<int>(cursor.low));
-      last_low = load_le<uint16_t>(words + 2 * (i + 31 - static_cast<size_t>(std::countl_zero(lows)))) & kPayloadMask;
-      const bool back = _mm512_mask_cmplt_epu16_mask(taken, low, before) != 0;
-      if (back || (cursor.high | static_cast<int64_t>(last_low)) >= cursor.end_us) break;
-    }
-    if (events != 0) {
-      const __m512i y = fill_forward(place, rows, cursor.y);
-      const auto num_events = static_cast<size_t>(std::popcount(events));
-      const size_t at = out.count;
-      _mm512_storeu_si512(out.x + at, _mm512_maskz_compress_epi16(events, place));
-      _mm512_storeu_si512(out.y + at, _mm512_maskz_compress_epi16(events, y));
-      const __m512i polarity = _mm512_and_si512(_mm512_srli_epi16(word, 11), _mm512_set1_epi16(1));
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(out.p + at),
-                          _mm512_cvtepi16_epi8(_mm512_maskz_compress_epi16(events, polarity)));
-      alignas(64) uint16_t low_of[32];
-      _mm512_store_si512(low_of, _mm512_maskz_compress_epi16(events, low));
-      const __m512i high = _mm512_set1_epi64(cursor.high);
-      for (size_t k = 0; k < num_events; k += 8) {
-        const __m512i t = _mm512_cvtepu16_epi64(_mm_load_si128(reinterpret_cast<const __m128i*>(low_of + k)));
-        _mm512_storeu_si512(out.t + at + k, _mm512_or_si512(high, t));
-      }
-      out.count = at + num_events;
-    }
-    if (rows != 0) {
-      const auto last = static_cast<size_t>(31 - std::countl_zero(rows));
-      cursor.y = load_le<uint16_t>(words + 2 * (i + last)) & kCoordinateMask;
-    }
-    cursor.low = last_low;
-    i += used;
-    if (used < 32) break;
-  }
-  return i;
-}
-
-#endif
-
-HWY_INLINE size_t take_plain(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
-  size_t used = 0;
-#if HWY_TARGET == HWY_AVX3_DL
-  used = take_plain_groups(words, count, cursor, out);
-  if (count - used >= 32) return used > 0 ? used : take_plain_words(words, 1, cursor, out);
-#endif
-  return used + take_plain_words(words + 2 * used, count - used, cursor, out);
-}
-
 /// The 32-bit mask of a vector of 12, 12 and 8 pixels that begins here; false when another word is among the three.
 HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
   const auto a = load_le<uint16_t>(words);
@@ -293,13 +146,13 @@ HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
 
 /// Events to the columns of a sink.
 struct ToColumns {
-  static constexpr size_t kMaxRun = SIZE_MAX;
   ColumnSink& sink;
   Columns out;
 
   explicit ToColumns(ColumnSink& target) : sink(target), out{target.x, target.y, target.p, target.t, target.count} {}
   [[nodiscard]] static bool is_open() { return true; }
   [[nodiscard]] static int64_t end_us() { return INT64_MAX; }
+  [[nodiscard]] static size_t room() { return SIZE_MAX; }
   void flush() { sink.count = out.count; }
   void reload() { out.count = sink.count; }
   void add_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, int64_t t) {
@@ -307,29 +160,70 @@ struct ToColumns {
   }
 };
 
-/// Events to images: single ones by way of a few columns, vectors straight to their row.
-struct ToImages {
-  static constexpr size_t kMaxRun = 512;
-  ImageSink& sink;
-  uint16_t x[kMaxRun + kSinkSlack];
-  uint16_t y[kMaxRun + kSinkSlack];
-  uint8_t p[kMaxRun + kSinkSlack];
-  int64_t t[kMaxRun + kSinkSlack];
-  Columns out{x, y, p, t, 0};
+/// Events to images, in their order: few at one time by way of some columns, many straight to their row, so that the
+/// pixels can be brought near before they are counted.
+class ToImages {
+ public:
+  Columns out{x_, y_, p_, t_, 0};
 
-  explicit ToImages(ImageSink& target) : sink(target) {}
-  [[nodiscard]] bool is_open() const { return sink.is_open() && sink.image() != nullptr; }
-  [[nodiscard]] int64_t end_us() const { return sink.slice_end_us(); }
+  explicit ToImages(ImageSink& target) : sink_(target) {}
+  [[nodiscard]] bool is_open() const { return sink_.is_open() && sink_.image() != nullptr; }
+  [[nodiscard]] int64_t end_us() const { return sink_.slice_end_us(); }
+  /// How many events `out` takes.
+  [[nodiscard]] size_t room() {
+    if (out.count > kColumns / 2) flush_columns();
+    return kColumns - out.count;
+  }
   void flush() {
-    sink.add_block(x, y, p, t, out.count);
-    out.count = 0;
+    flush_columns();
+    flush_rows();
   }
   void reload() {}
   void add_vector(uint32_t mask, uint32_t base, uint32_t row, uint32_t polarity, int64_t time) {
-    sink.set_time(time);
-    add_mask_to_row(mask, polarity != 0 ? 1 : -1, sink.image() + row * sink.width() + base);
-    (polarity != 0 ? sink.on : sink.off) += static_cast<uint64_t>(std::popcount(mask));
+    const int count = std::popcount(mask);
+    if (count <= kFew) {
+      if (out.count > kColumns - 32) flush_columns();
+      expand_mask<32>(mask, base, row, polarity, time, out);
+      return;
+    }
+    flush_columns();
+    sink_.set_time(time);
+    (polarity != 0 ? sink_.on : sink_.off) += static_cast<uint64_t>(count);
+    sink_.prefetch_pixel(base, row);
+    sink_.prefetch_pixel(base + 31, row);
+    if (num_rows_ >= kRows) add(rows_[num_rows_ % kRows]);
+    rows_[num_rows_++ % kRows] = {sink_.image() + row * sink_.width() + base, mask, polarity != 0 ? 1 : -1};
   }
+
+ private:
+  static constexpr size_t kColumns = 512, kRows = 16;
+  static constexpr int kFew = 8;
+
+  struct Row {
+    int16_t* pixels;
+    uint32_t mask;
+    int step;
+  };
+
+  static void add(const Row& row) { add_mask_to_row(row.mask, row.step, row.pixels); }
+  void flush_columns() {
+    if (out.count == 0) return;
+    flush_rows();
+    sink_.add_block(x_, y_, p_, t_, out.count);
+    out.count = 0;
+  }
+  void flush_rows() {
+    for (size_t i = num_rows_ - std::min(num_rows_, kRows); i < num_rows_; ++i) add(rows_[i % kRows]);
+    num_rows_ = 0;
+  }
+
+  ImageSink& sink_;
+  uint16_t x_[kColumns + kSinkSlack];
+  uint16_t y_[kColumns + kSinkSlack];
+  uint8_t p_[kColumns + kSinkSlack];
+  int64_t t_[kColumns + kSinkSlack];
+  Row rows_[kRows];
+  size_t num_rows_ = 0;
 };
 
 /// Runs of plain words and of vectors by the kernels above, the rest by the scalar reference, word by word.
@@ -357,9 +251,8 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
           state.base_x = static_cast<uint16_t>(base + 32);
           i += 3;
         } else {
-          const size_t used = take_plain(words + 2 * i, std::min(count - i, Target::kMaxRun), cursor, target.out);
+          const size_t used = take_plain(words + 2 * i, std::min(count - i, target.room()), cursor, target.out);
           i += used;
-          if constexpr (Target::kMaxRun != SIZE_MAX) target.flush();
           if (used == 0) break;
         }
         if (i == count) break;

@@ -72,24 +72,33 @@ inline constexpr BitPositions kBitPositions = [] {
   return positions;
 }();
 
+/// Writes 16 times the same y, p and t.
+HWY_INLINE void store_same(uint16_t* HWY_RESTRICT to_y, uint8_t* HWY_RESTRICT to_p, int64_t* HWY_RESTRICT to_t,
+                           uint32_t y, uint32_t p, int64_t t) {
+  const hn::CappedTag<uint16_t, 16> d16;
+  const hn::CappedTag<uint8_t, 16> d8;
+  const hn::CappedTag<int64_t, 8> d64;
+  const auto ys = hn::Set(d16, static_cast<uint16_t>(y));
+  const auto ts = hn::Set(d64, t);
+  for (size_t i = 0; i < 16; i += hn::Lanes(d16)) hn::StoreU(ys, d16, to_y + i);
+  hn::StoreU(hn::Set(d8, static_cast<uint8_t>(p)), d8, to_p);
+  for (size_t i = 0; i < 16; i += hn::Lanes(d64)) hn::StoreU(ts, d64, to_t + i);
+}
+
 template <size_t kBits>
 HWY_INLINE void expand_mask(uint32_t mask, uint32_t base_x, uint32_t y, uint32_t p, int64_t t, Columns& columns) {
   const hn::CappedTag<uint16_t, 8> d16;
-  const hn::CappedTag<uint8_t, 8> d8;
-  const hn::CappedTag<int64_t, 8> d64;
   const Columns to = columns;
-  const auto ys = hn::Set(d16, static_cast<uint16_t>(y));
-  const auto ps = hn::Set(d8, static_cast<uint8_t>(p));
-  const auto ts = hn::Set(d64, t);
   size_t count = to.count;
   for (uint32_t begin = 0; begin < kBits; begin += 8) {
     const uint32_t part = (mask >> begin) & 0xFF;
     const auto base = hn::Set(d16, static_cast<uint16_t>(base_x + begin));
     hn::StoreU(hn::Add(hn::Load(d16, kBitPositions.of[part]), base), d16, to.x + count);
-    hn::StoreU(ys, d16, to.y + count);
-    hn::StoreU(ps, d8, to.p + count);
-    for (size_t i = 0; i < 8; i += hn::Lanes(d64)) hn::StoreU(ts, d64, to.t + count + i);
     count += static_cast<size_t>(std::popcount(part));
+  }
+  store_same(to.y + to.count, to.p + to.count, to.t + to.count, y, p, t);
+  if (kBits > 16 && count > to.count + 16) {
+    store_same(to.y + to.count + 16, to.p + to.count + 16, to.t + to.count + 16, y, p, t);
   }
   columns.count = count;
 }

@@ -178,6 +178,7 @@ HWY_INLINE size_t add_events(const uint8_t* words, size_t count, const State& st
                              ImageSink& sink) {
   int16_t* const image = sink.image();
   const size_t width = sink.width();
+  constexpr size_t kAhead = 32;
   uint64_t all = 0, on = 0;
   uint32_t last_low = 0;
   size_t i = 0;
@@ -187,6 +188,11 @@ HWY_INLINE size_t add_events(const uint8_t* words, size_t count, const State& st
     const uint32_t p = type_of(head);
     const uint32_t x = x_of(head);
     if (p > kOn) break;
+    if (i + kAhead < count) {
+      const uint32_t later = Layout::head(word + kAhead * Layout::kWordBytes);
+      sink.prefetch_pixel(x_of(later), y_of(later));
+      if constexpr (Layout::kWordBytes > 4) sink.prefetch_pixel(x_of(later) + 31, y_of(later));
+    }
     int16_t* const pixel = image + y_of(head) * width + x;
     if constexpr (Layout::kWordBytes == 4) {
       ImageSink::bump(*pixel, static_cast<int>(2 * p) - 1);
