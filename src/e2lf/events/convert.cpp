@@ -3,6 +3,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/events/read_ahead.h"
 #include "e2lf/events/side_triggers.h"
 
 namespace e2lf::events {
@@ -20,9 +21,10 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
   E2LF_ASSIGN_OR_RETURN(auto writer, create_recording(output, options.format, reader.info()));
   SideTriggerWriter side(output);
   ConvertReport report;
+  ReadAhead ahead(reader);
   EventBatch batch;
   for (;;) {
-    E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch));
+    E2LF_ASSIGN_OR_RETURN(const bool more, ahead.read(batch));
     if (!more) break;
     E2LF_RETURN_IF_ERROR(writer->write(batch));
     if (!writer->holds_triggers() && output != "-") E2LF_RETURN_IF_ERROR(side.write(batch.triggers));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <optional>
+#include <ranges>
 
 #include "e2lf/base/file.h"
 #include "e2lf/base/text.h"
@@ -25,18 +26,23 @@ class TimeIndex {
     return index;
   }
 
-  Result<void> add(int64_t t_us) {
+  /// Adds elements; `time_of(i)` is the time of the i-th of `count`, ascending.
+  template <typename TimeOf>
+  Result<void> add(size_t count, const TimeOf& time_of) {
+    if (count == 0) return {};
     if (number_ == 0) {
-      first_us_ = t_us;
+      first_us_ = time_of(0);
       entries_.push_back({0, -1});
     }
-    const int64_t since_first_us = t_us - first_us_;
-    while (next_us_ <= since_first_us) {
-      entries_.push_back({number_, since_first_us});
+    while (time_of(count - 1) - first_us_ >= next_us_) {
+      const auto numbers = std::views::iota(size_t{0}, count);
+      const size_t i =
+          *std::ranges::partition_point(numbers, [&](size_t number) { return time_of(number) - first_us_ < next_us_; });
+      entries_.push_back({number_ + i, time_of(i) - first_us_});
       next_us_ += kIndexPeriodUs;
       if (entries_.size() >= kChunkEvents) E2LF_RETURN_IF_ERROR(flush());
     }
-    ++number_;
+    number_ += count;
     return {};
   }
 
@@ -126,13 +132,13 @@ Result<void> MetavisionWriter::begin(const RecordingInfo& info) {
 
 Result<void> MetavisionWriter::write(const EventBatch& batch) {
   E2LF_RETURN_IF_ERROR(check_(batch));
-  for (const int64_t t_us : batch.events.t) E2LF_RETURN_IF_ERROR(event_index_.add(t_us));
+  E2LF_RETURN_IF_ERROR(event_index_.add(batch.events.size(), [&](size_t i) { return batch.events.t[i]; }));
   pending_.append(batch.events);
   if (pending_.size() >= kBlockChunks * kChunkEvents) E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/false));
 
   std::vector<TriggerRecord> records;
+  E2LF_RETURN_IF_ERROR(trigger_index_.add(batch.triggers.size(), [&](size_t i) { return batch.triggers[i].t; }));
   for (const Trigger& trigger : batch.triggers) {
-    E2LF_RETURN_IF_ERROR(trigger_index_.add(trigger.t));
     records.push_back({static_cast<int16_t>(trigger.p), trigger.t, static_cast<int16_t>(trigger.id)});
   }
   return triggers_.append(trigger_type().get(), records.data(), records.size());
