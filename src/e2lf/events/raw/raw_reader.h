@@ -15,7 +15,7 @@
 namespace e2lf::events {
 
 /// Reads a RAW recording of one encoding: bytes from a source through a RawStream, or where the source is a file and
-/// there may be several threads, through a PartDecoder that is some parts ahead of what is read. Every kCheckpointBytes
+/// there may be several threads, read() goes through a PartDecoder that is some parts ahead. Every kCheckpointBytes
 /// the stream is copied, so that seeking needs no index file: it goes on from the last copy before the time.
 template <typename Codec>
 class RawReader final : public RecordingReader {
@@ -32,6 +32,7 @@ class RawReader final : public RecordingReader {
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
+    if (next_part_ == num_parts_ && drains_parts_) return false;
     if (next_part_ == num_parts_) E2LF_RETURN_IF_ERROR(decode_parts());
     if (next_part_ == num_parts_) return read_directly(batch, max_events);
     auto& part = parts_->part(next_part_);
@@ -45,7 +46,12 @@ class RawReader final : public RecordingReader {
 
   Result<bool> accumulate_next(std::span<const TimeSlice> slices, EventImages& images,
                                std::vector<Trigger>* triggers) override {
-    if (parts_) return RecordingReader::accumulate_next(slices, images, triggers);
+    // What was decoded for read() comes first; one thread that counts pixels as it decodes then beats several that
+    // decode to columns which one thread counts.
+    drains_parts_ = true;
+    const Result<bool> full_of_parts = RecordingReader::accumulate_next(slices, images, triggers);
+    drains_parts_ = false;
+    if (!full_of_parts || *full_of_parts) return full_of_parts;
     ImageSink sink(slices, images, triggers);
     Result<bool> more = true;
     bool full = false;
@@ -165,6 +171,7 @@ class RawReader final : public RecordingReader {
   std::optional<PartDecoder<Codec>> parts_;
   size_t num_parts_ = 0;  ///< of these are decoded, the first next_part_ of them handed out
   size_t next_part_ = 0;
+  bool drains_parts_ = false;  ///< read_next() gives what is decoded and no more
 };
 
 }  // namespace e2lf::events
