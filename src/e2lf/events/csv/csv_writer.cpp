@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <future>
 #include <vector>
 
 #include "e2lf/base/text.h"
@@ -134,33 +135,55 @@ class CsvWriter final : public RecordingWriter {
 
   Result<void> write(const EventBatch& batch) override {
     E2LF_RETURN_IF_ERROR(check_(batch));
-    // Each part of the batch is written into its own stretch of the buffer.
-    const size_t count = batch.events.size();
-    const size_t parts = std::clamp<size_t>(count / kMinEventsPerThread, 1, 4 * static_cast<size_t>(num_threads()));
-    if (text_.size() < count * kLongestLine) text_.resize(count * kLongestLine);
-    std::vector<char*> ends(parts);
-    const auto begin_of = [&](size_t part) { return count * part / parts; };
-    parallel_for(parts, 1, [&](size_t from, size_t to) {
-      for (size_t i = from; i < to; ++i) {
-        ends[i] = format_lines(batch.events, begin_of(i), begin_of(i + 1), is_seconds_,
-                               text_.data() + begin_of(i) * kLongestLine);
-      }
-    });
-    for (size_t i = 0; i < parts; ++i) {
-      const char* const begin = text_.data() + begin_of(i) * kLongestLine;
-      E2LF_RETURN_IF_ERROR(
-          sink_->write({reinterpret_cast<const uint8_t*>(begin), static_cast<size_t>(ends[i] - begin)}));
-    }
+    format(batch.events);
+    // The sink takes the last text while the next is made.
+    E2LF_RETURN_IF_ERROR(finish_writing());
+    std::swap(text_, written_);
+    if (num_threads() == 1) return write_out();
+    writing_ = std::async(std::launch::async, [this] { return write_out(); });
     return {};
   }
 
-  Result<void> finish() override { return sink_->commit(); }
+  Result<void> finish() override {
+    E2LF_RETURN_IF_ERROR(finish_writing());
+    return sink_->commit();
+  }
 
  private:
+  /// Lines in pieces of one buffer.
+  struct Text {
+    Column<char> buffer;
+    std::vector<std::span<const uint8_t>> pieces;
+  };
+
+  /// Sets text_; each part of the batch is written into its own stretch of the buffer.
+  void format(const EventColumns& events) {
+    const size_t count = events.size();
+    const size_t parts = std::clamp<size_t>(count / kMinEventsPerThread, 1, 4 * static_cast<size_t>(num_threads()));
+    if (text_.buffer.size() < count * kLongestLine) text_.buffer.resize(count * kLongestLine);
+    text_.pieces.resize(parts);
+    const auto begin_of = [&](size_t part) { return count * part / parts; };
+    parallel_for(parts, 1, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) {
+        char* const begin = text_.buffer.data() + begin_of(i) * kLongestLine;
+        const char* const end = format_lines(events, begin_of(i), begin_of(i + 1), is_seconds_, begin);
+        text_.pieces[i] = {reinterpret_cast<const uint8_t*>(begin), static_cast<size_t>(end - begin)};
+      }
+    });
+  }
+
+  Result<void> write_out() {
+    for (const auto& piece : written_.pieces) E2LF_RETURN_IF_ERROR(sink_->write(piece));
+    return {};
+  }
+
+  Result<void> finish_writing() { return writing_.valid() ? writing_.get() : Result<void>(); }
+
   std::unique_ptr<ByteSink> sink_;
   bool is_seconds_;
   BatchCheck check_;
-  Column<char> text_;
+  Text text_, written_;
+  std::future<Result<void>> writing_;  ///< of written_; its end is waited for before anything above goes
 };
 
 Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info,

@@ -22,6 +22,7 @@ namespace e2lf::events::ecf {
 
 inline constexpr size_t kMaxChunkEvents = 65535;
 inline constexpr uint16_t kMaxCoordinate = 2047;  ///< x and y have 11 bits
+inline constexpr int64_t kEndOfTime = int64_t{1} << 62;
 
 /// Columns of one chunk; all of one length.
 struct ChunkColumns {

@@ -121,7 +121,7 @@ bool can_encode(const ChunkColumns& e) {
   }
   int64_t falls = e.t[0] < 0;
   for (size_t i = 1; i < e.t.size(); ++i) falls |= e.t[i] < e.t[i - 1];
-  return coordinates <= kMaxCoordinate && polarities <= 1 && falls == 0 && e.t.back() < (int64_t{1} << 62);
+  return coordinates <= kMaxCoordinate && polarities <= 1 && falls == 0 && e.t.back() < kEndOfTime;
 }
 
 size_t max_encoded_size(size_t events) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <optional>
-#include <ranges>
 
 #include "e2lf/base/file.h"
 #include "e2lf/base/text.h"
@@ -35,9 +34,15 @@ class TimeIndex {
       entries_.push_back({0, -1});
     }
     while (time_of(count - 1) - first_us_ >= next_us_) {
-      const auto numbers = std::views::iota(size_t{0}, count);
-      const size_t i =
-          *std::ranges::partition_point(numbers, [&](size_t number) { return time_of(number) - first_us_ < next_us_; });
+      size_t i = 0;
+      for (size_t end = count - 1; i < end;) {
+        const size_t middle = i + (end - i) / 2;
+        if (time_of(middle) - first_us_ < next_us_) {
+          i = middle + 1;
+        } else {
+          end = middle;
+        }
+      }
       entries_.push_back({number_ + i, time_of(i) - first_us_});
       next_us_ += kIndexPeriodUs;
       if (entries_.size() >= kChunkEvents) E2LF_RETURN_IF_ERROR(flush());
@@ -69,7 +74,10 @@ class TimeIndex {
 class MetavisionWriter final : public RecordingWriter {
  public:
   MetavisionWriter(AtomicFile file, const RecordingInfo& info)
-      : file_(std::move(file)), check_(info.width, info.height, file_.target().string()) {}
+      : file_(std::move(file)),
+        check_(info.width, info.height, file_.target().string()),
+        has_small_sensor_(info.width != 0 && info.width <= ecf::kMaxCoordinate + 1 && info.height != 0 &&
+                          info.height <= ecf::kMaxCoordinate + 1) {}
   MetavisionWriter(const MetavisionWriter&) = delete;
   MetavisionWriter& operator=(const MetavisionWriter&) = delete;
 
@@ -85,11 +93,13 @@ class MetavisionWriter final : public RecordingWriter {
     bool is_filtered = false;
   };
 
-  static void encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out);
+  [[nodiscard]] bool can_encode(const ecf::ChunkColumns& columns) const;
+  void encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) const;
   [[nodiscard]] Result<void> write_chunks(bool is_last);
 
   AtomicFile file_;
   BatchCheck check_;
+  bool has_small_sensor_;
   Handle hdf5_file_;
   GrowingDataset events_, triggers_;
   TimeIndex event_index_, trigger_index_;
@@ -144,11 +154,17 @@ Result<void> MetavisionWriter::write(const EventBatch& batch) {
   return triggers_.append(trigger_type().get(), records.data(), records.size());
 }
 
-void MetavisionWriter::encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) {
+/// What ecf::can_encode() says, without looking again at what the check of batches has seen.
+bool MetavisionWriter::can_encode(const ecf::ChunkColumns& columns) const {
+  if (!has_small_sensor_) return ecf::can_encode(columns);
+  return columns.t.front() >= 0 && columns.t.back() < ecf::kEndOfTime;
+}
+
+void MetavisionWriter::encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) const {
   const size_t count = end - begin;
   const auto part = [&](const auto& column) { return std::span(column).subspan(begin, count); };
   const ecf::ChunkColumns columns = {part(events.x), part(events.y), part(events.p), part(events.t)};
-  out.is_filtered = ecf::can_encode(columns);
+  out.is_filtered = can_encode(columns);
   if (out.is_filtered) {
     out.bytes.resize(ecf::max_encoded_size(kChunkEvents));
     out.size = ecf::encode(columns, out.bytes);
