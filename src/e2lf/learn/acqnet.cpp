@@ -41,27 +41,45 @@ SampleConstants repeat_constants(const aperture::SensorConstants& constants, int
   return {repeat(constants.eps), repeat(constants.tau), repeat(constants.sigma_w), repeat(constants.sigma_z)};
 }
 
-Patterns::Patterns(size_t num_patterns, bool black_first, torch::Device device) : black_first_(black_first) {
+Patterns::Patterns(size_t num_patterns, PatternTie tie, torch::Device device) : tie_(tie) {
   E2LF_REQUIRE(num_patterns >= 2, "at least two patterns make an event image");
-  const auto rows = static_cast<int64_t>(num_patterns) - (black_first ? 1 : 0);
+  E2LF_REQUIRE(tie != PatternTie::kComplementary || num_patterns % 2 == 0, "complementary patterns come in pairs");
+  size_t num_free = num_patterns;
+  if (tie == PatternTie::kBlackFirst) num_free = num_patterns - 1;
+  if (tie == PatternTie::kComplementary) num_free = num_patterns / 2;
   std::vector<torch::Tensor> discs, centres;
-  for (int64_t row = 0; row < rows; ++row) {
+  for (size_t i = 0; i < num_free; ++i) {
     centres.push_back(distant_point(centres));
     discs.push_back(soft_disc(centres.back()));
   }
   parameters_ = torch::stack(discs).to(device).set_requires_grad(true);
 }
 
-torch::Tensor Patterns::with_black(const torch::Tensor& open) const {
-  return black_first_ ? torch::cat({torch::zeros_like(open.slice(0, 0, 1)), open}) : open;
+void Patterns::start_at(const torch::Tensor& codes) {
+  torch::NoGradGuard no_grad;
+  const bool skips_black = tie_ == PatternTie::kBlackFirst, skips_inverses = tie_ == PatternTie::kComplementary;
+  const auto free = codes.slice(0, skips_black ? 1 : 0, codes.size(0), skips_inverses ? 2 : 1);
+  parameters_.copy_((free - 0.5) * (2.0 * kStartAmplitude));
+}
+
+torch::Tensor Patterns::tied(const torch::Tensor& free) const {
+  switch (tie_) {
+    case PatternTie::kBlackFirst:
+      return torch::cat({torch::zeros_like(free.slice(0, 0, 1)), free});
+    case PatternTie::kComplementary:
+      return torch::stack({free, 1.0 - free}, 1).flatten(0, 1);
+    case PatternTie::kNone:
+      break;
+  }
+  return free;
 }
 
 torch::Tensor Patterns::codes(double scale) const {
-  return with_black(torch::sigmoid(parameters_ * scale));
+  return tied(torch::sigmoid(parameters_ * scale));
 }
 
 torch::Tensor Patterns::binary_codes() const {
-  return with_black((parameters_.detach() > 0).to(torch::kFloat));
+  return tied((parameters_.detach() > 0).to(torch::kFloat));
 }
 
 torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::Tensor& codes) {
@@ -71,17 +89,21 @@ torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::T
       .reshape({batch, codes.size(0), light_field.size(2), light_field.size(3)});
 }
 
+SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device) {
+  const auto w = torch::randn(shape, torch::device(device));
+  return {w, torch::randn(shape, torch::device(device))};
+}
+
 torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleConstants& constants,
-                              EventModel event_model) {
+                              const SensorNoise& noise, EventModel event_model) {
   const auto log_intensity = torch::log(intensities + constants.eps.unsqueeze(1));
   const bool reference_aware = event_model == EventModel::kReferenceAware;
-  auto reference =
-      reference_aware ? torch::log(constants.eps).expand_as(log_intensity.select(1, 0)) : log_intensity.select(1, 0);
+  auto reference = log_intensity.select(1, 0);
   std::vector<torch::Tensor> events;
   for (int64_t n = 1; n < intensities.size(1); ++n) {
     const auto now = log_intensity.select(1, n);
-    const auto threshold = (constants.tau + constants.sigma_z * torch::randn_like(now)).clamp_min(kMinThreshold);
-    const auto steps = (now - reference + constants.sigma_w * torch::randn_like(now)) / threshold;
+    const auto threshold = (constants.tau + constants.sigma_z * noise.z.select(1, n - 1)).clamp_min(kMinThreshold);
+    const auto steps = (now - reference + constants.sigma_w * noise.w.select(1, n - 1)) / threshold;
     // Straight through: the value is rounded toward zero, the gradient is that of `steps`.
     events.push_back(steps + (steps.trunc() - steps).detach());
     reference = reference_aware ? reference + constants.tau * events.back() : now;

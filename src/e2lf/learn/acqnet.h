@@ -10,7 +10,7 @@ namespace e2lf::learn {
 
 enum class EventModel {
   kQuantised,       ///< Eq. 8: every transition starts from the previous coded intensity
-  kReferenceAware,  ///< Eq. 9-10: from the sensor's own reference, zero intensity before the first pattern
+  kReferenceAware,  ///< Eq. 9-10: from the sensor's own reference, which starts at the first coded intensity
 };
 
 /// Sensor constants per sample: float32 [batch, 1, 1] each, on the device of the light fields.
@@ -22,13 +22,23 @@ struct SampleConstants {
 [[nodiscard]] SampleConstants repeat_constants(const aperture::SensorConstants& constants, int64_t batch,
                                                torch::Device device);
 
-/// Trainable aperture patterns sigmoid(scale * parameters). With `black_first` the first pattern is zero and has no
-/// parameters.
+/// What ties patterns to each other.
+enum class PatternTie {
+  kNone,
+  kBlackFirst,     ///< the first pattern is zero and has no parameters
+  kComplementary,  ///< the second is the first inverted, the fourth the third, ...: together they open every cell alike
+};
+
+/// Trainable aperture patterns sigmoid(scale * parameters).
 class Patterns {
  public:
   /// Starts each pattern as a soft disc at a random place, from torch's generator. (From small white noise, all
-  /// patterns see the same at first, and learning starts by closing every cell.)
-  Patterns(size_t num_patterns, bool black_first, torch::Device device);
+  /// patterns see the same at first, and learning starts by closing every cell.) Complementary patterns are even in
+  /// number.
+  Patterns(size_t num_patterns, PatternTie tie, torch::Device device);
+
+  /// Starts from binary codes [N, views] instead, each cell softened alike.
+  void start_at(const torch::Tensor& codes);
 
   /// [N, views] in [0, 1], differentiable. A growing scale drives the patterns to 0 and 1.
   [[nodiscard]] torch::Tensor codes(double scale) const;
@@ -39,20 +49,29 @@ class Patterns {
   [[nodiscard]] const torch::Tensor& parameters() const { return parameters_; }
 
  private:
-  [[nodiscard]] torch::Tensor with_black(const torch::Tensor& open) const;
-  bool black_first_;
-  torch::Tensor parameters_;  // [N or N - 1, views]
+  [[nodiscard]] torch::Tensor tied(const torch::Tensor& free) const;
+  PatternTie tie_;
+  torch::Tensor parameters_;  // [number of free patterns, views]
 };
 
 /// Coded intensities normalised by the number of views: light_field [batch, views, y, x], codes [N, views] ->
 /// [batch, N, y, x].
 [[nodiscard]] torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::Tensor& codes);
 
+/// Standard normal draws of the sensor, anew for each pixel and transition: float32 [batch, N - 1, y, x] each.
+struct SensorNoise {
+  torch::Tensor w;  ///< of the log intensity
+  torch::Tensor z;  ///< of the threshold
+};
+
+/// Draws from torch's generator.
+[[nodiscard]] SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device);
+
 /// Event images [batch, N - 1, y, x] of whole numbers from coded intensities [batch, N, y, x]. Rounding toward zero has
-/// the gradient of the identity. Noise (sigma_w on the log intensity; sigma_z on the threshold, which stays above 0.01)
-/// is drawn anew for each pixel and transition from torch's generator.
+/// the gradient of the identity. Noise is sigma_w * w on the log intensity and sigma_z * z on the threshold, which
+/// stays above 0.01.
 [[nodiscard]] torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleConstants& constants,
-                                            EventModel event_model);
+                                            const SensorNoise& noise, EventModel event_model);
 
 [[nodiscard]] torch::Tensor to_tensor(const aperture::Codes& codes, torch::Device device);  ///< [N, views]
 [[nodiscard]] aperture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views_x);

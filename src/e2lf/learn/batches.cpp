@@ -13,6 +13,15 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+int64_t scene_stride(const DataConfig& data) {
+  return static_cast<int64_t>(std::max<uint64_t>(1, data.patch_stride));
+}
+
+/// How many patches begin along `length` px.
+uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
+  return static_cast<uint64_t>((length - patch) / stride + 1);
+}
+
 }  // namespace
 
 Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
@@ -23,13 +32,16 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
     }
   }
   const auto patch = static_cast<int64_t>(config.train.patch);
-  double pixels = 0;
+  const int64_t stride = scene_stride(config.data);
+  double places = 0;
   for (size_t i = 0; i < batches.dataset_.scenes.size(); ++i) {
     const Scene& scene = batches.dataset_.scenes[i];
     if (contains(config.data.validation, scene.name) || contains(config.data.exclude, scene.name)) continue;
     if (scene.views.size(1) < patch || scene.views.size(2) < patch) continue;
     batches.scenes_.push_back(i);
-    batches.cumulative_pixels_.push_back(pixels += static_cast<double>(scene.views.size(1) * scene.views.size(2)));
+    places += static_cast<double>(num_places(scene.views.size(1), patch, stride) *
+                                  num_places(scene.views.size(2), patch, stride));
+    batches.cumulative_places_.push_back(places);
   }
   if (batches.scenes_.empty() && config.data.synthetic_share < 1.0) {
     return Error{ErrorCode::kInvalidValue,
@@ -50,19 +62,26 @@ void Batches::advance_pool(uint64_t step) {
   }
 }
 
-const torch::Tensor& Batches::random_scene(Draws& draws) const {
-  if (draws.chance(config_.data.synthetic_share)) return pool_[draws.below(pool_.size())];
-  const double pick = draws.uniform(0.0, cumulative_pixels_.back());
-  const auto found = std::upper_bound(cumulative_pixels_.begin(), cumulative_pixels_.end() - 1, pick);
-  return dataset_.scenes[scenes_[static_cast<size_t>(found - cumulative_pixels_.begin())]].views;
+torch::Tensor Batches::random_crop(const torch::Tensor& views, int64_t stride, Draws& draws) const {
+  const auto patch = static_cast<int64_t>(config_.train.patch);
+  const auto random_offset = [&](int64_t length) {
+    return stride * static_cast<int64_t>(draws.below(num_places(length, patch, stride)));
+  };
+  const auto y = random_offset(views.size(1)), x = random_offset(views.size(2));
+  return views.slice(1, y, y + patch).slice(2, x, x + patch);
 }
 
 torch::Tensor Batches::random_patch(Draws& draws) const {
-  const torch::Tensor& views = random_scene(draws);
-  const auto patch = static_cast<int64_t>(config_.train.patch);
-  const auto y = static_cast<int64_t>(draws.below(static_cast<uint64_t>(views.size(1) - patch + 1)));
-  const auto x = static_cast<int64_t>(draws.below(static_cast<uint64_t>(views.size(2) - patch + 1)));
-  return transform_views(views.slice(1, y, y + patch).slice(2, x, x + patch), draws.below(8));
+  torch::Tensor crop;
+  if (draws.chance(config_.data.synthetic_share)) {
+    crop = random_crop(pool_[draws.below(pool_.size())], 1, draws);
+  } else {
+    const double pick = draws.uniform(0.0, cumulative_places_.back());
+    const auto found = std::upper_bound(cumulative_places_.begin(), cumulative_places_.end() - 1, pick);
+    const Scene& scene = dataset_.scenes[scenes_[static_cast<size_t>(found - cumulative_places_.begin())]];
+    crop = random_crop(scene.views, scene_stride(config_.data), draws);
+  }
+  return transform_views(crop, draws.below(8));
 }
 
 std::pair<torch::Tensor, SampleConstants> Batches::random_conditions(Draws& draws) const {
@@ -70,13 +89,15 @@ std::pair<torch::Tensor, SampleConstants> Batches::random_conditions(Draws& draw
   std::vector<float> gain, tau, sigma_w, sigma_z;
   for (uint64_t i = 0; i < config_.train.batch; ++i) {
     const bool nominal = draws.chance(sensor.nominal_share);
+    const bool noise_free = draws.chance(sensor.noise_free_share) && !nominal;
     const auto pick = [&](float usual, const std::array<double, 2>& range) {
       const auto drawn = static_cast<float>(draws.uniform(range[0], range[1]));
       return nominal ? usual : drawn;
     };
+    const float noise = noise_free ? 0.0F : 1.0F;
     tau.push_back(pick(sensor.nominal.tau, sensor.tau));
-    sigma_w.push_back(pick(sensor.nominal.sigma_w, sensor.sigma_w));
-    sigma_z.push_back(pick(sensor.nominal.sigma_z, sensor.sigma_z));
+    sigma_w.push_back(noise * pick(sensor.nominal.sigma_w, sensor.sigma_w));
+    sigma_z.push_back(noise * pick(sensor.nominal.sigma_z, sensor.sigma_z));
     const bool full = draws.chance(sensor.full_gain_share);
     const auto drawn_gain = static_cast<float>(draws.log_uniform(sensor.gain[0], sensor.gain[1]));
     gain.push_back(full ? 1.0F : drawn_gain);
@@ -89,17 +110,27 @@ std::pair<torch::Tensor, SampleConstants> Batches::random_conditions(Draws& draw
            on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
 }
 
-Batch Batches::at(uint64_t step) {
+Batch Batches::at(uint64_t step, Share share) {
   torch::NoGradGuard no_grad;
   advance_pool(step);
+  // Everything is drawn for the whole batch, so that a sample does not depend on the number of shares.
   Draws draws(mix_seed(config_.seed, kSamples, step), 0);
   std::vector<torch::Tensor> patches;
   for (uint64_t i = 0; i < config_.train.batch; ++i) patches.push_back(random_patch(draws));
-  Batch batch;
-  std::tie(batch.gain, batch.constants) = random_conditions(draws);
-  batch.light_field = torch::stack(patches).to(torch::kFloat).mul_((batch.gain / 255.0).reshape({-1, 1, 1, 1}));
-  // From here on torch's generator serves the sensor noise of this step.
+  auto [gain, constants] = random_conditions(draws);
   torch::manual_seed(mix_seed(config_.seed, kNoise, step));
+  const auto size = static_cast<int64_t>(config_.train.batch), patch = static_cast<int64_t>(config_.train.patch);
+  const auto noise = draw_noise({size, static_cast<int64_t>(config_.patterns.num_patterns) - 1, patch, patch}, device_);
+
+  const int64_t length = size / share.size, first = share.rank * length;
+  const auto own = [&](const torch::Tensor& values) { return values.narrow(0, first, length); };
+  Batch batch;
+  batch.gain = own(gain);
+  batch.constants = {own(constants.eps), own(constants.tau), own(constants.sigma_w), own(constants.sigma_z)};
+  batch.noise = {own(noise.w), own(noise.z)};
+  batch.light_field = torch::stack(std::vector(patches.begin() + first, patches.begin() + first + length))
+                          .to(torch::kFloat)
+                          .mul_((batch.gain / 255.0).reshape({-1, 1, 1, 1}));
   return batch;
 }
 

@@ -16,6 +16,12 @@ struct Batch {
   torch::Tensor light_field;  ///< float32 [batch, 64, patch, patch], already darkened by `gain`
   torch::Tensor gain;         ///< float32 [batch]
   SampleConstants constants;
+  SensorNoise noise;
+};
+
+/// Which samples of every batch a process trains on: share `rank` of `size` equal ones.
+struct Share {
+  int rank = 0, size = 1;
 };
 
 /// Training samples. What step k gets depends only on the configuration and k, so a resumed run sees the same data.
@@ -25,8 +31,9 @@ class Batches {
   /// nothing to train on, and kNotFound when a named scene is not in the data.
   [[nodiscard]] static Result<Batches> create(const Config& config, Dataset dataset, torch::Device device);
 
-  /// The batch of a step. Steps in increasing order are fast: the pool of synthesised light fields moves along.
-  [[nodiscard]] Batch at(uint64_t step);
+  /// A share of the batch of a step; the shares make up the batch whatever their number. The batch size must be a
+  /// multiple of share.size. Steps in increasing order are fast: the pool of synthesised light fields moves along.
+  [[nodiscard]] Batch at(uint64_t step, Share share = {});
 
   [[nodiscard]] const Dataset& dataset() const { return dataset_; }
 
@@ -34,7 +41,7 @@ class Batches {
   Batches(Config config, Dataset dataset, torch::Device device)
       : config_(std::move(config)), dataset_(std::move(dataset)), device_(device) {}
   void advance_pool(uint64_t step);
-  [[nodiscard]] const torch::Tensor& random_scene(Draws& draws) const;
+  [[nodiscard]] torch::Tensor random_crop(const torch::Tensor& views, int64_t stride, Draws& draws) const;
   [[nodiscard]] torch::Tensor random_patch(Draws& draws) const;
   [[nodiscard]] std::pair<torch::Tensor, SampleConstants> random_conditions(Draws& draws) const;
 
@@ -42,7 +49,7 @@ class Batches {
   Dataset dataset_;
   torch::Device device_;
   std::vector<size_t> scenes_;             // indices of those to train on
-  std::vector<double> cumulative_pixels_;  // scenes are drawn in proportion to their size
+  std::vector<double> cumulative_places_;  // of patches in the scenes: all are equally likely
   uint64_t pool_end_ = 0;                  // number of light fields synthesised since step 0
   std::deque<torch::Tensor> pool_;
 };

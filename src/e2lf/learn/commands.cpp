@@ -5,6 +5,10 @@
 #include <malloc.h>
 #endif
 
+#include <ATen/Parallel.h>
+#include <cstdio>
+
+#include "e2lf/learn/benchmark.h"
 #include "e2lf/learn/trainer.h"
 
 namespace e2lf::learn {
@@ -33,8 +37,15 @@ auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(wor
   }
 }
 
-Result<Config> read_config(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
-  E2LF_ASSIGN_OR_RETURN(auto json, read_json(path));
+Result<Config> read_config(const std::filesystem::path& path, const std::vector<std::string>& overrides,
+                           const Peers& peers = {}) {
+  // The first process reads the file; the others need not have it.
+  Json json;
+  if (peers.leads()) {
+    E2LF_ASSIGN_OR_RETURN(json, read_json(path));
+  }
+  E2LF_ASSIGN_OR_RETURN(const auto text, peers.text_from_first(json.dump()));
+  json = Json::parse(text);
   for (const std::string& assignment : overrides) E2LF_RETURN_IF_ERROR(apply_override(json, assignment));
   return config_from_json(json, path.string() + ": $");
 }
@@ -46,10 +57,11 @@ Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std
   return trainer;
 }
 
-Result<void> run_and_export(Trainer& trainer, const std::filesystem::path& run, const ProgressFn& progress,
-                            const std::function<bool()>& keep_going) {
+Result<void> run_and_export(Trainer& trainer, const std::filesystem::path& run, const Peers& peers,
+                            const ProgressFn& progress, const std::function<bool()>& keep_going) {
   keep_freed_memory();
   E2LF_RETURN_IF_ERROR(trainer.run(run, progress, keep_going));
+  if (!peers.leads()) return {};
   return model::write_model(run / (trainer.config().name + ".safetensors"), trainer.to_model());
 }
 
@@ -59,18 +71,25 @@ Result<void> train(const std::filesystem::path& config_path, const std::filesyst
                    const std::vector<std::string>& overrides, const ProgressFn& progress,
                    const std::function<bool()>& keep_going) {
   return guarded(config_path, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides));
-    E2LF_RETURN_IF_ERROR(check_output(run / "config.json", /*overwrite=*/false));
-    E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config));
-    return run_and_export(trainer, run, progress, keep_going);
+    E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
+    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_output(run / "config.json", /*overwrite=*/false));
+    E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
+    E2LF_RETURN_IF_ERROR(peers.connect(torch::Device(config.device)));
+    E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
+    return run_and_export(trainer, run, peers, progress, keep_going);
   });
 }
 
 Result<void> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
                     const ProgressFn& progress, const std::function<bool()>& keep_going) {
   return guarded(run, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(auto trainer, open_run(run, overrides));
-    return run_and_export(trainer, run, progress, keep_going);
+    E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
+    E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides, peers));
+    E2LF_RETURN_IF_ERROR(peers.connect(torch::Device(config.device)));
+    E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
+    // The others take the state from the first.
+    if (peers.leads()) E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
+    return run_and_export(trainer, run, peers, progress, keep_going);
   });
 }
 
@@ -96,6 +115,26 @@ Result<std::string> evaluate_run(const std::filesystem::path& run, const std::ve
           cat(usual[i].name, '\t', usual[i].psnr_db, '\t', usual[i].events_per_pixel, '\t', clean[i].psnr_db, '\n');
     }
     return table;
+  });
+}
+
+Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress) {
+  return guarded("bench train", [&]() -> Result<std::string> {
+    E2LF_ASSIGN_OR_RETURN(const auto rows, benchmark_training({.batch = batch, .steps = steps}, progress));
+    Json list = Json::array();
+    std::string table = cat("samples of 64x64x8x8, batch ", batch, ", ", at::get_num_threads(), " threads\n");
+    for (const BenchmarkRow& row : rows) {
+      const double ratio = row.samples_per_s / rows.front().samples_per_s;
+      char line[128];
+      std::snprintf(line, sizeof line, "%-34s %-9s %8.2f samples/s  %5.2f x\n", row.name.c_str(), row.precision.c_str(),
+                    row.samples_per_s, ratio);
+      table += line;
+      list.push_back({{"loop", row.name},
+                      {"precision", row.precision},
+                      {"samples_per_s", row.samples_per_s},
+                      {"ratio_to_first", ratio}});
+    }
+    return json ? list.dump(2) + "\n" : table;
   });
 }
 

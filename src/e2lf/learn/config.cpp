@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/config.h"
 
+#include <algorithm>
+
 #include "e2lf/model/unet.h"
 
 namespace e2lf::learn {
@@ -16,7 +18,7 @@ Error invalid(const std::string& message, const std::string& location) {
 Result<void> read_data(OptionReader reader, DataConfig& data) {
   reader.read("file", data.file).read("validation", data.validation).read("exclude", data.exclude);
   reader.read("synthetic_share", data.synthetic_share).read("pool", data.pool);
-  reader.read("pool_per_step", data.pool_per_step);
+  reader.read("pool_per_step", data.pool_per_step).read("patch_stride", data.patch_stride);
   OptionReader synth(reader.child("synthesiser"), reader.child_location("synthesiser"));
   synth.read("size", data.synthesiser.size).read("max_disparity", data.synthesiser.max_disparity);
   synth.read("max_layers", data.synthesiser.max_layers).read("slant_share", data.synthesiser.slant_share);
@@ -30,6 +32,8 @@ Result<void> read_patterns(OptionReader reader, const std::string& location, Pat
   std::string event_model = kEventModels[static_cast<size_t>(patterns.event_model)];
   reader.read("num_patterns", patterns.num_patterns).read("black_first", patterns.black_first);
   reader.read("event_model", event_model).read("codes", patterns.codes).read("learn_steps", patterns.learn_steps);
+  reader.read("start", patterns.start).read("in_model", patterns.in_model);
+  reader.read("complementary", patterns.complementary);
   reader.read("begin_step", patterns.begin_step).read("learning_rate", patterns.learning_rate);
   reader.read("scale_begin", patterns.scale_begin).read("scale_end", patterns.scale_end);
   E2LF_RETURN_IF_ERROR(reader.finish());
@@ -37,8 +41,11 @@ Result<void> read_patterns(OptionReader reader, const std::string& location, Pat
     return invalid("event_model is \"quantised\" or \"reference-aware\"; write one of them", location);
   }
   patterns.event_model = event_model == kEventModels[0] ? EventModel::kQuantised : EventModel::kReferenceAware;
-  if (patterns.event_model == EventModel::kReferenceAware && !patterns.black_first) {
-    return invalid("the reference-aware event model starts from darkness; set black_first to true", location);
+  if (patterns.complementary && (patterns.black_first || patterns.num_patterns % 2 != 0)) {
+    return invalid(
+        "complementary patterns come in pairs, none of them black; set black_first to false and an even "
+        "num_patterns",
+        location);
   }
   if (patterns.num_patterns < 2) return invalid("num_patterns must be at least 2; raise it", location);
   return {};
@@ -47,6 +54,7 @@ Result<void> read_patterns(OptionReader reader, const std::string& location, Pat
 Result<void> read_sensor(OptionReader reader, SensorConfig& sensor) {
   reader.read("eps", sensor.nominal.eps).read("nominal_tau", sensor.nominal.tau);
   reader.read("nominal_sigma_w", sensor.nominal.sigma_w).read("nominal_sigma_z", sensor.nominal.sigma_z);
+  reader.read("noise_free_share", sensor.noise_free_share);
   reader.read("nominal_share", sensor.nominal_share).read("tau", sensor.tau).read("sigma_w", sensor.sigma_w);
   reader.read("sigma_z", sensor.sigma_z).read("full_gain_share", sensor.full_gain_share).read("gain", sensor.gain);
   return reader.finish();
@@ -70,6 +78,10 @@ Result<void> read_input(const Json& json, const std::string& location, std::vect
     input.push_back(group);
   }
   return {};
+}
+
+bool is_intensity(const model::InputGroup& group) {
+  return group.kind == model::InputKind::kIntensity;
 }
 
 Result<void> read_network(OptionReader reader, const std::string& location, NetworkConfig& network) {
@@ -111,7 +123,13 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   E2LF_RETURN_IF_ERROR(
       read_patterns(OptionReader(reader.child("patterns"), at("patterns")), at("patterns"), config.patterns));
   E2LF_RETURN_IF_ERROR(read_sensor(OptionReader(reader.child("sensor"), at("sensor")), config.sensor));
+  // Without darkness first, counts tell changes of the intensity but not the intensity.
+  if (!config.patterns.black_first) std::erase_if(config.input, is_intensity);
   E2LF_RETURN_IF_ERROR(read_input(reader.child("input"), at("input"), config.input));
+  if (!config.patterns.black_first && std::any_of(config.input.begin(), config.input.end(), is_intensity)) {
+    return invalid("intensity inputs need a black first pattern; leave them out or set patterns.black_first",
+                   at("input"));
+  }
   E2LF_RETURN_IF_ERROR(
       read_network(OptionReader(reader.child("network"), at("network")), at("network"), config.network));
   E2LF_RETURN_IF_ERROR(read_train(OptionReader(reader.child("train"), at("train")), at("train"), config.train));
@@ -126,7 +144,7 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
 }
 
 Json to_json(const Config& config) {
-  const auto& [file, validation, exclude, synthetic_share, pool, pool_per_step, synth] = config.data;
+  const auto& [file, validation, exclude, synthetic_share, patch_stride, pool, pool_per_step, synth] = config.data;
   const PatternConfig& patterns = config.patterns;
   const SensorConfig& sensor = config.sensor;
   const TrainConfig& train = config.train;
@@ -144,6 +162,7 @@ Json to_json(const Config& config) {
             {"validation", validation},
             {"exclude", exclude},
             {"synthetic_share", synthetic_share},
+            {"patch_stride", patch_stride},
             {"pool", pool},
             {"pool_per_step", pool_per_step},
             {"synthesiser",
@@ -156,8 +175,11 @@ Json to_json(const Config& config) {
           {"patterns",
            {{"num_patterns", patterns.num_patterns},
             {"black_first", patterns.black_first},
+            {"complementary", patterns.complementary},
             {"event_model", kEventModels[static_cast<size_t>(patterns.event_model)]},
             {"codes", patterns.codes},
+            {"start", patterns.start},
+            {"in_model", patterns.in_model},
             {"begin_step", patterns.begin_step},
             {"learn_steps", patterns.learn_steps},
             {"learning_rate", patterns.learning_rate},
@@ -169,6 +191,7 @@ Json to_json(const Config& config) {
             {"nominal_sigma_w", sensor.nominal.sigma_w},
             {"nominal_sigma_z", sensor.nominal.sigma_z},
             {"nominal_share", sensor.nominal_share},
+            {"noise_free_share", sensor.noise_free_share},
             {"tau", sensor.tau},
             {"sigma_w", sensor.sigma_w},
             {"sigma_z", sensor.sigma_z},

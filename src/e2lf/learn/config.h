@@ -14,10 +14,11 @@
 namespace e2lf::learn {
 
 struct DataConfig {
-  std::string file;                     ///< made by `e2lf pack`
+  std::string file;                     ///< made by `e2lf pack`; empty: procedural textures alone
   std::vector<std::string> validation;  ///< light fields for evaluation, never trained on
   std::vector<std::string> exclude;     ///< light fields neither trained on nor evaluated during training
   double synthetic_share = 0.5;         ///< share of samples from the synthesiser
+  uint64_t patch_stride = 0;            ///< patches of light fields lie on a grid from the top left; 0 = anywhere
   uint64_t pool = 256;                  ///< synthesised light fields kept; each gives several crops
   double pool_per_step = 0.5;           ///< new ones made per step
   SynthesiserOptions synthesiser;
@@ -26,8 +27,11 @@ struct DataConfig {
 struct PatternConfig {
   uint64_t num_patterns = 4;
   bool black_first = true;
+  bool complementary = false;  ///< every second pattern is the inverse of the one before; not with black_first
   EventModel event_model = EventModel::kReferenceAware;
   std::string codes;            ///< a model file with codes to use as they are; empty: learn them
+  std::string start;            ///< a model file with codes that learning starts from; empty: random discs
+  bool in_model = true;         ///< the model holds the codes; without them it reconstructs but does not simulate
   uint64_t begin_step = 200;    ///< patterns keep still until here, while the network learns to use them
   uint64_t learn_steps = 2000;  ///< steps until learned patterns are rounded to 0/1 and kept
   double learning_rate = 1e-3;
@@ -38,6 +42,7 @@ struct PatternConfig {
 struct SensorConfig {
   aperture::SensorConstants nominal;
   double nominal_share = 0.4;                ///< share of samples with exactly the nominal tau, sigma_w, sigma_z
+  double noise_free_share = 0.15;            ///< of the others: share with sigma_w = sigma_z = 0
   std::array<double, 2> tau = {0.27, 0.33};  ///< uniform; known to the network through its inputs
   std::array<double, 2> sigma_w = {0.0, 0.25};
   std::array<double, 2> sigma_z = {0.0, 0.06};

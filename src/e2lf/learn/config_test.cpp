@@ -43,7 +43,9 @@ TEST(Config, ErrorsNameThePlaceAndTheNearestKey) {
 TEST(Config, RefusesValuesThatCannotWork) {
   EXPECT_EQ(error_of(R"({"precision": "float16"})").location, "test.precision");
   EXPECT_EQ(error_of(R"({"patterns": {"event_model": "magic"}})").location, "test.patterns");
-  EXPECT_EQ(error_of(R"({"patterns": {"black_first": false}})").location, "test.patterns");
+  EXPECT_EQ(error_of(R"({"patterns": {"black_first": false}, "input": [{"kind": "intensity"}]})").location,
+            "test.input");
+  EXPECT_EQ(error_of(R"({"patterns": {"complementary": true}})").location, "test.patterns");
   EXPECT_EQ(error_of(R"({"patterns": {"num_patterns": 1}})").location, "test.patterns");
   EXPECT_EQ(error_of(R"({"input": [{"kind": "colour"}]})").location, "test.input");
   EXPECT_EQ(error_of(R"({"network": {"type": "transformer"}})").location, "test.network");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 #include <gtest/gtest.h>
+#include <numeric>
 
 #include "e2lf/base/safetensors.h"
 #include "e2lf/learn/batches.h"
@@ -142,6 +143,51 @@ TEST(Batches, AResumedPoolHoldsTheSameLightFields) {
   EXPECT_TRUE(torch::equal(running->at(5).light_field, resumed->at(5).light_field));
 }
 
+TEST(Batches, SharesMakeUpTheBatch) {
+  const TestData data;
+  auto config = data.config();
+  config.train.batch = 4;
+  const auto create = [&] {
+    return Batches::create(config, read_dataset(data.path(), torch::kCPU).value(), torch::kCPU);
+  };
+  auto whole = create(), shared = create();
+  const auto batch = whole->at(3), first = shared->at(3, {0, 2}), second = shared->at(3, {1, 2});
+  EXPECT_TRUE(torch::equal(batch.light_field, torch::cat({first.light_field, second.light_field})));
+  EXPECT_TRUE(torch::equal(batch.gain, torch::cat({first.gain, second.gain})));
+  EXPECT_TRUE(torch::equal(batch.constants.tau, torch::cat({first.constants.tau, second.constants.tau})));
+  EXPECT_TRUE(torch::equal(batch.noise.w, torch::cat({first.noise.w, second.noise.w})));
+  EXPECT_TRUE(torch::equal(batch.noise.z, torch::cat({first.noise.z, second.noise.z})));
+}
+
+TEST(Batches, TakePatchesFromAGridFromTheTopLeft) {
+  const TestData data;  // scenes of 32x32
+  auto config = data.config();
+  config.data.synthetic_share = 0.0;
+  config.data.validation = {"second"};
+  config.train.patch = 20;
+  config.data.patch_stride = 10;
+  config.sensor.full_gain_share = 1.0;
+  config.train.batch = 40;
+  auto dataset = read_dataset(data.path(), torch::kCPU).value();
+  const auto views = dataset.find("first").value()->views;
+  std::vector<torch::Tensor> places;
+  for (const int64_t y : {0, 10}) {
+    for (const int64_t x : {0, 10}) places.push_back(views.slice(1, y, y + 20).slice(2, x, x + 20));
+  }
+  auto batches = Batches::create(config, std::move(dataset), torch::kCPU);
+  const auto batch = batches->at(0).light_field.mul(255.0).round().to(torch::kByte);
+  std::vector<int> seen(places.size());
+  for (int64_t i = 0; i < batch.size(0); ++i) {
+    for (size_t place = 0; place < places.size(); ++place) {
+      for (unsigned symmetry = 0; symmetry < 8; ++symmetry) {
+        if (torch::equal(batch[i], transform_views(places[place], symmetry))) ++seen[place];
+      }
+    }
+  }
+  EXPECT_EQ(std::accumulate(seen.begin(), seen.end(), 0), 40);
+  for (const int count : seen) EXPECT_GT(count, 0);
+}
+
 TEST(Batches, DrawConditionsFromTheirRanges) {
   const TestData data;
   auto config = data.config();
@@ -151,6 +197,8 @@ TEST(Batches, DrawConditionsFromTheirRanges) {
   const auto batch = batches->at(0);
   const auto nominal = (batch.constants.sigma_w == config.sensor.nominal.sigma_w).to(torch::kFloat).mean();
   EXPECT_NEAR(nominal.item<double>(), config.sensor.nominal_share, 0.12);
+  const auto noise_free = (batch.constants.sigma_w == 0.0).to(torch::kFloat).mean();
+  EXPECT_NEAR(noise_free.item<double>(), (1 - config.sensor.nominal_share) * config.sensor.noise_free_share, 0.06);
   EXPECT_NEAR((batch.gain == 1.0).to(torch::kFloat).mean().item<double>(), config.sensor.full_gain_share, 0.12);
   EXPECT_GE(batch.gain.min().item<double>(), config.sensor.gain[0] - 1e-6);
   EXPECT_LE(batch.constants.tau.max().item<double>(), config.sensor.tau[1] + 1e-6);

@@ -35,8 +35,9 @@ Result<const Scene*> Dataset::find(const std::string& name) const {
 }
 
 Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device) {
-  E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
   Dataset dataset;
+  if (path.empty()) return dataset;
+  E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
   for (const auto& [name, tensor] : file.tensors) {
     const bool texture = name.starts_with(kTexture), light_field = name.starts_with(kLightField);
     if (!texture && !light_field) return misfit(ErrorCode::kFormat, name, tensor, path.string());

@@ -24,8 +24,9 @@ struct Dataset {
   [[nodiscard]] Result<const Scene*> find(const std::string& name) const;
 };
 
-/// Reads a file made by `e2lf pack`: tensors "texture/<name>" U8 [y, x] and "lightfield/<name>" U8 [8, 8, y, x].
-/// Fails with kFormat and kShape, naming the tensor.
+/// Reads a file made by `e2lf pack` (an empty path: no data, procedural textures only): tensors "texture/<name>" U8 [y,
+/// x] and "lightfield/<name>" U8 [8, 8, y, x]. An empty path: no data. Fails with kFormat and kShape, naming the
+/// tensor.
 [[nodiscard]] Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device);
 
 /// One of the eight symmetries of a light field, jointly over views and pixels: bit 0 flips y, bit 1 flips x, bit 2

@@ -5,10 +5,10 @@
 
 namespace e2lf::learn {
 
-Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field,
-                           const SampleConstants& constants) {
+Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field, const SampleConstants& constants,
+                           const SensorNoise& noise) {
   const auto intensities = coded_intensities(light_field, pipeline.codes);
-  const auto events = simulate_events(intensities, constants, pipeline.event_model);
+  const auto events = simulate_events(intensities, constants, noise, pipeline.event_model);
   const auto inputs = form_inputs(events, pipeline.input, constants);
   return {events, pipeline.network->forward(inputs, pipeline.compute, *pipeline.weights)};
 }
@@ -20,7 +20,8 @@ SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const ap
   constexpr int64_t kMultiple = 16;
   const auto height = scene.views.size(1) / kMultiple * kMultiple, width = scene.views.size(2) / kMultiple * kMultiple;
   const auto truth = scene.views.slice(1, 0, height).slice(2, 0, width).to(torch::kFloat).div(255.0).unsqueeze(0);
-  const auto result = reconstruct(pipeline, truth, repeat_constants(constants, 1, truth.device()));
+  const auto noise = draw_noise({1, pipeline.codes.size(0) - 1, height, width}, truth.device());
+  const auto result = reconstruct(pipeline, truth, repeat_constants(constants, 1, truth.device()), noise);
   const auto error = (result.light_field.clamp(0.0, 1.0) - truth).square_().mean({2, 3});
   return {scene.name, (-10.0 * error.log10()).mean().item<double>(),
           result.events.abs().sum().item<double>() / static_cast<double>(height * width)};

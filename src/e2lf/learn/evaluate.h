@@ -25,7 +25,7 @@ struct Reconstruction {
   torch::Tensor light_field;  ///< float32 [batch, 64, y, x]
 };
 [[nodiscard]] Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field,
-                                         const SampleConstants& constants);
+                                         const SampleConstants& constants, const SensorNoise& noise);
 
 struct SceneScore {
   std::string name;

@@ -50,6 +50,14 @@ torch::Tensor random_tone(const torch::Tensor& texture, Draws& draws) {
   return toned * draws.uniform(0.5, 1.0);
 }
 
+/// A tone that changes slowly over the surface. Without noise such surfaces give bands of equal counts, whose edges
+/// tell the tone between them; photographs are too rough to teach that.
+torch::Tensor smooth_shading(int64_t side, Draws& draws, torch::Device device) {
+  const double tone = draws.log_uniform(0.05, 0.8);
+  const auto shape = smooth_noise(side, draws.log_uniform(20, 200), device);
+  return (tone * torch::exp(draws.log_uniform(0.05, 0.5) * shape)).clamp(0.0, 1.0);
+}
+
 }  // namespace
 
 torch::Tensor photo_texture(const std::vector<torch::Tensor>& photos, int64_t side, Draws& draws) {
@@ -67,8 +75,9 @@ torch::Tensor photo_texture(const std::vector<torch::Tensor>& photos, int64_t si
 }
 
 torch::Tensor procedural_texture(int64_t side, Draws& draws, torch::Device device) {
-  const auto kind = draws.below(4);
+  const auto kind = draws.below(6);
   if (kind == 0) return torch::full({side, side}, draws.uniform(0.02, 1.0), torch::device(device));
+  if (kind >= 4) return smooth_shading(side, draws, device);
   if (kind == 1) {
     auto sum = torch::zeros({side, side}, torch::device(device));
     double amplitude = 0.25;

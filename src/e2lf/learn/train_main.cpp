@@ -2,6 +2,7 @@
 // e2lf-train: the training verbs alone, for machines that have torch and little else.
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,17 @@ int usage() {
       "usage: e2lf-train train CONFIG.json -o RUN [--set key=value]...\n"
       "       e2lf-train resume RUN [--set key=value]...\n"
       "       e2lf-train evaluate RUN SCENE... [--set key=value]...\n"
-      "       e2lf-train export RUN -o MODEL.safetensors\n",
+      "       e2lf-train export RUN -o MODEL.safetensors\n"
+      "       e2lf-train bench [--batch B] [--steps S] [--json]\n",
       stderr);
   return 2;
+}
+
+/// Prints a report; its error otherwise.
+e2lf::Result<void> print(const e2lf::Result<std::string>& report) {
+  if (!report) return report.error();
+  std::fputs(report->c_str(), stdout);
+  return {};
 }
 
 }  // namespace
@@ -26,19 +35,28 @@ int usage() {
 int main(int argc, char** argv) {
   std::vector<std::string> names, overrides;
   std::string output;
+  uint64_t batch = 4, steps = 5;
+  bool json = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    const bool takes_value = argument == "-o" || argument == "--set";
+    const bool takes_value = argument == "-o" || argument == "--set" || argument == "--batch" || argument == "--steps";
     if (takes_value && i + 1 == argc) return usage();
     if (argument == "-o") {
       output = argv[++i];
     } else if (argument == "--set") {
       overrides.emplace_back(argv[++i]);
+    } else if (argument == "--batch" || argument == "--steps") {
+      const uint64_t value = std::strtoull(argv[++i], nullptr, 10);
+      if (value == 0) return usage();
+      (argument == "--batch" ? batch : steps) = value;
+    } else if (argument == "--json") {
+      json = true;
     } else {
       names.push_back(argument);
     }
   }
-  if (names.size() < 2) return usage();
+  const bool benches = names.size() == 1 && names[0] == "bench";
+  if (names.size() < 2 && !benches) return usage();
   std::signal(SIGINT, [](int) { g_stop = 1; });
   std::signal(SIGTERM, [](int) { g_stop = 1; });
   const auto keep_going = [] { return g_stop == 0; };
@@ -50,11 +68,11 @@ int main(int argc, char** argv) {
   } else if (names[0] == "resume" && names.size() == 2) {
     result = e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going);
   } else if (names[0] == "evaluate" && names.size() > 2) {
-    const auto report = e2lf::learn::evaluate_run(names[1], {names.begin() + 2, names.end()}, overrides);
-    if (report) std::fputs(report->c_str(), stdout);
-    if (!report) result = report.error();
+    result = print(e2lf::learn::evaluate_run(names[1], {names.begin() + 2, names.end()}, overrides));
   } else if (names[0] == "export" && names.size() == 2 && !output.empty()) {
     result = e2lf::learn::export_run(names[1], output);
+  } else if (benches) {
+    result = print(e2lf::learn::benchmark(batch, steps, json, bar.callback()));
   } else {
     return usage();
   }

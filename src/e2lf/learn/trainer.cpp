@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include "e2lf/base/file.h"
@@ -16,18 +15,23 @@ namespace {
 
 constexpr uint64_t kInitialSeed = 0x1117, kEvaluationSeed = 20;
 
-Result<void> append_line(const std::filesystem::path& path, const std::string& header, const std::string& line) {
-  const bool fresh = !std::filesystem::exists(path);
-  std::ofstream out(path, std::ios::app);
-  if (fresh) out << header << '\n';
-  out << line << '\n';
-  if (!out.flush()) return Error{ErrorCode::kIo, "could not append; check the disk", path.string()};
-  return {};
-}
-
 /// How far patterns are from 1/2 everywhere (0) on the way to binary (1).
 double binarity(const torch::Tensor& codes) {
   return (2.0 * codes - 1.0).abs().mean().item<double>();
+}
+
+PatternTie tie_of(const PatternConfig& patterns) {
+  if (patterns.complementary) return PatternTie::kComplementary;
+  return patterns.black_first ? PatternTie::kBlackFirst : PatternTie::kNone;
+}
+
+/// The codes [N, views] of a model file.
+Result<torch::Tensor> read_codes(const std::string& path, const PatternConfig& patterns, torch::Device device) {
+  E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
+  if (!model.codes || model.codes->num_patterns != patterns.num_patterns) {
+    return Error{ErrorCode::kShape, "no codes with patterns.num_patterns patterns in this file; name another", path};
+  }
+  return to_tensor(*model.codes, device);
 }
 
 }  // namespace
@@ -41,30 +45,50 @@ double learning_rate(const TrainConfig& train, uint64_t step) {
   return train.learning_rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
 }
 
-Trainer::Trainer(Config config, Batches batches, NetworkModule network, torch::Device device)
+/// The parameters in the order in which a backward pass gives their gradients.
+std::vector<torch::Tensor> in_backward_order(const NetworkModule& network, const NamedTensors& patterns) {
+  std::vector<torch::Tensor> ordered;
+  const auto& layers = network.network().layers;
+  for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
+    for (const char* part : {".bias", ".weight"}) {
+      const auto found = network.parameters().find(layer->name + part);
+      if (found != network.parameters().end()) ordered.push_back(found->second);
+    }
+  }
+  for (const auto& [name, tensor] : patterns) ordered.push_back(tensor);
+  return ordered;
+}
+
+Trainer::Trainer(Config config, Batches batches, NetworkModule network, torch::Device device, const Peers& peers)
     : config_(std::move(config)),
       device_(device),
+      peers_(peers),
       batches_(std::move(batches)),
       network_(std::move(network)),
-      patterns_(config_.patterns.num_patterns, config_.patterns.black_first, device),
+      patterns_(config_.patterns.num_patterns, tie_of(config_.patterns), device),
       pattern_parameters_{{"patterns", patterns_.parameters()}},
       adam_(network_.parameters()),
       pattern_adam_(pattern_parameters_),
-      average_(clone(network_.parameters())) {}
+      average_(clone(network_.parameters())),
+      exchange_(peers, in_backward_order(network_, pattern_parameters_)) {}
 
-Result<Trainer> Trainer::create(const Config& config) {
+Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
+  if (config.train.batch % static_cast<uint64_t>(peers.size()) != 0) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("a batch of ", config.train.batch, " cannot be split evenly between ", peers.size(),
+                     " processes; make it a multiple"),
+                 "train.batch"};
+  }
   const torch::Device device(config.device);
   E2LF_ASSIGN_OR_RETURN(auto dataset, read_dataset(config.data.file, device));
   E2LF_ASSIGN_OR_RETURN(auto batches, Batches::create(config, std::move(dataset), device));
   torch::manual_seed(mix_seed(config.seed, 0, kInitialSeed));
-  Trainer trainer(config, std::move(batches), NetworkModule(make_network(config), device), device);
+  Trainer trainer(config, std::move(batches), NetworkModule(make_network(config), device), device, peers);
   if (!config.patterns.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(config.patterns.codes));
-    if (!model.codes || model.codes->num_patterns != config.patterns.num_patterns) {
-      return Error{ErrorCode::kShape, "no codes with patterns.num_patterns patterns in this file; name another",
-                   config.patterns.codes};
-    }
-    trainer.fixed_codes_ = to_tensor(*model.codes, device);
+    E2LF_ASSIGN_OR_RETURN(trainer.fixed_codes_, read_codes(config.patterns.codes, config.patterns, device));
+  } else if (!config.patterns.start.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, config.patterns, device));
+    trainer.patterns_.start_at(codes);
   }
   if (!config.start.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(config.start));
@@ -86,20 +110,57 @@ torch::Tensor Trainer::current_codes() const {
   return patterns_.codes(patterns.scale_begin * std::pow(patterns.scale_end / patterns.scale_begin, progress));
 }
 
-StepReport Trainer::train_step() {
-  const Batch batch = batches_.at(step_);
+/// Everything that a checkpoint holds but the step.
+std::vector<torch::Tensor> Trainer::state() const {
+  std::vector<torch::Tensor> tensors;
+  for (const NamedTensors* part :
+       {&network_.parameters(), &average_, &adam_.first_moments(), &adam_.second_moments(), &pattern_parameters_,
+        &pattern_adam_.first_moments(), &pattern_adam_.second_moments()}) {
+    for (const auto& [name, tensor] : *part) tensors.push_back(tensor.detach());
+  }
+  return tensors;
+}
+
+Result<void> Trainer::start_together() {
+  auto step = torch::tensor({static_cast<int64_t>(step_)}, torch::device(device_));
+  E2LF_RETURN_IF_ERROR(peers_.copy_from_first(step));
+  step_ = static_cast<uint64_t>(step.item<int64_t>());
+  for (const auto& tensor : state()) E2LF_RETURN_IF_ERROR(peers_.copy_from_first(tensor));
+  return {};
+}
+
+Result<bool> Trainer::any_peer(bool value) const {
+  const auto votes = torch::tensor({value ? 1 : 0}, torch::device(device_));
+  E2LF_RETURN_IF_ERROR(peers_.sum(votes));
+  return votes.item<int>() > 0;
+}
+
+Result<StepReport> Trainer::average_over_peers(const StepReport& report) const {
+  const auto sums = torch::tensor({report.loss, report.mse}, torch::device(device_).dtype(torch::kDouble));
+  E2LF_RETURN_IF_ERROR(peers_.sum(sums));
+  return StepReport{sums[0].item<double>() / peers_.size(), sums[1].item<double>() / peers_.size(), 0.0};
+}
+
+Result<void> Trainer::backward(const torch::Tensor& loss) {
+  zero_gradients(network_.parameters());
+  zero_gradients(pattern_parameters_);
+  exchange_.begin();
+  loss.backward();
+  return exchange_.finish();
+}
+
+Result<StepReport> Trainer::train_step() {
+  const Batch batch = batches_.at(step_, {peers_.rank(), peers_.size()});
   const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
                           config_.input, compute_type()};
-  const auto result = reconstruct(pipeline, batch.light_field, batch.constants);
+  const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise);
   const auto errors = (result.light_field - batch.light_field).square().mean({1, 2, 3});
   const auto loss = (errors * batch.gain.pow(-config_.train.gain_weight_power)).mean();
 
-  zero_gradients(network_.parameters());
-  zero_gradients(pattern_parameters_);
-  loss.backward();
-  const double norm = clip_gradients(network_.parameters(), config_.train.clip_norm);
-  StepReport report{loss.item<double>(), errors.mean().item<double>(), norm};
-  if (!std::isfinite(report.loss) || !std::isfinite(norm)) return report;
+  E2LF_RETURN_IF_ERROR(backward(loss));
+  E2LF_ASSIGN_OR_RETURN(StepReport report, average_over_peers({loss.item<double>(), errors.mean().item<double>()}));
+  report.gradient_norm = clip_gradients(network_.parameters(), config_.train.clip_norm);
+  if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) return report;
 
   const double rate = learning_rate(config_.train, step_);
   adam_.update(network_.parameters(), rate, step_ + 1);
@@ -127,53 +188,64 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
   return scores;
 }
 
-Result<void> Trainer::write_logs(const std::filesystem::path& folder, const StepReport& report,
-                                 double samples_per_s) const {
-  if (step_ % config_.train.log_steps == 0 || step_ == config_.train.steps) {
-    const auto codes = current_codes().detach();
-    E2LF_RETURN_IF_ERROR(append_line(
-        folder / "log.csv", "step,samples,loss,mse,learning_rate,gradient_norm,samples_per_s,open_cells,binarity",
-        cat(step_, ',', step_ * config_.train.batch, ',', report.loss, ',', report.mse, ',',
-            learning_rate(config_.train, step_), ',', report.gradient_norm, ',', samples_per_s, ',',
-            codes.sum().item<double>(), ',', binarity(codes))));
-  }
-  if (step_ % config_.train.evaluate_steps != 0 && step_ != config_.train.steps) return {};
+StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const {
+  const auto codes = current_codes().detach();
+  return {.step = step_,
+          .samples = step_ * config_.train.batch,
+          .loss = report.loss,
+          .mse = report.mse,
+          .learning_rate = learning_rate(config_.train, step_),
+          .gradient_norm = report.gradient_norm,
+          .samples_per_s = samples_per_s,
+          .open_cells = codes.sum().item<double>(),
+          .binarity = binarity(codes)};
+}
+
+/// Every process evaluates, so that none waits for another longer than its patience; the first one writes.
+Result<void> Trainer::log_evaluation(const RunLog& log) const {
   E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(config_.data.validation, config_.sensor.nominal));
+  if (!peers_.leads()) return {};
+  const uint64_t samples = step_ * config_.train.batch;
   for (const SceneScore& score : scores) {
-    E2LF_RETURN_IF_ERROR(append_line(folder / "evaluation.csv", "step,samples,scene,psnr_db,events_per_pixel",
-                                     cat(step_, ',', step_ * config_.train.batch, ',', score.name, ',', score.psnr_db,
-                                         ',', score.events_per_pixel)));
+    E2LF_RETURN_IF_ERROR(log.add(ScoreRow{step_, samples, score.name, score.psnr_db, score.events_per_pixel}));
   }
-  return {};
+  const auto codes = current_codes().detach().to(torch::kCPU, torch::kFloat).contiguous();
+  const float* cells = codes.data_ptr<float>();
+  E2LF_RETURN_IF_ERROR(log.add(PatternRow{step_, samples, {cells, cells + codes.numel()}}));
+  return log.draw_curves(config_.name);
 }
 
 Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn& progress,
                           const std::function<bool()>& keep_going) {
   const auto checkpoint = folder / "checkpoint.safetensors";
-  E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", to_json(config_).dump(2) + "\n"));
+  E2LF_RETURN_IF_ERROR(start_together());
+  if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", to_json(config_).dump(2) + "\n"));
+  const RunLog log(folder);
+  if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.rewind(step_));
   using Clock = std::chrono::steady_clock;
   auto last_time = Clock::now();
   uint64_t last_step = step_;
   while (step_ < config_.train.steps) {
-    const StepReport report = train_step();
+    E2LF_ASSIGN_OR_RETURN(const StepReport report, train_step());
     if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) {
       return Error{ErrorCode::kInvalidValue,
                    cat("the loss is not finite after step ", step_,
                        "; lower train.learning_rate and resume from the last checkpoint"),
                    checkpoint.string()};
     }
-    const bool logs = step_ % config_.train.log_steps == 0;
-    const double seconds = std::chrono::duration<double>(Clock::now() - last_time).count();
-    const double speed = static_cast<double>((step_ - last_step) * config_.train.batch) / std::max(seconds, 1e-9);
-    E2LF_RETURN_IF_ERROR(write_logs(folder, report, speed));
-    if (logs) {
+    const bool ends = step_ == config_.train.steps;
+    if (step_ % config_.train.log_steps == 0 || ends) {
+      const double seconds = std::chrono::duration<double>(Clock::now() - last_time).count();
+      const double speed = static_cast<double>((step_ - last_step) * config_.train.batch) / std::max(seconds, 1e-9);
+      if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.add(step_row(report, speed)));
       last_time = Clock::now();
       last_step = step_;
     }
-    if (progress) progress(step_, config_.train.steps);
-    const bool stop = keep_going && !keep_going();
+    if (step_ % config_.train.evaluate_steps == 0 || ends) E2LF_RETURN_IF_ERROR(log_evaluation(log));
+    if (progress && peers_.leads()) progress(step_, config_.train.steps);
+    E2LF_ASSIGN_OR_RETURN(const bool stop, any_peer(keep_going && !keep_going()));
     if (step_ % config_.train.checkpoint_steps == 0 || step_ == config_.train.steps || stop) {
-      E2LF_RETURN_IF_ERROR(save_checkpoint(checkpoint));
+      if (peers_.leads()) E2LF_RETURN_IF_ERROR(save_checkpoint(checkpoint));
     }
     if (stop) return Error{ErrorCode::kCancelled, "training stopped; `e2lf resume` continues it", folder.string()};
   }
@@ -186,8 +258,9 @@ model::Model Trainer::to_model() const {
   model.num_patterns = config_.patterns.num_patterns;
   const auto codes = fixed_codes_.defined() ? fixed_codes_ : patterns_.binary_codes();
   model.codes = to_codes(codes, model.views_y, model.views_x);
+  if (!config_.patterns.in_model) model.codes.reset();
   model.event_model = config_.patterns.event_model == EventModel::kQuantised ? "quantised" : "reference-aware";
-  model.black_first = config_.patterns.black_first;
+  model.black_first = aperture::is_black_first(*model.codes);  // the first may have closed without being made to
   model.constants = config_.sensor.nominal;
   model.input = config_.input;
   model.network = network_.network();

@@ -12,6 +12,9 @@
 #include "e2lf/learn/batches.h"
 #include "e2lf/learn/config.h"
 #include "e2lf/learn/evaluate.h"
+#include "e2lf/learn/gradient_exchange.h"
+#include "e2lf/learn/peers.h"
+#include "e2lf/learn/run_log.h"
 
 namespace e2lf::learn {
 
@@ -27,17 +30,18 @@ struct StepReport {
 class Trainer {
  public:
   /// Reads the data and prepares step 0. Fails as read_dataset, Batches::create and (for `start` and `codes`)
-  /// read_model.
-  [[nodiscard]] static Result<Trainer> create(const Config& config);
+  /// read_model, and with kInvalidValue when the batch cannot be split evenly between the peers.
+  [[nodiscard]] static Result<Trainer> create(const Config& config, const Peers& peers = {});
 
-  /// Trains until config.train.steps, from wherever it is. The folder gets config.json, log.csv, evaluation.csv and
-  /// checkpoint.safetensors. `keep_going` is asked after each step: false stops with a checkpoint and kCancelled.
-  /// Fails with kInvalidValue when the loss is no longer finite; the last good checkpoint stays.
+  /// Trains until config.train.steps, from wherever the first peer is. The folder gets config.json, log.csv,
+  /// evaluation.csv and checkpoint.safetensors, all written by the first peer. `keep_going` is asked after each step:
+  /// false in any process stops all with a checkpoint and kCancelled. Fails with kInvalidValue when the loss is no
+  /// longer finite and kIo when a peer is lost; the last good checkpoint stays.
   [[nodiscard]] Result<void> run(const std::filesystem::path& folder, const ProgressFn& progress = {},
                                  const std::function<bool()>& keep_going = {});
 
-  /// One step without logs or files.
-  [[nodiscard]] StepReport train_step();
+  /// One step without logs or files. Fails with kIo when a peer is lost.
+  [[nodiscard]] Result<StepReport> train_step();
 
   [[nodiscard]] Result<void> save_checkpoint(const std::filesystem::path& path) const;
   [[nodiscard]] Result<void> load_checkpoint(const std::filesystem::path& path);
@@ -55,17 +59,23 @@ class Trainer {
   [[nodiscard]] const NamedTensors& average() const { return average_; }
 
  private:
-  Trainer(Config config, Batches batches, NetworkModule network, torch::Device device);
+  Trainer(Config config, Batches batches, NetworkModule network, torch::Device device, const Peers& peers);
+  [[nodiscard]] std::vector<torch::Tensor> state() const;
+  [[nodiscard]] Result<void> start_together();
+  [[nodiscard]] Result<bool> any_peer(bool value) const;
+  [[nodiscard]] Result<void> backward(const torch::Tensor& loss);
+  [[nodiscard]] Result<StepReport> average_over_peers(const StepReport& report) const;
   [[nodiscard]] bool learning_patterns() const {
     return !fixed_codes_.defined() && step_ < config_.patterns.learn_steps;
   }
   [[nodiscard]] torch::Tensor current_codes() const;
   [[nodiscard]] torch::ScalarType compute_type() const;
-  [[nodiscard]] Result<void> write_logs(const std::filesystem::path& folder, const StepReport& report,
-                                        double samples_per_s) const;
+  [[nodiscard]] StepRow step_row(const StepReport& report, double samples_per_s) const;
+  [[nodiscard]] Result<void> log_evaluation(const RunLog& log) const;
 
   Config config_;
   torch::Device device_;
+  Peers peers_;
   Batches batches_;
   NetworkModule network_;
   Patterns patterns_;
@@ -73,6 +83,7 @@ class Trainer {
   NamedTensors pattern_parameters_;
   Adam adam_, pattern_adam_;
   NamedTensors average_;
+  GradientExchange exchange_;
   uint64_t step_ = 0;
 };
 

@@ -53,9 +53,9 @@ TEST(Trainer, LowersTheLossOnOneScene) {
   config.train.learning_rate = 5e-3;
   auto trainer = Trainer::create(config);
   ASSERT_TRUE(trainer);
-  const double before = trainer->train_step().loss;
+  const double before = trainer->train_step().value().loss;
   double after = 0;
-  for (int i = 0; i < 59; ++i) after = trainer->train_step().loss;
+  for (int i = 0; i < 59; ++i) after = trainer->train_step().value().loss;
   EXPECT_LT(after, 0.3 * before);
 }
 

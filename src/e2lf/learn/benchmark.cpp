@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/benchmark.h"
+
+#include <algorithm>
+#include <chrono>
+#include <dlfcn.h>
+
+#include "e2lf/learn/trainer.h"
+#include "peers/torch_training.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr uint64_t kWarmUpSteps = 2, kPatch = 64;
+
+double samples_per_s(const BenchmarkOptions& options, std::vector<double> seconds) {
+  seconds.erase(seconds.begin(), seconds.begin() + kWarmUpSteps);
+  std::sort(seconds.begin(), seconds.end());
+  return static_cast<double>(options.batch) / seconds[seconds.size() / 2];
+}
+
+/// The peer beside this program; nothing where it was not built.
+Result<std::vector<BenchmarkRow>> run_peer(const BenchmarkOptions& options) {
+  std::error_code status;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", status);
+  const auto path = (program.parent_path() / "e2lf_torch_peer.so").string();
+  void* module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (module == nullptr) return std::vector<BenchmarkRow>{};
+  const auto train = reinterpret_cast<decltype(&e2lf_torch_training)>(::dlsym(module, "e2lf_torch_training"));
+  std::vector<double> seconds(options.steps + kWarmUpSteps);
+  const E2lfTorchTraining job{options.batch, kPatch, seconds.size(), seconds.data()};
+  if (const char* problem = train == nullptr ? "it is of another version" : train(&job)) {
+    return Error{ErrorCode::kInternal, cat("the peer failed: ", problem, "; rebuild it"), path};
+  }
+  return std::vector<BenchmarkRow>{{"paper's network, plain libtorch", "float32", samples_per_s(options, seconds)}};
+}
+
+Result<BenchmarkRow> run_trainer(const BenchmarkOptions& options, const std::string& name, const Config& config) {
+  E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config));
+  std::vector<double> seconds;
+  for (uint64_t step = 0; step < options.steps + kWarmUpSteps; ++step) {
+    const auto begin = std::chrono::steady_clock::now();
+    E2LF_RETURN_IF_ERROR(trainer.train_step());
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  return BenchmarkRow{name, config.precision, samples_per_s(options, seconds)};
+}
+
+}  // namespace
+
+Result<std::vector<BenchmarkRow>> benchmark_training(const BenchmarkOptions& options, const ProgressFn& progress) {
+  constexpr uint64_t kLoops = 5;
+  E2LF_ASSIGN_OR_RETURN(auto rows, run_peer(options));
+  if (progress) progress(1, kLoops);
+  uint64_t done = 1;
+  for (const char* network : {"recnet", "unet"}) {
+    for (const char* precision : {"float32", "bfloat16"}) {
+      Config config;
+      config.precision = precision;
+      config.data.synthetic_share = 1.0;
+      config.patterns.begin_step = 0;
+      config.train.batch = options.batch;
+      config.train.patch = kPatch;
+      config.network.type = network;
+      const bool paper = config.network.type == "recnet";
+      if (paper) config.input = {{model::InputKind::kCounts, 0.125F}};
+      if (!paper) config.network.blocks = {1, 2, 3};
+      E2LF_ASSIGN_OR_RETURN(auto row, run_trainer(options, paper ? "paper's network, e2lf" : "U-Net, e2lf", config));
+      rows.push_back(std::move(row));
+      if (progress) progress(++done, kLoops);
+    }
+  }
+  return rows;
+}
+
+}  // namespace e2lf::learn

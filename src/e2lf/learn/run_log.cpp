@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/run_log.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "e2lf/base/file.h"
+#include "e2lf/base/text.h"
+#include "e2lf/learn/curves.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr const char* kSteps = "log.csv";
+constexpr const char* kScores = "evaluation.csv";
+constexpr const char* kPatterns = "patterns.csv";
+
+Result<void> append_line(const std::filesystem::path& path, const std::string& header, const std::string& line) {
+  const bool fresh = !std::filesystem::exists(path);
+  std::ofstream out(path, std::ios::app);
+  if (fresh) out << header << '\n';
+  out << line << '\n';
+  if (!out.flush()) return Error{ErrorCode::kIo, "could not append; check the disk", path.string()};
+  return {};
+}
+
+/// The lines of a table without its header; none when there is no such file.
+std::vector<std::string> table_lines(const std::filesystem::path& path) {
+  std::vector<std::string> lines;
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  if (!lines.empty()) lines.erase(lines.begin());
+  return lines;
+}
+
+std::vector<std::string> fields(const std::string& line) {
+  std::vector<std::string> result;
+  std::istringstream in(line);
+  for (std::string field; std::getline(in, field, ',');) result.push_back(field);
+  return result;
+}
+
+double number(const std::string& field) {
+  return std::strtod(field.c_str(), nullptr);
+}
+
+Result<void> rewind_table(const std::filesystem::path& path, uint64_t step) {
+  std::ifstream in(path);
+  if (!in) return {};
+  std::string kept, line;
+  std::getline(in, line);
+  kept = line + '\n';
+  bool changed = false;
+  while (std::getline(in, line)) {
+    const bool keep = number(line) <= static_cast<double>(step);
+    if (keep) kept += line + '\n';
+    changed = changed || !keep;
+  }
+  if (!changed) return {};
+  return write_file(path, kept);
+}
+
+}  // namespace
+
+Result<void> RunLog::rewind(uint64_t step) const {
+  for (const char* table : {kSteps, kScores, kPatterns}) E2LF_RETURN_IF_ERROR(rewind_table(folder_ / table, step));
+  return {};
+}
+
+Result<void> RunLog::add(const StepRow& row) const {
+  return append_line(folder_ / kSteps,
+                     "step,samples,loss,mse,learning_rate,gradient_norm,samples_per_s,open_cells,binarity",
+                     cat(row.step, ',', row.samples, ',', row.loss, ',', row.mse, ',', row.learning_rate, ',',
+                         row.gradient_norm, ',', row.samples_per_s, ',', row.open_cells, ',', row.binarity));
+}
+
+Result<void> RunLog::add(const ScoreRow& row) const {
+  return append_line(folder_ / kScores, "step,samples,scene,psnr_db,events_per_pixel",
+                     cat(row.step, ',', row.samples, ',', row.scene, ',', row.psnr_db, ',', row.events_per_pixel));
+}
+
+Result<void> RunLog::add(const PatternRow& row) const {
+  std::string line = cat(row.step, ',', row.samples);
+  for (const float cell : row.cells) line += cat(',', static_cast<double>(static_cast<int>(cell * 1000)) / 1000);
+  return append_line(folder_ / kPatterns, "step,samples,cells of pattern 0 row by row then pattern 1 ...", line);
+}
+
+Result<void> RunLog::draw_curves(const std::string& title) const {
+  Curve loss{"mean squared error", {}};
+  for (const std::string& line : table_lines(folder_ / kSteps)) {
+    const auto field = fields(line);
+    if (field.size() > 3) loss.points.push_back({number(field[1]), number(field[3])});
+  }
+  std::vector<Curve> psnr;
+  for (const std::string& line : table_lines(folder_ / kScores)) {
+    const auto field = fields(line);
+    if (field.size() < 4) continue;
+    const auto same = [&](const Curve& curve) { return curve.name == field[2]; };
+    auto found = std::find_if(psnr.begin(), psnr.end(), same);
+    if (found == psnr.end()) found = psnr.insert(psnr.end(), Curve{field[2], {}});
+    found->points.push_back({number(field[1]), number(field[3])});
+  }
+  std::vector<PatternState> patterns;
+  for (const std::string& line : table_lines(folder_ / kPatterns)) {
+    const auto field = fields(line);
+    PatternState state{field.size() > 1 ? number(field[1]) : 0, {}};
+    for (size_t i = 2; i < field.size(); ++i) state.cells.push_back(number(field[i]));
+    patterns.push_back(std::move(state));
+  }
+  return write_file(folder_ / "curves.html", curves_page(title, loss, psnr, patterns));
+}
+
+}  // namespace e2lf::learn

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::learn {
+
+/// One row of log.csv.
+struct StepRow {
+  uint64_t step = 0, samples = 0;
+  double loss = 0, mse = 0, learning_rate = 0, gradient_norm = 0, samples_per_s = 0;
+  double open_cells = 0;  ///< of all patterns together
+  double binarity = 0;    ///< mean of |2 a - 1| over the cells
+};
+
+/// One row of evaluation.csv.
+struct ScoreRow {
+  uint64_t step = 0, samples = 0;
+  std::string scene;
+  double psnr_db = 0, events_per_pixel = 0;
+};
+
+/// One row of patterns.csv.
+struct PatternRow {
+  uint64_t step = 0, samples = 0;
+  std::vector<float> cells;  ///< [N, 64], in [0, 1]
+};
+
+/// The tables of a training run, one .csv file each in its folder, and the page of curves drawn from them.
+class RunLog {
+ public:
+  explicit RunLog(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  /// Drops the rows behind a step, which a run that was killed after its last checkpoint would otherwise have twice.
+  [[nodiscard]] Result<void> rewind(uint64_t step) const;
+
+  [[nodiscard]] Result<void> add(const StepRow& row) const;
+  [[nodiscard]] Result<void> add(const ScoreRow& row) const;
+  [[nodiscard]] Result<void> add(const PatternRow& row) const;
+
+  /// Writes curves.html: loss, PSNR of the validation scenes and patterns, over the samples seen. It stands alone.
+  [[nodiscard]] Result<void> draw_curves(const std::string& title) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace e2lf::learn
