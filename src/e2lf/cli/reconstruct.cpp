@@ -12,6 +12,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/event_check.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
 #include "e2lf/cli/run_record.h"
@@ -114,11 +115,34 @@ std::string cycle_name(size_t cycle) {
   return "cycle_" + number;
 }
 
+/// The codes that the events were made with, when anything says them.
+Result<std::optional<KnownCodes>> find_codes(const ReconstructArguments& arguments,
+                                             const events::EventImageFile& file) {
+  KnownCodes known;
+  bool found = !arguments.codes.codes.empty() || file.codes;
+  if (!arguments.codes.model.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(arguments.codes.model));
+    known.constants = model.constants;
+    known.event_model = model.event_model;
+    if (model.codes) known.codes = *model.codes;
+    found = found || model.codes;
+  }
+  if (!found) return std::optional<KnownCodes>();
+  if (file.codes) {
+    E2LF_ASSIGN_OR_RETURN(known.codes, aperture::codes_from_npy(*file.codes, arguments.input.string()));
+  }
+  if (!arguments.codes.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(known.codes, aperture::read_codes(arguments.codes.codes));
+  }
+  return std::optional(std::move(known));
+}
+
 /// Reconstructs cycles and writes each; what has been done so far.
 class CycleWriter {
  public:
-  CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common, Method method)
-      : arguments_(arguments), common_(common), method_(std::move(method)) {}
+  CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common, Method method,
+              std::optional<KnownCodes> codes)
+      : arguments_(arguments), common_(common), method_(std::move(method)), codes_(std::move(codes)) {}
 
   /// Into an existing folder.
   Result<void> process(const events::EventImages& images, const fs::path& folder) {
@@ -132,6 +156,10 @@ class CycleWriter {
       E2LF_ASSIGN_OR_RETURN(light_field, method_(images, bar.callback()));
     }
     const double reconstruct_s = elapsed_s();
+    std::optional<double> difference;
+    if (codes_) {
+      E2LF_ASSIGN_OR_RETURN(difference, event_error(*codes_, light_field, images));
+    }
     if (!gain_) {
       E2LF_ASSIGN_OR_RETURN(gain_, resolve_gain(arguments_.gain, light_field));
     }
@@ -141,6 +169,7 @@ class CycleWriter {
     E2LF_RETURN_IF_ERROR(write_reconstruction(folder, light_field, arguments_.format, {}));
     cycles_.push_back(
         {{"cycle", cycles_.size()}, {"gain", *gain_}, {"reconstruct_s", reconstruct_s}, {"latency_s", elapsed_s()}});
+    if (difference) cycles_.back()["event_error"] = *difference;
     return {};
   }
 
@@ -150,6 +179,7 @@ class CycleWriter {
   const ReconstructArguments& arguments_;
   const CommonOptions& common_;
   Method method_;
+  std::optional<KnownCodes> codes_;
   std::optional<float> gain_;  ///< of the first cycle, kept so that a sequence does not flicker
   Json cycles_ = Json::array();
 };
@@ -191,6 +221,10 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
   } else if (!common.quiet) {
     std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n", cycles.size(),
                 cycles.size() == 1 ? "" : "s", arguments.output.c_str(), cycles.front()["gain"].get<double>());
+    if (cycles.front().contains("event_error")) {
+      std::printf("simulated again, it differs from the events by %.3f per pixel and transition\n",
+                  cycles.front()["event_error"].get<double>());
+    }
   }
 }
 
@@ -201,7 +235,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_input(arguments));
   E2LF_ASSIGN_OR_RETURN(Method method, make_method(arguments, input.file(), record));
   record.end_step("open");
-  CycleWriter writer(arguments, common, std::move(method));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments, input.file()));
+  CycleWriter writer(arguments, common, std::move(method), std::move(codes));
   if (input.is_recording()) {
     // Earlier cycles are of use while later ones are still being recorded: the folder itself appears at once.
     E2LF_RETURN_IF_ERROR(output.commit());

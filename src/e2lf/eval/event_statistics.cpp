@@ -40,4 +40,14 @@ EventStatistics event_statistics(const events::EventImages& images, const EventR
   return statistics;
 }
 
+double mean_event_difference(const events::EventImages& a, const events::EventImages& b) {
+  E2LF_REQUIRE(a.transitions == b.transitions && a.height == b.height && a.width == b.width && !a.counts.empty(),
+               "event images of one shape");
+  uint64_t sum = 0;
+  for (size_t i = 0; i < a.counts.size(); ++i) {
+    sum += static_cast<uint64_t>(std::abs(int{a.counts[i]} - int{b.counts[i]}));
+  }
+  return static_cast<double>(sum) / static_cast<double>(a.counts.size());
+}
+
 }  // namespace e2lf::eval

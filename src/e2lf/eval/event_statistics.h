@@ -32,6 +32,9 @@ struct EventStatistics {
 /// that are not positive break the contract.
 [[nodiscard]] EventStatistics event_statistics(const events::EventImages& images, const EventRateOptions& options = {});
 
+/// The mean of |a - b| over pixels and transitions. Images of different shapes break the contract.
+[[nodiscard]] double mean_event_difference(const events::EventImages& a, const events::EventImages& b);
+
 /// Time and data rate for a known number of events per pixel; `events_per_pixel` is left empty.
 [[nodiscard]] EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions& options = {});
 

@@ -38,5 +38,13 @@ TEST(EventStatistics, RefusesImagesWithoutPixels) {
   EXPECT_THROW((void)event_statistics(events::EventImages()), ContractError);
 }
 
+TEST(MeanEventDifference, CountsOverPixelsAndTransitions) {
+  events::EventImages a(2, 1, 2), b(2, 1, 2);
+  a.counts = {3, -1, 0, 5};
+  b.counts = {1, 1, 0, 5};
+  EXPECT_DOUBLE_EQ(mean_event_difference(a, b), 1.0);
+  EXPECT_DOUBLE_EQ(mean_event_difference(a, a), 0.0);
+}
+
 }  // namespace
 }  // namespace e2lf::eval

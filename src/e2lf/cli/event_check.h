@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "e2lf/base/result.h"
+#include "e2lf/cli/inputs.h"
+#include "e2lf/events/event_images.h"
+#include "e2lf/lightfield/light_field.h"
+
+namespace e2lf::cli {
+
+/// How well a reconstruction explains the events it was made from: it is simulated without noise through the codes, and
+/// the mean of |simulated - given| over pixels and transitions is returned. Needs no true light field, so it also
+/// judges real captures; noise alone gives about 0.5. Fails as sensor::simulate_events does.
+[[nodiscard]] Result<double> event_error(const KnownCodes& known, const lightfield::LightField& light_field,
+                                         const events::EventImages& given);
+
+}  // namespace e2lf::cli
