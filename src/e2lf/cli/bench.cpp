@@ -5,6 +5,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/cli/bench_decode.h"
 #include "e2lf/cli/bench_reconstruct.h"
+#include "e2lf/cli/trainer_program.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/model/model.h"
 #include "e2lf/sensor/benchmark.h"
@@ -89,13 +90,27 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
   });
 }
 
+int run_bench_train(const std::vector<std::string>& arguments) {
+  Verb verb("bench train", "Measure training against a plain libtorch loop of the paper's networks, in the same run.",
+            "e2lf bench train --batch 8 --json");
+  uint64_t batch = 4, steps = 5;
+  verb.app().add_option("--batch", batch, "samples of 64x64x8x8 for each step")->check(CLI::PositiveNumber);
+  verb.app().add_option("--steps", steps, "measured for each loop; figures are medians")->check(CLI::PositiveNumber);
+  return verb.run(arguments, [&] {
+    std::vector<std::string> call = {"bench", "--batch", std::to_string(batch), "--steps", std::to_string(steps)};
+    if (verb.common().json) call.emplace_back("--json");
+    return become_trainer(std::move(call));
+  });
+}
+
 }  // namespace
 
 int run_bench(const std::vector<std::string>& arguments) {
   return run_subverb("bench",
                      {{"decode", "RAW recordings, against the scalar reference", run_bench_decode},
                       {"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
-                      {"simulate", "the event simulation, against the scalar reference", run_bench_simulate}},
+                      {"simulate", "the event simulation, against the scalar reference", run_bench_simulate},
+                      {"train", "training steps, against a plain libtorch loop", run_bench_train}},
                      arguments);
 }
 

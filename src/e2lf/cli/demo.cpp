@@ -27,11 +27,11 @@ using lightfield::LightField;
 namespace {
 
 struct DemoArguments {
-  fs::path output = "out/demo";
+  fs::path output = "out/demo", model;
   size_t width = 512, height = 384;
 };
 
-/// The camera of the demo: the bundled model's patterns and network, or built-in patterns and the closed form.
+/// The camera of the demo: a model's patterns and network, the bundled one's, or built-in patterns and the closed form.
 struct Camera {
   aperture::Codes codes = aperture::default_codes();
   aperture::SensorConstants constants;
@@ -39,9 +39,9 @@ struct Camera {
   std::string method = "closed-form inversion (no trained model is bundled)";
 };
 
-Result<Camera> make_camera() {
+Result<Camera> make_camera(const fs::path& named) {
   Camera camera;
-  const auto path = bundled_model();
+  const auto path = named.empty() ? bundled_model() : named;
   if (!path) return camera;
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
   if (model.codes) camera.codes = *model.codes;
@@ -77,7 +77,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(AtomicFolder output, AtomicFolder::create(arguments.output, common.overwrite));
   RunRecord record("demo");
-  E2LF_ASSIGN_OR_RETURN(const Camera camera, make_camera());
+  E2LF_ASSIGN_OR_RETURN(const Camera camera, make_camera(arguments.model));
   const lightfield::Shape shape{8, 8, arguments.height, arguments.width, 1};
   const LightField scene = lightfield::render_light_field(lightfield::demo_scene(common.seed), shape);
   record.end_step("render");
@@ -128,6 +128,7 @@ int run_demo(const std::vector<std::string>& arguments) {
             "e2lf demo -o out/demo --overwrite");
   DemoArguments demo_arguments;
   verb.app().add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
+  verb.app().add_option("-m,--model", demo_arguments.model, "model file; default: the bundled one");
   verb.app()
       .add_option("--width", demo_arguments.width, "of each view, px")
       ->check(CLI::Range(16, 8192))

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::cli {
+
+/// Becomes e2lf-train, the program beside this one that holds training: torch is loaded for it alone. Returns only
+/// with kMissingDependency, when it is not there.
+[[nodiscard]] Result<void> become_trainer(std::vector<std::string> arguments);
+
+}  // namespace e2lf::cli
