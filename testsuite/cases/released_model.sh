@@ -13,6 +13,23 @@ for y, x in ((0, 0), (328, 608)):
     print("largest difference from the golden crop:", error)
     assert error < 1e-4, error
 PY
+# The reported event error, against a second implementation.
+"$E2LF" codes show -m release.safetensors -o codes.npy --quiet
+py - "$release/Animals" "$(json animals/run.json "j['notes']['cycles'][0]['event_error']")" <<'PY'
+import sys
+import numpy as np
+codes = np.load("codes.npy").reshape(4, 64)
+views = np.maximum(np.load("animals/lightfield.npy").reshape(64, -1), 0)
+log = np.log(codes @ views / 64 + 0.01)
+captured = [np.load(f"{sys.argv[1]}/event_image_{k:05d}.npy").reshape(-1) for k in range(3)]
+reference, total = log[0], 0.0
+for k in range(3):
+    events = np.trunc((log[k + 1] - reference) / 0.3)
+    reference = reference + 0.3 * events
+    total += np.abs(events - captured[k]).mean()
+print("event error:", total / 3, sys.argv[2])
+assert 0 < total < 3 and abs(total / 3 - float(sys.argv[2])) < 1e-3
+PY
 has_bfloat16=no
 if grep -q avx512_bf16 /proc/cpuinfo; then
   has_bfloat16=yes

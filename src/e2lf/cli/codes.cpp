@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "e2lf/aperture/codes_io.h"
+#include "e2lf/base/file.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/verb.h"
 
@@ -33,10 +34,16 @@ int run_codes_show(const std::vector<std::string>& arguments) {
   Verb verb("codes show", "Show the aperture patterns of a model or a file of codes.",
             "e2lf codes show -m models/e2lf-n4.safetensors");
   CodesSource source;
+  std::filesystem::path output;
   add_codes_options(verb.app(), source);
+  verb.app().add_option("-o,--output", output, "also write the patterns to this file (.json, .npy, .npz), for --codes");
   return verb.run(arguments, [&]() -> Result<void> {
     RunRecord record("codes show");
     E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(source, record));
+    if (!output.empty()) {
+      E2LF_RETURN_IF_ERROR(check_output(output, verb.common().overwrite));
+      E2LF_RETURN_IF_ERROR(aperture::write_codes(output, known.codes));
+    }
     if (verb.common().json) {
       std::printf("%s\n", codes_json(known.codes).dump(2).c_str());
     } else {

@@ -62,6 +62,11 @@ void Patterns::start_at(const torch::Tensor& codes) {
   parameters_.copy_((free - 0.5) * (2.0 * kStartAmplitude));
 }
 
+void Patterns::start_at_noise(double width) {
+  torch::NoGradGuard no_grad;
+  parameters_.normal_(0.0, width);
+}
+
 torch::Tensor Patterns::tied(const torch::Tensor& free) const {
   switch (tie_) {
     case PatternTie::kBlackFirst:

@@ -40,6 +40,9 @@ class Patterns {
   /// Starts from binary codes [N, views] instead, each cell softened alike.
   void start_at(const torch::Tensor& codes);
 
+  /// Starts from white noise of a given standard deviation instead.
+  void start_at_noise(double width);
+
   /// [N, views] in [0, 1], differentiable. A growing scale drives the patterns to 0 and 1.
   [[nodiscard]] torch::Tensor codes(double scale) const;
 

@@ -33,7 +33,7 @@ Result<void> read_patterns(OptionReader reader, const std::string& location, Pat
   reader.read("num_patterns", patterns.num_patterns).read("black_first", patterns.black_first);
   reader.read("event_model", event_model).read("codes", patterns.codes).read("learn_steps", patterns.learn_steps);
   reader.read("start", patterns.start).read("in_model", patterns.in_model);
-  reader.read("complementary", patterns.complementary);
+  reader.read("complementary", patterns.complementary).read("noise_start", patterns.noise_start);
   reader.read("begin_step", patterns.begin_step).read("learning_rate", patterns.learning_rate);
   reader.read("scale_begin", patterns.scale_begin).read("scale_end", patterns.scale_end);
   E2LF_RETURN_IF_ERROR(reader.finish());
@@ -179,6 +179,7 @@ Json to_json(const Config& config) {
             {"event_model", kEventModels[static_cast<size_t>(patterns.event_model)]},
             {"codes", patterns.codes},
             {"start", patterns.start},
+            {"noise_start", patterns.noise_start},
             {"in_model", patterns.in_model},
             {"begin_step", patterns.begin_step},
             {"learn_steps", patterns.learn_steps},

@@ -30,7 +30,8 @@ struct PatternConfig {
   bool complementary = false;  ///< every second pattern is the inverse of the one before; not with black_first
   EventModel event_model = EventModel::kReferenceAware;
   std::string codes;            ///< a model file with codes to use as they are; empty: learn them
-  std::string start;            ///< a model file with codes that learning starts from; empty: random discs
+  std::string start;            ///< a model file with codes that learning starts from; empty: at random
+  double noise_start = 0.0;     ///< at random: parameters are white noise of this width; 0 = soft discs
   bool in_model = true;         ///< the model holds the codes; without them it reconstructs but does not simulate
   uint64_t begin_step = 200;    ///< patterns keep still until here, while the network learns to use them
   uint64_t learn_steps = 2000;  ///< steps until learned patterns are rounded to 0/1 and kept
@@ -62,7 +63,7 @@ struct TrainConfig {
   double learning_rate = 1e-3;
   uint64_t warmup_steps = 200;
   uint64_t hold_steps = 0;  ///< the rate stays at its peak until here, then follows a cosine to zero
-  double clip_norm = 1.0;
+  double clip_norm = 0.1;   ///< usual norms are 0.005 to 0.05; a rare large one would throw Adam off
   double ema = 0.999;
   double gain_weight_power = 1.0;  ///< a sample with gain g weighs g^-power in the loss
   uint64_t log_steps = 50, evaluate_steps = 1000, checkpoint_steps = 250;

@@ -23,7 +23,8 @@ TEST(RunLog, RewindDropsWhatCameAfterACheckpoint) {
   ASSERT_TRUE(log.rewind(5));  // nothing there yet
   for (const uint64_t step : {5U, 10U, 15U}) {
     ASSERT_TRUE(log.add(StepRow{.step = step, .samples = 2 * step, .loss = 0.5}));
-    ASSERT_TRUE(log.add(ScoreRow{.step = step, .samples = 2 * step, .scene = "a", .psnr_db = 20, .events_per_pixel = 7}));
+    ASSERT_TRUE(
+        log.add(ScoreRow{.step = step, .samples = 2 * step, .scene = "a", .psnr_db = 20, .events_per_pixel = 7}));
   }
   ASSERT_TRUE(log.rewind(10));
   EXPECT_EQ(content(data.folder() / "evaluation.csv"),

@@ -89,6 +89,8 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   } else if (!config.patterns.start.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, config.patterns, device));
     trainer.patterns_.start_at(codes);
+  } else if (config.patterns.noise_start > 0.0) {
+    trainer.patterns_.start_at_noise(config.patterns.noise_start);
   }
   if (!config.start.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(config.start));
