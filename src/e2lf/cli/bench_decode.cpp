@@ -8,6 +8,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/events/benchmark/benchmark_convert.h"
 #include "e2lf/events/benchmark/benchmark_decode.h"
 
 namespace e2lf::cli {
@@ -60,6 +61,16 @@ Json to_json(const std::vector<DecodeBenchmarkRow>& rows) {
   return json;
 }
 
+Result<std::vector<events::ConvertBenchmarkRow>> measure_conversion(const std::filesystem::path& folder,
+                                                                    const events::DecodeBenchmarkOptions& decode) {
+  events::ConvertBenchmarkOptions options;
+  options.folder = folder;
+  options.events = decode.events;
+  std::error_code status;
+  if (std::filesystem::is_regular_file(decode.input, status)) options.input = decode.input;
+  return events::benchmark_conversion(options);
+}
+
 void print_line(const char* what, const DecodeRates& rates, const DecodeRates& reference) {
   std::printf("  %-24s %9.0f", what, rates.columns);
   std::printf(reference.columns > 0 ? " %6.1fx" : "       -", rates.columns / reference.columns);
@@ -97,19 +108,32 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
             "e2lf bench decode RECORDINGS_DIR --json");
   events::DecodeBenchmarkOptions options;
   bool without_reference = false;
+  std::filesystem::path convert_folder;
   verb.app().add_option("input,-i,--input", options.input,
                         "RAW recording or folder of them, repeated to the wanted length; default: synthesised streams");
   verb.app().add_option("--events", options.events, "length of each stream")->capture_default_str();
   verb.app().add_option("--seconds", options.seconds, "time for each measurement")->capture_default_str();
   verb.app().add_flag("--no-reference", without_reference, "leave the scalar reference out");
+  verb.app().add_option("--convert", convert_folder,
+                        "measure the conversion of a dense EVT3 file, or the given one, in this folder too");
   return verb.run(arguments, [&]() -> Result<void> {
     options.with_reference = !without_reference;
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto rows, events::benchmark_decoding(options, bar.callback()));
+    std::vector<events::ConvertBenchmarkRow> conversions;
+    if (!convert_folder.empty()) {
+      E2LF_ASSIGN_OR_RETURN(conversions, measure_conversion(convert_folder, options));
+    }
     if (verb.common().json) {
-      std::printf("%s\n", to_json(rows).dump(2).c_str());
-    } else {
-      print_table(rows);
+      Json json = to_json(rows);
+      for (const auto& row : conversions) json["convert"][row.format] = row.mevents_per_s;
+      std::printf("%s\n", json.dump(2).c_str());
+      return {};
+    }
+    print_table(rows);
+    for (const auto& row : conversions) {
+      std::printf("RAW file to %-4s in %s: %.0f M events/s\n", row.format.c_str(), convert_folder.c_str(),
+                  row.mevents_per_s);
     }
     return {};
   });
