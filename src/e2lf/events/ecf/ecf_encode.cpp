@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
 
 #include "e2lf/events/ecf/ecf_chunk.h"
@@ -20,52 +22,70 @@ uint8_t* put_u32(uint8_t* out, uint32_t value) {
   return put_u16(put_u16(out, value), value >> 16);
 }
 
-/// The end of the run of equal values that starts at `begin`.
+/// Bit i is set where values[begin + i] differs from the value before it; begin > 0.
 template <typename T>
-size_t run_end(std::span<const T> values, size_t begin) {
-  size_t end = begin + 1;
-  while (end < values.size() && values[end] == values[begin]) ++end;
-  return end;
+uint64_t changes_at(std::span<const T> values, size_t begin) {
+  std::array<uint8_t, 64> differs{};
+  const T* const value = values.data() + begin;
+  const size_t count = std::min(differs.size(), values.size() - begin);
+  for (size_t i = 0; i < count; ++i) differs[i] = value[i] != value[i - 1] ? 1 : 0;
+  uint64_t changes = 0;
+  for (size_t i = 0; i < 64; i += 8) {
+    uint64_t bytes = 0;
+    std::memcpy(&bytes, &differs[i], 8);
+    // Moves the lowest bits of eight bytes next to each other.
+    changes |= (bytes * 0x0102040810204080) >> 56 << i;
+  }
+  return changes;
+}
+
+/// Calls visit(begin, end) for each run of equal values. Where runs end is found for 64 values at a time, because no
+/// processor foresees the end of a short run.
+template <typename T, typename Visit>
+void for_each_run(std::span<const T> values, const Visit& visit) {
+  size_t begin = 0;
+  for (size_t block = 1; block < values.size(); block += 64) {
+    for (uint64_t changes = changes_at(values, block); changes != 0; changes &= changes - 1) {
+      const size_t end = block + static_cast<size_t>(std::countr_zero(changes));
+      visit(begin, end);
+      begin = end;
+    }
+  }
+  visit(begin, values.size());
 }
 
 uint8_t* put_times(std::span<const int64_t> t, uint8_t* out) {
   const auto first = static_cast<uint64_t>(t[0]);
   out = put_u32(put_u32(out, static_cast<uint32_t>(first)), static_cast<uint32_t>(first >> 32));
   int64_t last = t[0];
-  for (size_t i = 0; i < t.size();) {
-    auto gap = static_cast<uint64_t>(t[i] - last);
-    last = t[i];
+  for_each_run(t, [&](size_t begin, size_t end) {
+    auto gap = static_cast<uint64_t>(t[begin] - last);
+    last = t[begin];
     if (gap >= 15) {
       for (; gap > 0; gap >>= 4) *out++ = static_cast<uint8_t>(0xF0 | (gap & 15));
     }
-    const size_t end = run_end(t, i);
-    const size_t count = end - i;
+    const size_t count = end - begin;
     *out++ = static_cast<uint8_t>(gap << 4 | std::min<size_t>(count, 15));
     if (count >= 15) out = put_u16(out, static_cast<uint32_t>(count));
-    i = end;
-  }
+  });
   return out;
 }
 
 uint8_t* put_y_runs(std::span<const uint16_t> y, uint8_t* out) {
-  for (size_t i = 0; i < y.size();) {
-    const size_t end = run_end(y, i);
-    const auto count = static_cast<uint32_t>(end - i);
-    out = put_u16(out, static_cast<uint32_t>(y[i]) << 5 | std::min(count, 31u));
+  for_each_run(y, [&](size_t begin, size_t end) {
+    const auto count = static_cast<uint32_t>(end - begin);
+    out = put_u16(out, static_cast<uint32_t>(y[begin]) << 5 | std::min(count, 31u));
     if (count >= 31) out = put_u16(out, count);
-    i = end;
-  }
+  });
   return out;
 }
 
 uint8_t* put_p_runs(std::span<const uint8_t> p, uint8_t* out) {
-  for (size_t i = 0; i < p.size();) {
-    const size_t end = run_end(p, i);
-    const auto count = static_cast<uint32_t>(end - i);
-    *out++ = static_cast<uint8_t>(p[i] << 7 | std::min(count, 127u));
+  for_each_run(p, [&](size_t begin, size_t end) {
+    const auto count = static_cast<uint32_t>(end - begin);
+    *out++ = static_cast<uint8_t>(p[begin] << 7 | std::min(count, 127u));
     if (count >= 127) out = put_u16(out, count);
-    i = end;
-  }
+  });
   return out;
 }
 
