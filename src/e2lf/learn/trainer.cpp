@@ -260,9 +260,9 @@ model::Model Trainer::to_model() const {
   model.num_patterns = config_.patterns.num_patterns;
   const auto codes = fixed_codes_.defined() ? fixed_codes_ : patterns_.binary_codes();
   model.codes = to_codes(codes, model.views_y, model.views_x);
-  if (!config_.patterns.in_model) model.codes.reset();
   model.event_model = config_.patterns.event_model == EventModel::kQuantised ? "quantised" : "reference-aware";
   model.black_first = aperture::is_black_first(*model.codes);  // the first may have closed without being made to
+  if (!config_.patterns.in_model) model.codes.reset();
   model.constants = config_.sensor.nominal;
   model.input = config_.input;
   model.network = network_.network();

@@ -44,6 +44,17 @@ TEST(Trainer, ResumesBitExactlyWhilePatternsAreLearnedAndAfter) {
   }
 }
 
+TEST(Trainer, LeavesTheCodesOutOfTheModelWhenAsked) {
+  const TestData data;
+  auto config = data.config();
+  EXPECT_TRUE(Trainer::create(config)->to_model().codes.has_value());
+  config.patterns.in_model = false;
+  const auto model = Trainer::create(config)->to_model();
+  EXPECT_FALSE(model.codes.has_value());
+  EXPECT_TRUE(model.black_first);
+  EXPECT_TRUE(model::write_model(data.folder() / "model", model));
+}
+
 TEST(Trainer, LowersTheLossOnOneScene) {
   const TestData data;
   auto config = data.config();
