@@ -5,7 +5,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-INCLUDE = re.compile(r'^\s*#\s*include\s*"e2lf/([a-z]+)/', re.MULTILINE)
+INCLUDE = re.compile(r'^\s*#\s*include\s*"e2lf/([a-z0-9]+)/', re.MULTILINE)
 
 
 def read_layers():

@@ -9,6 +9,13 @@
 
 namespace e2lf::events {
 
+/// Times beyond +-this (36,000 years) are damage: readers drop them, so that differences of times never overflow.
+inline constexpr int64_t kTimeLimitUs = int64_t{1} << 60;
+
+[[nodiscard]] constexpr bool is_time(int64_t t_us) {
+  return t_us >= -kTimeLimitUs && t_us <= kTimeLimitUs;
+}
+
 /// One change of brightness at one pixel: x, y from the top left, p 1 = ON (brighter) or 0 = OFF, t in microseconds.
 struct Event {
   uint16_t x = 0;

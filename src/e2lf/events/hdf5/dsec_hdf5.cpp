@@ -6,6 +6,7 @@
 #include "e2lf/base/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/events/batch_check.h"
+#include "e2lf/events/time_search.h"
 
 namespace e2lf::events::hdf5 {
 namespace {
@@ -26,13 +27,22 @@ class DsecColumns final : public EventBlocks {
     if (columns->x_.length != length || columns->y_.length != length || columns->p_.length != length) {
       return Error{ErrorCode::kShape, "the columns of events differ in length; the file is damaged", location};
     }
-    const Handle offset(H5Dopen2(file, "t_offset", H5P_DEFAULT), H5Dclose);
-    if (offset.valid() &&
-        H5Dread(offset.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &columns->offset_us_) < 0) {
-      return Error{ErrorCode::kFormat, "t_offset cannot be read", location};
-    }
+    E2LF_RETURN_IF_ERROR(read_offset(file, location, columns->offset_us_));
     std::unique_ptr<EventBlocks> blocks = std::move(columns);
     return blocks;
+  }
+
+  /// A file without t_offset begins at 0.
+  static Result<void> read_offset(hid_t file, const std::string& location, int64_t& offset_us) {
+    const Handle offset(H5Dopen2(file, "t_offset", H5P_DEFAULT), H5Dclose);
+    if (!offset.valid()) return {};
+    const std::string place = location + ": t_offset";
+    E2LF_ASSIGN_OR_RETURN(const Storage storage, e2lf::hdf5::inspect_storage(offset.get(), place));
+    if (storage.claimed_elements() != 1 || !e2lf::hdf5::chunks_are_whole(offset.get(), storage) ||
+        H5Dread(offset.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset_us) < 0 || !is_time(offset_us)) {
+      return Error{ErrorCode::kFormat, "not one time in microseconds; the file is damaged", place};
+    }
+    return {};
   }
 
   Result<bool> next(EventBatch& block, DecodeSummary&) override {
@@ -50,13 +60,21 @@ class DsecColumns final : public EventBlocks {
     E2LF_RETURN_IF_ERROR(read(p_, H5T_NATIVE_UINT8, events.p.data()));
     E2LF_RETURN_IF_ERROR(read(t_, H5T_NATIVE_INT64, events.t.data()));
     for (uint8_t& p : events.p) p = p != 0;
-    for (int64_t& t_us : events.t) t_us += offset_us_;
+    // A time that is none stays one; the gate drops it.
+    for (int64_t& t_us : events.t) t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
     next_ += count;
     return true;
   }
 
-  Result<void> seek_before(int64_t) override {
-    next_ = 0;
+  Result<void> seek_before(int64_t t_us) override {
+    const LibraryLock lock;
+    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
+      std::vector<int64_t> times_us(std::min<uint64_t>(kTimesPerProbe, t_.length - i));
+      E2LF_RETURN_IF_ERROR(read_elements(t_, H5T_NATIVE_INT64, i, times_us.size(), times_us.data(), location_));
+      const int64_t since_us = median_time(std::move(times_us));
+      return is_time(since_us) ? since_us + offset_us_ : since_us;
+    };
+    E2LF_ASSIGN_OR_RETURN(next_, find_place_before(t_.length, t_us, time_at));
     return {};
   }
 

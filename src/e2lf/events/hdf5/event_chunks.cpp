@@ -40,9 +40,9 @@ Result<std::unique_ptr<EventBlocks>> EventChunks::open(hid_t file, const std::st
   chunks->is_cut_untold_ = shape.is_cut;
   chunks->location_ = location + ": CD/events";
   chunks->threads_ = threads;
-  const bool is_ecf = shape.filters.size() == 1 && shape.filters[0] == kEcfFilter;
+  const bool is_ecf = shape.storage.filters.size() == 1 && shape.storage.filters[0] == kEcfFilter;
   chunks->is_direct_ = is_ecf && shape.chunk_length != 0 && has_vendor_layout(shape.dataset.get());
-  for (const H5Z_filter_t filter : shape.filters) {
+  for (const H5Z_filter_t filter : shape.storage.filters) {
     if (!chunks->is_direct_ && H5Zfilter_avail(filter) <= 0) {
       return Error{ErrorCode::kMissingDependency,
                    cat("the events are compressed by HDF5 filter ", filter, "; install its plugin"), chunks->location_};

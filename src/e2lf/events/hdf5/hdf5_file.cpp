@@ -35,63 +35,25 @@ std::string text_of_attribute(hid_t attribute) {
   return text.substr(0, text.find('\0'));
 }
 
-/// Elements that storage backs: what the header's length is held against.
-uint64_t stored_elements(hid_t dataset, uint64_t chunk_length, bool filtered) {
-  if (chunk_length == 0 || !filtered) {
-    const Handle type(H5Dget_type(dataset), H5Tclose);
-    return H5Dget_storage_size(dataset) / std::max<uint64_t>(1, H5Tget_size(type.get()));
-  }
-  const Handle space(H5Dget_space(dataset), H5Sclose);
-  hsize_t chunks = 0;
-  if (H5Dget_num_chunks(dataset, space.get(), &chunks) < 0) return 0;
-  return chunks * chunk_length;
-}
-
-/// False when a chunk that the elements lie in is stored at another length than the layout says: HDF5 1.10 reads beyond
-/// it. What filters unpack to is not known before.
+/// False when a chunk that the elements lie in is not stored whole.
 bool chunks_are_whole(const DatasetShape& shape, uint64_t begin, uint64_t count) {
-  if (shape.chunk_length == 0 || !shape.filters.empty()) return true;
-  const Handle type(H5Dget_type(shape.dataset.get()), H5Tclose);
-  const uint64_t chunk_bytes = shape.chunk_length * H5Tget_size(type.get());
-  for (uint64_t chunk = begin / shape.chunk_length; chunk * shape.chunk_length < begin + count; ++chunk) {
-    const hsize_t offset = chunk * shape.chunk_length;
-    hsize_t size = 0;
-    if (H5Dget_chunk_storage_size(shape.dataset.get(), &offset, &size) < 0 || size != chunk_bytes) return false;
+  if (!shape.storage.is_chunked()) return true;
+  for (hsize_t offset = begin - begin % shape.chunk_length; offset < begin + count; offset += shape.chunk_length) {
+    if (!e2lf::hdf5::chunk_is_whole(shape.dataset.get(), shape.storage, &offset)) return false;
   }
   return true;
 }
 
 }  // namespace
 
-std::recursive_mutex& library_mutex() {
-  static std::recursive_mutex mutex;
-  return mutex;
-}
-
-LibraryLock::LibraryLock() : guard_(library_mutex()) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-
-bool Handle::close() {
-  if (!valid()) return true;
-  const LibraryLock lock;
-  return close_(std::exchange(id_, -1)) >= 0;
-}
-
 Result<Handle> open_file(ByteSource& source) {
   const LibraryLock lock;
   Handle file;
-  // HDF5 1.10 reads beyond its sieve buffer where a damaged file puts elements past its end.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_sieve_buf_size(access.get(), 0);
   if (!source.path().empty()) {
-    file = Handle(H5Fopen(source.path().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+    file = e2lf::hdf5::open_file(source.path());
   } else {
     E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> bytes, read_rest(source));
-    H5Pset_fapl_core(access.get(), size_t{1} << 20, false);
-    H5Pset_file_image(access.get(), bytes.data(), bytes.size());
-    // The name must not be that of a file.
-    file = Handle(H5Fopen((source.name() + " (in memory)").c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+    file = e2lf::hdf5::open_bytes(bytes, source.name() + " (in memory)");
   }
   if (!file.valid()) {
     return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file; it is damaged or not complete",
@@ -140,29 +102,14 @@ Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std
   if (!shape.dataset.valid()) {
     return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; is it an event recording?"), location};
   }
-  const Handle space(H5Dget_space(shape.dataset.get()), H5Sclose);
-  hsize_t claimed = 0;
-  if (H5Sget_simple_extent_ndims(space.get()) != 1 || H5Sget_simple_extent_dims(space.get(), &claimed, nullptr) != 1) {
+  E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
+  const Storage& storage = shape.storage;
+  if (storage.extents.size() != 1) {
     return Error{ErrorCode::kShape, cat("data set ", name, " is not one-dimensional"), location};
   }
-  const Handle properties(H5Dget_create_plist(shape.dataset.get()), H5Pclose);
-  hsize_t chunk = 0;
-  if (H5Pget_layout(properties.get()) == H5D_CHUNKED && H5Pget_chunk(properties.get(), 1, &chunk) == 1) {
-    shape.chunk_length = chunk;
-  }
-  if (shape.chunk_length > kMaxChunkLength) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("data set ", name, " has chunks of ", chunk, " elements, more than ", kMaxChunkLength), location};
-  }
-  for (int i = 0; i < H5Pget_nfilters(properties.get()); ++i) {
-    size_t parameters = 0;
-    unsigned flags = 0, config = 0;
-    shape.filters.push_back(
-        H5Pget_filter2(properties.get(), static_cast<unsigned>(i), &flags, &parameters, nullptr, 0, nullptr, &config));
-  }
-  const uint64_t stored = stored_elements(shape.dataset.get(), shape.chunk_length, !shape.filters.empty());
-  shape.length = std::min<uint64_t>(claimed, stored);
-  shape.is_cut = shape.length < claimed;
+  shape.chunk_length = storage.is_chunked() ? storage.chunk[0] : 0;
+  shape.length = std::min(storage.claimed_elements(), storage.stored_elements);
+  shape.is_cut = shape.length < storage.claimed_elements();
   return shape;
 }
 

@@ -2,58 +2,19 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <hdf5.h>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/events/byte_source.h"
+#include "e2lf/hdf5/storage.h"
 
 namespace e2lf::events::hdf5 {
 
-/// The HDF5 library is not thread-safe: every use of it in this module holds this lock.
-[[nodiscard]] std::recursive_mutex& library_mutex();
-
-/// Takes the lock for a scope and keeps the library from printing its errors.
-class LibraryLock {
- public:
-  LibraryLock();
-
- private:
-  std::lock_guard<std::recursive_mutex> guard_;
-};
-
-/// An HDF5 identifier that is closed with the object; invalid when negative.
-class Handle {
- public:
-  using Close = herr_t (*)(hid_t);
-
-  Handle() = default;
-  Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Handle& operator=(Handle&& other) noexcept {
-    if (this != &other) {
-      close();
-      id_ = std::exchange(other.id_, -1);
-      close_ = other.close_;
-    }
-    return *this;
-  }
-  ~Handle() { close(); }
-
-  [[nodiscard]] hid_t get() const { return id_; }
-  [[nodiscard]] bool valid() const { return id_ >= 0; }
-
-  /// False when the library could not close it (for a file: not write it).
-  bool close();
-
- private:
-  hid_t id_ = -1;
-  Close close_ = nullptr;
-};
+using e2lf::hdf5::Handle;
+using e2lf::hdf5::LibraryLock;
+using e2lf::hdf5::Storage;
 
 /// Opens the file behind a source for reading; one without a file is read whole into memory first.
 /// Fails with kFormat and kIo.
@@ -71,17 +32,14 @@ class Handle {
 /// A one-dimensional data set, opened for reading, with what its length may be believed to be.
 struct DatasetShape {
   Handle dataset;
+  Storage storage;
   uint64_t length = 0;        ///< elements, no more than are stored: the header alone is not believed
   uint64_t chunk_length = 0;  ///< elements per chunk; 0 = not chunked
-  std::vector<H5Z_filter_t> filters;
-  bool is_cut = false;  ///< fewer elements are stored than the header claims
+  bool is_cut = false;        ///< fewer elements are stored than the header claims
 };
 
-/// Largest chunk that is read, in elements.
-inline constexpr uint64_t kMaxChunkLength = uint64_t{1} << 22;
-
-/// Opens a data set. Fails with kNotFound, kShape (not one-dimensional), and kUnsupported (chunks above
-/// kMaxChunkLength). `location` names the file and data set in errors.
+/// Opens a data set. Fails with kNotFound, kShape (not one-dimensional), and as hdf5::inspect_storage() does.
+/// `location` names the file and data set in errors.
 [[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location);
 
 /// Reads elements [begin, begin + count) into `out` as `memory_type`. Fails with kIo, and with kTruncated where the

@@ -16,6 +16,9 @@ namespace {
 /// Chunks that are compressed at once, each on a thread.
 constexpr size_t kBlockChunks = 16;
 
+/// The longest time without an element: half a gigabyte of index, 19 hours.
+constexpr int64_t kMaxPauseUs = int64_t{1} << 36;
+
 /// An index data set: for every 2 ms after the first element, the number and time of the first element at or after it.
 class TimeIndex {
  public:
@@ -43,7 +46,14 @@ class TimeIndex {
           end = middle;
         }
       }
-      entries_.push_back({number_ + i, time_of(i) - first_us_});
+      const int64_t since_first_us = time_of(i) - first_us_;
+      if (since_first_us - next_us_ > kMaxPauseUs) {
+        return Error{ErrorCode::kInvalidValue,
+                     cat("a pause of ", since_first_us - next_us_, " us up to ", time_of(i),
+                         " us would fill the time index; split the recording or write npz"),
+                     "indexes"};
+      }
+      entries_.push_back({number_ + i, since_first_us});
       next_us_ += kIndexPeriodUs;
       if (entries_.size() >= kChunkEvents) E2LF_RETURN_IF_ERROR(flush());
     }

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: MIT
-#include <array>
-#include <zlib.h>
-
 #include "e2lf/base/text.h"
+#include "e2lf/hdf5/storage.h"
 #include "e2lf/lightfield/axes.h"
-#include "e2lf/lightfield/formats/hdf5_file.h"
 #include "e2lf/lightfield/formats/readers.h"
 
 namespace e2lf::lightfield {
 namespace {
 
+using hdf5::Handle;
+
 constexpr const char* kNames[] = {"LF", "LF_y", "Hr_SAI_y"};
 
 /// A data set and what it says of itself, before its samples are read.
 struct OpenedSet {
-  Hdf5Id set;
+  Handle set;
   std::string name;
-  std::vector<hsize_t> extents;
+  hdf5::Storage storage;
 };
 
 std::string find_name(hid_t file) {
@@ -26,13 +25,6 @@ std::string find_name(hid_t file) {
   return "";
 }
 
-/// Without the sieve buffer: HDF5 1.10 reads beyond it where a damaged file puts samples past its end.
-Hdf5Id open_file(const std::filesystem::path& path) {
-  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_sieve_buf_size(access.get(), 0);
-  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose};
-}
-
 Result<OpenedSet> open_set(hid_t file, const std::filesystem::path& path) {
   std::string name = find_name(file);
   if (name.empty()) {
@@ -40,20 +32,18 @@ Result<OpenedSet> open_set(hid_t file, const std::filesystem::path& path) {
                  path.string()};
   }
   OpenedSet opened{{H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose}, std::move(name), {}};
-  const Hdf5Id space(opened.set.valid() ? H5Dget_space(opened.set.get()) : H5I_INVALID_HID, H5Sclose);
-  const int rank = space.valid() ? H5Sget_simple_extent_ndims(space.get()) : -1;
-  if (rank < 0) {
-    return Error{ErrorCode::kFormat, cat("not a readable data set (", hdf5_reason(), "); store it again"),
-                 cat(path.string(), ": ", opened.name)};
+  const std::string location = cat(path.string(), ": ", opened.name);
+  if (!opened.set.valid()) {
+    return Error{ErrorCode::kFormat, cat("not a readable data set (", hdf5::last_reason(), "); store it again"),
+                 location};
   }
-  opened.extents.resize(static_cast<size_t>(rank));
-  H5Sget_simple_extent_dims(space.get(), opened.extents.data(), nullptr);
+  E2LF_ASSIGN_OR_RETURN(opened.storage, hdf5::inspect_storage(opened.set.get(), location));
   return opened;
 }
 
 /// Extents and axis order of the three data sets; shape.size() is 0 where they do not fit.
 StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
-  const std::vector<hsize_t>& extents = opened.extents;
+  const std::vector<hsize_t>& extents = opened.storage.extents;
   const size_t rank = extents.size();
   StoredArray array;
   if (opened.name == "LF" && (rank == 4 || rank == 5)) {
@@ -77,7 +67,7 @@ StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
 
 /// The type to read the samples as: bytes and words as they are, floats of any width as float32.
 std::optional<SampleType> sample_type(hid_t set) {
-  const Hdf5Id type(H5Dget_type(set), H5Tclose);
+  const Handle type(H5Dget_type(set), H5Tclose);
   if (!type.valid()) return std::nullopt;
   if (H5Tget_class(type.get()) == H5T_FLOAT) return SampleType::kFloat32;
   if (H5Tget_class(type.get()) != H5T_INTEGER || H5Tget_sign(type.get()) != H5T_SGN_NONE) return std::nullopt;
@@ -92,48 +82,14 @@ hid_t memory_type(SampleType type) {
   return H5T_NATIVE_FLOAT;
 }
 
-/// False when a chunk does not hold as many bytes as the layout says: HDF5 1.10 then reads beyond it. The compressed
-/// size of every chunk is looked at, and the first one is inflated, which shows a layout that was damaged.
-bool chunks_are_whole(hid_t set, hid_t space, hid_t creation, size_t bytes_each) {
-  std::array<hsize_t, H5S_MAX_RANK> extents{};
-  const int rank = H5Pget_chunk(creation, H5S_MAX_RANK, extents.data());
-  uLongf chunk_bytes = bytes_each;
-  for (int axis = 0; axis < rank; ++axis) chunk_bytes *= extents[static_cast<size_t>(axis)];
-  const int filters = H5Pget_nfilters(creation);
-  hsize_t count = 0;
-  if (rank < 1 || filters < 0 || H5Dget_num_chunks(set, space, &count) < 0) return false;
-  std::array<hsize_t, H5S_MAX_RANK> offset{};
-  hsize_t first_bytes = 0;
-  for (hsize_t chunk = count; chunk-- > 0;) {
-    unsigned skipped_filters = 0;
-    if (H5Dget_chunk_info(set, space, chunk, offset.data(), &skipped_filters, nullptr, &first_bytes) < 0) return false;
-    if (skipped_filters != 0 || (filters == 0 && first_bytes != chunk_bytes)) return false;
-  }
-  if (count == 0 || filters == 0) return true;
-
-  unsigned flags = 0, skipped_filters = 0;
-  size_t num_values = 0;
-  const H5Z_filter_t last =
-      H5Pget_filter2(creation, static_cast<unsigned>(filters) - 1, &flags, &num_values, nullptr, 0, nullptr, nullptr);
-  if (last != H5Z_FILTER_DEFLATE || chunk_bytes / 1032 > first_bytes) return false;
-  std::vector<uint8_t> packed(first_bytes), whole(chunk_bytes);
-  return H5Dread_chunk(set, H5P_DEFAULT, offset.data(), &skipped_filters, packed.data()) >= 0 &&
-         uncompress(whole.data(), &chunk_bytes, packed.data(), first_bytes) == Z_OK && chunk_bytes == whole.size();
-}
-
-/// False when the file does not store what the extents promise. Unwritten chunks take no space, but a light field has
-/// hardly any of these.
-bool holds_samples(hid_t set) {
+/// False when the file does not store what the extents promise, or packs it by a filter whose output nothing tells.
+/// Unwritten chunks take no space, but a light field has hardly any of these.
+bool holds_samples(hid_t set, const hdf5::Storage& storage) {
   constexpr double kMaxDeflateRatio = 1032.0;
-  const Hdf5Id type(H5Dget_type(set), H5Tclose);
-  const Hdf5Id space(H5Dget_space(set), H5Sclose);
-  const Hdf5Id creation(H5Dget_create_plist(set), H5Pclose);
-  if (!type.valid() || !space.valid() || !creation.valid()) return false;
-  const double promised =
-      static_cast<double>(H5Sget_simple_extent_npoints(space.get())) * static_cast<double>(H5Tget_size(type.get()));
-  const bool chunked = H5Pget_layout(creation.get()) == H5D_CHUNKED;
-  return promised <= static_cast<double>(H5Dget_storage_size(set)) * (chunked ? kMaxDeflateRatio : 1.0) &&
-         (!chunked || chunks_are_whole(set, space.get(), creation.get(), H5Tget_size(type.get())));
+  const double promised = static_cast<double>(storage.claimed_elements()) * static_cast<double>(storage.bytes_each);
+  const double most = static_cast<double>(H5Dget_storage_size(set)) * (storage.is_chunked() ? kMaxDeflateRatio : 1.0);
+  const bool is_known = storage.filters.empty() || storage.filters.back() == H5Z_FILTER_DEFLATE;
+  return promised <= most && is_known && hdf5::chunks_are_whole(set, storage);
 }
 
 std::string extents_text(const std::vector<hsize_t>& extents) {
@@ -142,30 +98,17 @@ std::string extents_text(const std::vector<hsize_t>& extents) {
 
 }  // namespace
 
-std::string hdf5_reason() {
-  std::string reason = "no reason given";
-  // Upward = from the innermost function out, so the first entry is the root.
-  H5Ewalk2(
-      H5E_DEFAULT, H5E_WALK_UPWARD,
-      [](unsigned number, const H5E_error2_t* error, void* text) -> herr_t {
-        if (number == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
-        return 0;
-      },
-      &reason);
-  return reason;
-}
-
 bool hdf5_has_light_field(const std::filesystem::path& path) {
-  const Hdf5Silence silence;
-  const Hdf5Id file = open_file(path);
+  const hdf5::LibraryLock lock;
+  const Handle file = hdf5::open_file(path);
   return file.valid() && !find_name(file.get()).empty();
 }
 
 Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOptions& options) {
-  const Hdf5Silence silence;
-  const Hdf5Id file = open_file(path);
+  const hdf5::LibraryLock lock;
+  const Handle file = hdf5::open_file(path);
   if (!file.valid()) {
-    return Error{ErrorCode::kFormat, cat("not a readable HDF5 file (", hdf5_reason(), "); copy it again"),
+    return Error{ErrorCode::kFormat, cat("not a readable HDF5 file (", hdf5::last_reason(), "); copy it again"),
                  path.string()};
   }
   E2LF_ASSIGN_OR_RETURN(const OpenedSet opened, open_set(file.get(), path));
@@ -173,7 +116,7 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   StoredArray array = arrange(opened, options);
   if (array.shape.size() == 0) {
     return Error{ErrorCode::kShape,
-                 cat("extents ", extents_text(opened.extents),
+                 cat("extents ", extents_text(opened.storage.extents),
                      " do not fit; LF is (U,V,H,W,C), LF_y [views, H, W], Hr_SAI_y [views_x * W, views_y * H]"),
                  location};
   }
@@ -184,13 +127,13 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   array.type = *type;
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));
 
-  if (!holds_samples(opened.set.get())) {
+  if (!holds_samples(opened.set.get(), opened.storage)) {
     return Error{ErrorCode::kTruncated,
                  "samples are missing, or packed by another filter than deflate; copy or store it again", location};
   }
   std::vector<uint8_t> bytes(array.shape.size() * sample_bytes(*type));
   if (H5Dread(opened.set.get(), memory_type(*type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
-    return Error{ErrorCode::kFormat, cat("the samples cannot be read (", hdf5_reason(), "); copy the file again"),
+    return Error{ErrorCode::kFormat, cat("the samples cannot be read (", hdf5::last_reason(), "); copy the file again"),
                  location};
   }
   array.bytes = bytes;

@@ -3,7 +3,7 @@
 
 #include "e2lf/base/file.h"
 #include "e2lf/base/text.h"
-#include "e2lf/lightfield/formats/hdf5_file.h"
+#include "e2lf/hdf5/library.h"
 
 namespace e2lf::lightfield {
 namespace {
@@ -12,13 +12,13 @@ namespace {
 std::vector<uint8_t> encode_hdf5(const std::string& name, const std::vector<size_t>& extents,
                                  std::span<const float> values) {
   constexpr size_t kGrowBytes = size_t{1} << 24;
-  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   if (!access.valid() || H5Pset_fapl_core(access.get(), kGrowBytes, 0) < 0) return {};
-  const Hdf5Id file(H5Fcreate("memory.h5", H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
+  const hdf5::Handle file(H5Fcreate("memory.h5", H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
   const std::vector<hsize_t> sizes(extents.begin(), extents.end());
-  const Hdf5Id space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr), H5Sclose);
+  const hdf5::Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr), H5Sclose);
   if (!file.valid() || !space.valid()) return {};
-  const Hdf5Id set(
+  const hdf5::Handle set(
       H5Dcreate2(file.get(), name.c_str(), H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Dclose);
   if (!set.valid() || H5Dwrite(set.get(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0 ||
@@ -35,11 +35,11 @@ std::vector<uint8_t> encode_hdf5(const std::string& name, const std::vector<size
 
 Result<void> write_hdf5(const std::filesystem::path& path, const std::string& name, const std::vector<size_t>& extents,
                         std::span<const float> values) {
-  const Hdf5Silence silence;
+  const hdf5::LibraryLock lock;
   const std::vector<uint8_t> bytes = encode_hdf5(name, extents, values);
   if (bytes.empty()) {
-    return Error{ErrorCode::kInternal, cat("HDF5 could not encode ", name, " (", hdf5_reason(), "); write npy instead"),
-                 path.string()};
+    return Error{ErrorCode::kInternal,
+                 cat("HDF5 could not encode ", name, " (", hdf5::last_reason(), "); write npy instead"), path.string()};
   }
   return write_file(path, bytes);
 }

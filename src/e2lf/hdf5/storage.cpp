@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/hdf5/storage.h"
+
+#include <algorithm>
+#include <array>
+#include <zlib.h>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::hdf5 {
+namespace {
+
+/// What deflate reaches at most.
+constexpr uint64_t kMaxDeflateRatio = 1032;
+
+uint64_t product(const std::vector<hsize_t>& extents) {
+  uint64_t result = 1;
+  for (const hsize_t extent : extents) {
+    if (__builtin_mul_overflow(result, uint64_t{extent}, &result)) return UINT64_MAX;
+  }
+  return result;
+}
+
+/// Elements that the file has room for.
+uint64_t stored_elements(hid_t dataset, const Storage& storage) {
+  const uint64_t bytes = H5Dget_storage_size(dataset);
+  if (!storage.is_chunked() || storage.filters.empty()) return bytes / storage.bytes_each;
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  hsize_t chunks = 0;
+  if (H5Dget_num_chunks(dataset, space.get(), &chunks) < 0) return 0;
+  uint64_t elements = 0;
+  if (__builtin_mul_overflow(uint64_t{chunks}, product(storage.chunk), &elements)) return UINT64_MAX;
+  return elements;
+}
+
+/// Whether `packed` inflates to exactly `bytes` bytes.
+bool inflates_to(const std::vector<uint8_t>& packed, uint64_t bytes) {
+  std::array<uint8_t, 16384> out;
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) return false;
+  stream.next_in = const_cast<Bytef*>(packed.data());  // zlib only reads it
+  stream.avail_in = static_cast<uInt>(packed.size());
+  uint64_t inflated = 0;
+  int state = Z_OK;
+  while (state == Z_OK && inflated <= bytes) {
+    stream.next_out = out.data();
+    stream.avail_out = static_cast<uInt>(out.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+    inflated += out.size() - stream.avail_out;
+  }
+  inflateEnd(&stream);
+  return state == Z_STREAM_END && inflated == bytes;
+}
+
+/// A chunk with all filters applied, `size` bytes in the file.
+bool packed_chunk_is_whole(hid_t dataset, const Storage& storage, const hsize_t* offset, uint64_t size) {
+  if (storage.filters.back() != H5Z_FILTER_DEFLATE) return true;
+  if (size > kMaxChunkBytes || storage.chunk_bytes / kMaxDeflateRatio > size) return false;
+  std::vector<uint8_t> packed(size);
+  uint32_t skipped_filters = 0;
+  return H5Dread_chunk(dataset, H5P_DEFAULT, offset, &skipped_filters, packed.data()) >= 0 &&
+         inflates_to(packed, storage.chunk_bytes);
+}
+
+void read_filters(hid_t properties, Storage& storage) {
+  const int filters = H5Pget_nfilters(properties);
+  for (int i = 0; i < filters; ++i) {
+    size_t parameters = 0;
+    unsigned flags = 0, config = 0;
+    storage.filters.push_back(
+        H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &parameters, nullptr, 0, nullptr, &config));
+  }
+}
+
+Result<void> read_layout(hid_t properties, Storage& storage, const std::string& location) {
+  const H5D_layout_t layout = H5Pget_layout(properties);
+  const bool is_elsewhere = layout == H5D_VIRTUAL || H5Pget_external_count(properties) > 0;
+  if (layout < 0 || is_elsewhere) {
+    return Error{ErrorCode::kUnsupported, "the data set lies in other files; store it in this one", location};
+  }
+  if (layout != H5D_CHUNKED) return {};
+  storage.chunk.resize(storage.extents.size());
+  const int rank = static_cast<int>(storage.chunk.size());
+  if (rank < 1 || H5Pget_chunk(properties, rank, storage.chunk.data()) != rank) {
+    return Error{ErrorCode::kFormat, "the data set's chunks cannot be told; the file is damaged", location};
+  }
+  const uint64_t elements = product(storage.chunk);
+  if (elements == 0 || __builtin_mul_overflow(elements, uint64_t{storage.bytes_each}, &storage.chunk_bytes) ||
+      storage.chunk_bytes > kMaxChunkBytes) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("the data set has chunks of ", elements, " elements, more than ", kMaxChunkBytes,
+                     " bytes; store it in smaller ones"),
+                 location};
+  }
+  return {};
+}
+
+}  // namespace
+
+uint64_t Storage::claimed_elements() const {
+  return product(extents);
+}
+
+Result<Storage> inspect_storage(hid_t dataset, const std::string& location) {
+  const LibraryLock lock;
+  Storage storage;
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  const int rank = space.valid() ? H5Sget_simple_extent_ndims(space.get()) : -1;
+  if (rank < 0 || !type.valid() || !properties.valid()) {
+    return Error{ErrorCode::kFormat, cat("not a readable data set (", last_reason(), "); copy the file again"),
+                 location};
+  }
+  storage.extents.resize(static_cast<size_t>(rank));
+  H5Sget_simple_extent_dims(space.get(), storage.extents.data(), nullptr);
+  storage.bytes_each = H5Tget_size(type.get());
+  if (storage.bytes_each == 0 || H5Tdetect_class(type.get(), H5T_VLEN) != 0 || H5Tis_variable_str(type.get()) != 0) {
+    return Error{ErrorCode::kUnsupported, "the data set's elements are not of one size; store plain numbers", location};
+  }
+  E2LF_RETURN_IF_ERROR(read_layout(properties.get(), storage, location));
+  read_filters(properties.get(), storage);
+  if (storage.filters.size() > 16) {
+    return Error{ErrorCode::kUnsupported, "the data set is packed by more than 16 filters; is the file damaged?",
+                 location};
+  }
+  storage.stored_elements = stored_elements(dataset, storage);
+  return storage;
+}
+
+bool chunk_is_whole(hid_t dataset, const Storage& storage, const hsize_t* offset) {
+  const LibraryLock lock;
+  hsize_t size = 0;
+  haddr_t address = 0;
+  unsigned skipped_filters = 0;
+  if (H5Dget_chunk_info_by_coord(dataset, offset, &skipped_filters, &address, &size) < 0 || size == 0) return false;
+  const unsigned all_filters = (1U << storage.filters.size()) - 1;
+  if ((skipped_filters & all_filters) == all_filters) return size == storage.chunk_bytes;
+  // Some filters without the others leave a size that nothing tells; no writer does that.
+  return (skipped_filters & all_filters) == 0 && packed_chunk_is_whole(dataset, storage, offset, size);
+}
+
+bool chunks_are_whole(hid_t dataset, const Storage& storage) {
+  if (!storage.is_chunked()) return true;
+  const LibraryLock lock;
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  hsize_t chunks = 0;
+  if (H5Dget_num_chunks(dataset, space.get(), &chunks) < 0) return false;
+  std::vector<hsize_t> offset(storage.chunk.size());
+  for (hsize_t i = 0; i < chunks; ++i) {
+    unsigned skipped_filters = 0;
+    if (H5Dget_chunk_info(dataset, space.get(), i, offset.data(), &skipped_filters, nullptr, nullptr) < 0) return false;
+    if (!chunk_is_whole(dataset, storage, offset.data())) return false;
+  }
+  return true;
+}
+
+}  // namespace e2lf::hdf5

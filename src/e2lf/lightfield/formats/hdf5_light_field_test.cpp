@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <zlib.h>
+
+#include "e2lf/base/file.h"
+#include "e2lf/base/test_files.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/test_light_field.h"
+
+namespace e2lf::lightfield {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One data set of any type.
+void write_set(const fs::path& path, const char* name, hid_t type, std::vector<hsize_t> extents, const void* values) {
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t space = H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr);
+  const hid_t set = H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  if (values != nullptr) {
+    ASSERT_GE(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
+  }
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Fclose(file);
+}
+
+TEST(Hdf5File, ReadsLumaOfBytesAndFloats) {
+  const TestFolder folder;
+  const LightField stored = numbered_light_field({8, 8, 3, 5, 1});
+  std::vector<uint8_t> bytes;
+  for (const float value : stored.data()) bytes.push_back(static_cast<uint8_t>(value * 255.0F + 0.5F));
+  write_set(folder / "a.h5", "LF_y", H5T_NATIVE_UINT8, {64, 3, 5}, bytes.data());
+  EXPECT_TRUE(same(read_light_field(folder / "a.h5").value(), stored));
+  const std::vector<double> doubles(stored.data().begin(), stored.data().end());
+  write_set(folder / "b.h5", "LF_y", H5T_NATIVE_DOUBLE, {64, 3, 5}, doubles.data());
+  EXPECT_TRUE(same(read_light_field(folder / "b.h5").value(), stored));
+}
+
+TEST(Hdf5File, ReadsATransposedPatch) {
+  const TestFolder folder;
+  const LightField stored = numbered_light_field({5, 5, 4, 4, 1});
+  std::vector<float> patch;
+  for (size_t v = 0; v < 5; ++v)
+    for (size_t w = 0; w < 4; ++w)
+      for (size_t u = 0; u < 5; ++u)
+        for (size_t h = 0; h < 4; ++h) patch.push_back(stored.at(u, v, h, w));
+  write_set(folder / "000001.h5", "Hr_SAI_y", H5T_NATIVE_FLOAT, {20, 20}, patch.data());
+  ReadOptions options;
+  options.patch_views = options.views_y.count = options.views_x.count = 5;
+  EXPECT_TRUE(same(read_light_field(folder / "000001.h5", options).value(), stored));
+  EXPECT_EQ(read_light_field(folder / "000001.h5").error().code, ErrorCode::kShape);
+}
+
+TEST(Hdf5File, OddContentIsAnErrorAndPrintsNothing) {
+  const TestFolder folder;
+  testing::internal::CaptureStderr();
+  const std::vector<int> whole(64 * 6);
+  write_set(folder / "a.h5", "LF_y", H5T_NATIVE_INT, {64, 2, 3}, whole.data());
+  EXPECT_EQ(read_light_field(folder / "a.h5").error().code, ErrorCode::kUnsupported);
+  write_set(folder / "a.h5", "LF_y", H5T_NATIVE_INT, {63, 2, 3}, whole.data());
+  EXPECT_EQ(read_light_field(folder / "a.h5").error().code, ErrorCode::kShape);
+  // Extents without samples: nothing is allocated on their word.
+  write_set(folder / "a.h5", "LF_y", H5T_NATIVE_FLOAT, {64, 2000, 2000}, nullptr);
+  EXPECT_EQ(read_light_field(folder / "a.h5").error().code, ErrorCode::kTruncated);
+  write_set(folder / "a.h5", "LF_y", H5T_NATIVE_FLOAT, {64, 1'000'000, 1'000'000}, nullptr);
+  EXPECT_EQ(read_light_field(folder / "a.h5").error().code, ErrorCode::kUnsupported);
+  write_set(folder / "a.h5", "events", H5T_NATIVE_INT, {64, 2, 3}, whole.data());
+  EXPECT_EQ(read_light_field(folder / "a.h5").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(detect_kind(folder / "a.h5").error().code, ErrorCode::kUnsupported);
+  ASSERT_TRUE(write_file(folder / "b.h5", std::string("\x89HDF\r\n\x1a\n and nothing more")).ok());
+  EXPECT_EQ(read_light_field(folder / "b.h5").error().code, ErrorCode::kFormat);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(Hdf5File, AChunkSmallerThanTheLayoutSaysIsRefused) {
+  const TestFolder folder;
+  const hid_t file = H5Fcreate((folder / "a.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t extents[] = {64, 8, 8};
+  const hid_t space = H5Screate_simple(3, extents, nullptr);
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(creation, 3, extents);
+  H5Pset_deflate(creation, 6);
+  const hid_t set = H5Dcreate2(file, "LF_y", H5T_NATIVE_UINT8, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+  const std::vector<uint8_t> part(64 * 8 * 4, 7);
+  std::vector<uint8_t> packed(part.size());
+  uLongf packed_bytes = packed.size();
+  ASSERT_EQ(compress(packed.data(), &packed_bytes, part.data(), part.size()), Z_OK);
+  const hsize_t offset[] = {0, 0, 0};
+  ASSERT_GE(H5Dwrite_chunk(set, H5P_DEFAULT, 0, offset, packed_bytes, packed.data()), 0);
+  H5Dclose(set);
+  H5Pclose(creation);
+  H5Sclose(space);
+  H5Fclose(file);
+  EXPECT_EQ(read_light_field(folder / "a.h5").error().code, ErrorCode::kTruncated);
+}
+
+TEST(Hdf5File, PutsTheErrorHandlerBack) {
+  H5E_auto2_t before = nullptr, after = nullptr;
+  void* data = nullptr;
+  H5Eget_auto2(H5E_DEFAULT, &before, &data);
+  ASSERT_NE(before, nullptr);
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "b.h5", std::string("\x89HDF\r\n\x1a\n")).ok());
+  EXPECT_FALSE(read_light_field(folder / "b.h5").ok());
+  H5Eget_auto2(H5E_DEFAULT, &after, &data);
+  EXPECT_EQ(before, after);
+}
+
+}  // namespace
+}  // namespace e2lf::lightfield
