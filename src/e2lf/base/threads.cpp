@@ -3,19 +3,27 @@
 
 #include <algorithm>
 #include <exception>
+#ifdef _OPENMP
 #include <omp.h>
+#endif
 
 #include "e2lf/base/contract.h"
 
 namespace e2lf {
 
 int num_threads() {
+#ifdef _OPENMP
   return omp_get_max_threads();
+#else
+  return 1;  // the build for fuzzing
+#endif
 }
 
 void set_num_threads(int threads) {
   E2LF_REQUIRE(threads >= 0, "the number of threads cannot be negative");
+#ifdef _OPENMP
   omp_set_num_threads(threads == 0 ? omp_get_num_procs() : threads);
+#endif
 }
 
 void parallel_for(size_t count, size_t min_chunk, const std::function<void(size_t, size_t)>& body) {

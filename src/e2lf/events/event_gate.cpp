@@ -10,7 +10,7 @@ void EventGate::release(EventColumns& events) {
 }
 
 void EventGate::reset() {
-  last_us_ = INT64_MIN;
+  last_us_ = -kTimeLimitUs;
   waiting_.clear();
 }
 
@@ -21,7 +21,8 @@ bool EventGate::all_believable(const EventColumns& events, size_t begin) const {
   for (size_t i = begin; i < events.size(); ++i) outside |= (events.x[i] >= width) | (events.y[i] >= height);
   uint32_t backwards = begin < events.size() && events.t[begin] < last_us_;
   for (size_t i = begin + 1; i < events.size(); ++i) backwards |= events.t[i] < events.t[i - 1];
-  return (outside | backwards) == 0;
+  const bool in_time = begin == events.size() || is_time(events.t.back());
+  return (outside | backwards) == 0 && in_time;
 }
 
 size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t end, uint64_t byte,
@@ -31,7 +32,7 @@ size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t
   for (size_t i = begin; i < end; ++i) {
     const bool outside = (width_ != 0 && events.x[i] >= width_) || (height_ != 0 && events.y[i] >= height_);
     const bool backwards = events.t[i] < last_us_;
-    if (outside || backwards || is_ahead_of_successors(i, events.size(), last_us_, time_at)) {
+    if (outside || backwards || !is_time(events.t[i]) || is_ahead_of_successors(i, events.size(), last_us_, time_at)) {
       const Violation kind = outside     ? Violation::kOutOfRange
                              : backwards ? Violation::kTimeBackwards
                                          : Violation::kTimeJump;

@@ -28,8 +28,8 @@ template <typename TimeAt>
 
 /// Sorts out what damage has left unbelievable among events that carry their own full time (DAT, AEDAT4, CSV, npy):
 /// an event outside the sensor (kOutOfRange), an event before its predecessor (kTimeBackwards), and an event later than
-/// most of its kTimeLookAhead successors (kTimeJump), so that one flipped bit costs one event and not all that follow.
-/// The last kTimeLookAhead events wait for their successors until the next call.
+/// most of its kTimeLookAhead successors or beyond kTimeLimitUs (kTimeJump), so that one flipped bit costs one event
+/// and not all that follow. The last kTimeLookAhead events wait for their successors until the next call.
 class EventGate {
  public:
   /// The sensor's size in pixels; 0 = unlimited. `record_bytes` turns event numbers into bytes for the summary; 0 =
@@ -55,7 +55,7 @@ class EventGate {
   size_t remove_unbelievable(EventColumns& events, size_t begin, size_t end, uint64_t byte, DecodeSummary& summary);
 
   size_t width_, height_, record_bytes_;
-  int64_t last_us_ = INT64_MIN;
+  int64_t last_us_ = -kTimeLimitUs;
   EventColumns waiting_;
 };
 

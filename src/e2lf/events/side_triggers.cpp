@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "e2lf/base/text.h"
-#include "e2lf/events/byte_source.h"
 
 namespace e2lf::events {
 namespace {
@@ -64,6 +63,10 @@ std::filesystem::path side_trigger_path(const std::filesystem::path& recording) 
 Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
   if (recording.empty() || !std::filesystem::exists(side_trigger_path(recording))) return TriggerFeed();
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
+  return make_side_trigger_feed(std::move(source));
+}
+
+TriggerFeed make_side_trigger_feed(std::unique_ptr<ByteSource> source) {
   return TriggerFeed(std::make_unique<SideTriggerFile>(std::move(source)));
 }
 

@@ -8,6 +8,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/events/byte_sink.h"
+#include "e2lf/events/byte_source.h"
 #include "e2lf/events/event.h"
 #include "e2lf/events/trigger_feed.h"
 
@@ -21,6 +22,9 @@ namespace e2lf::events {
 /// The triggers beside a recording; an empty feed when there is no such file (or `recording` is empty). A line that
 /// cannot be read is skipped. Fails with kIo.
 [[nodiscard]] Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording);
+
+/// The triggers in the text that a source holds.
+[[nodiscard]] TriggerFeed make_side_trigger_feed(std::unique_ptr<ByteSource> source);
 
 /// Writes the file; it appears at finish(), and only when there was a trigger.
 class SideTriggerWriter {

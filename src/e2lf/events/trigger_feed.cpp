@@ -18,7 +18,8 @@ Result<void> TriggerFeed::refill() {
 bool TriggerFeed::is_believable(DecodeSummary& summary) const {
   const bool backwards = block_[next_].t < last_us_;
   const auto time_at = [&](size_t i) { return block_[i].t; };
-  if (!backwards && !is_ahead_of_successors(next_, block_.size(), last_us_, time_at)) return true;
+  if (!backwards && is_time(block_[next_].t) && !is_ahead_of_successors(next_, block_.size(), last_us_, time_at))
+    return true;
   summary.add(backwards ? Violation::kTimeBackwards : Violation::kTimeJump, 0);
   ++summary.dropped_words;
   return false;
@@ -50,7 +51,7 @@ Result<bool> TriggerFeed::take_beside(EventBatch& batch, size_t begin, bool more
 Result<void> TriggerFeed::rewind() {
   block_.clear();
   next_ = 0;
-  last_us_ = INT64_MIN;
+  last_us_ = -kTimeLimitUs;
   ended_ = source_ == nullptr;
   return source_ == nullptr ? Result<void>{} : source_->rewind();
 }

@@ -24,7 +24,8 @@ class TriggerSource {
 };
 
 /// Hands the triggers of a source out beside the events they belong to, one block in memory at a time. A trigger whose
-/// time steps back, or is ahead of most that follow, is dropped and counted in the reader's summary.
+/// time steps back, is ahead of most that follow, or beyond kTimeLimitUs, is dropped and counted in the reader's
+/// summary.
 class TriggerFeed {
  public:
   TriggerFeed() = default;
@@ -51,7 +52,7 @@ class TriggerFeed {
   std::vector<Trigger> block_;
   size_t next_ = 0;
   bool ended_ = true;
-  int64_t last_us_ = INT64_MIN;
+  int64_t last_us_ = -kTimeLimitUs;
 };
 
 }  // namespace e2lf::events

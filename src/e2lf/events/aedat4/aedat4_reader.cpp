@@ -73,7 +73,7 @@ class Aedat4Blocks final : public EventBlocks {
     if (!append_triggers(unpacked_, block.triggers)) return false;
     // Several trigger streams may overlap in time; one that lies before what was handed out is damaged.
     std::erase_if(block.triggers, [this](const Trigger& trigger) {
-      if (trigger.t < last_trigger_us_) return true;
+      if (trigger.t < last_trigger_us_ || !is_time(trigger.t)) return true;
       last_trigger_us_ = trigger.t;
       return false;
     });

@@ -152,11 +152,13 @@ std::optional<Layout> find_layout(std::span<const uint8_t> head) {
       layout.is_seconds |= words[static_cast<size_t>(time_at)].find('.') != std::string_view::npos;
       Event event;
       if (!parse_line(line, layout, event)) return {};
+      layout.has_events = true;
       return layout;
     }
     layout.header_bytes = std::min(begin, text.size());
   }
-  return {};
+  if (layout.width == 0) return {};
+  return layout;
 }
 
 }  // namespace e2lf::events::csv

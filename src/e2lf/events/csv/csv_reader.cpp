@@ -10,13 +10,15 @@
 #include "e2lf/events/event_blocks.h"
 #include "e2lf/events/registry.h"
 #include "e2lf/events/side_triggers.h"
+#include "e2lf/events/time_search.h"
 
 namespace e2lf::events::csv {
 namespace {
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
 constexpr size_t kLongestLine = 4096;
-constexpr size_t kShortestLine = 8;  // "0,0,0,0\n"
+constexpr size_t kSeekBytes = 16384;  // between the places that a seek looks at; more than some lines
+constexpr size_t kShortestLine = 8;   // "0,0,0,0\n"
 
 /// Appends the events of whole lines; returns how many lines are not events.
 size_t parse_lines(std::string_view text, const Layout& layout, EventColumns& events) {
@@ -28,7 +30,7 @@ size_t parse_lines(std::string_view text, const Layout& layout, EventColumns& ev
         found == nullptr ? text.size() : static_cast<size_t>(static_cast<const char*>(found) - text.data());
     const std::string_view line = text.substr(begin, end - begin);
     begin = end + 1;
-    if (parse_line(line, layout, event)) {
+    if (line.size() <= kLongestLine && parse_line(line, layout, event)) {
       events.push_back(event);
     } else {
       bad += !line.empty() && line != "\r" && line[0] != '#' && line[0] != '%';
@@ -49,25 +51,71 @@ class CsvBlocks final : public EventBlocks {
     const size_t bad = threads_ == 1 ? parse_lines(text, layout_, block.events) : parse_parallel(text, block.events);
     if (bad > 0) summary.add(Violation::kBadRecord, source_->position(), bad);
     summary.dropped_words += bad;
+    is_within_line_ = text.back() != '\n';
     source_->consume(text.size());
     return true;
   }
 
-  Result<void> seek_before(int64_t) override { return source_->seek(layout_.header_bytes); }
+  Result<void> seek_before(int64_t t_us) override {
+    is_within_line_ = false;
+    E2LF_RETURN_IF_ERROR(source_->seek(layout_.header_bytes));
+    const uint64_t bytes = source_->size().value_or(0);
+    const uint64_t places = bytes < layout_.header_bytes ? 0 : (bytes - layout_.header_bytes) / kSeekBytes;
+    const auto place_of = [&](uint64_t i) { return layout_.header_bytes + i * kSeekBytes; };
+    const auto time_at = [&](uint64_t i) { return time_behind(place_of(i)); };
+    E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(places, t_us, time_at));
+    if (place == 0) return source_->seek(layout_.header_bytes);
+    E2LF_ASSIGN_OR_RETURN(const uint64_t line, line_behind(place_of(place)));
+    return source_->seek(line);
+  }
 
  private:
+  /// Where the first line begins that begins at or behind a byte.
+  Result<uint64_t> line_behind(uint64_t byte) {
+    E2LF_RETURN_IF_ERROR(source_->seek(byte - 1));
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
+    const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
+    return byte - 1 + static_cast<uint64_t>(newline - bytes.begin()) + (newline == bytes.end() ? 0 : 1);
+  }
+
+  /// The time of the lines there; where none can be read, later than any.
+  Result<int64_t> time_behind(uint64_t byte) {
+    E2LF_ASSIGN_OR_RETURN(const uint64_t line, line_behind(byte));
+    E2LF_RETURN_IF_ERROR(source_->seek(line));
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
+    std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kLongestLine));
+    text = text.substr(0, text.rfind('\n') + 1);
+    EventColumns events;
+    parse_lines(text, layout_, events);
+    if (events.empty()) return INT64_MAX;
+    const size_t count = std::min(kTimesPerProbe, events.size());
+    return median_time({events.t.begin(), events.t.begin() + static_cast<ptrdiff_t>(count)});
+  }
+
   /// Whole lines, as many as are at hand; empty at the end.
   Result<std::string_view> fetch_lines() {
     const size_t block = kBlockBytes * static_cast<size_t>(threads_);
+    if (is_within_line_) E2LF_RETURN_IF_ERROR(skip_line());
     size_t wanted = source_->seekable() ? block : 1;
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(wanted));
       const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), block));
       const size_t newline = text.rfind('\n');
       if (newline != std::string_view::npos) return text.substr(0, newline + 1);
-      // The last line may lack its end; one that never ends is handed on to be counted as bad.
-      if (bytes.size() < wanted || text.size() >= kLongestLine) return text;
+      // The last line may lack its end; one that never ends is handed on to be counted as bad, once.
+      if (bytes.size() < wanted || text.size() > kLongestLine) return text;
       wanted = text.size() + 1;
+    }
+  }
+
+  /// Passes over the rest of a line whose beginning was handed on.
+  Result<void> skip_line() {
+    for (;;) {
+      E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(1));
+      const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
+      const bool is_found = newline != bytes.end();
+      source_->consume(static_cast<size_t>(newline - bytes.begin()) + (is_found ? 1 : 0));
+      if (is_found || bytes.empty()) return {};
     }
   }
 
@@ -99,6 +147,7 @@ class CsvBlocks final : public EventBlocks {
   std::unique_ptr<ByteSource> source_;
   Layout layout_;
   int threads_;
+  bool is_within_line_ = false;  ///< the line at hand is too long and was counted
   std::vector<EventColumns> parts_;
 };
 
@@ -122,12 +171,12 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
 
 bool detect_csv(std::span<const uint8_t> head) {
   const auto layout = find_layout(head);
-  return layout && !layout->is_seconds;
+  return layout && layout->has_events && !layout->is_seconds;
 }
 
 bool detect_txt(std::span<const uint8_t> head) {
   const auto layout = find_layout(head);
-  return layout && layout->is_seconds;
+  return layout && layout->has_events && layout->is_seconds;
 }
 
 Result<std::unique_ptr<RecordingReader>> open_csv(std::unique_ptr<ByteSource> source, const OpenOptions& options) {

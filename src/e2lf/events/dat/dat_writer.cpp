@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <vector>
 
 #include "e2lf/base/text.h"
@@ -23,8 +24,7 @@ class DatWriter final : public RecordingWriter {
       : sink_(std::move(sink)),
         info_(info),
         trigger_file_(std::move(trigger_file)),
-        check_(info.width == 0 ? kMaxCoordinate + 1 : info.width, info.height == 0 ? kMaxCoordinate + 1 : info.height,
-               sink_->name()) {}
+        check_(most_pixels(info.width), most_pixels(info.height), sink_->name()) {}
 
   Result<void> begin() { return sink_->write(bytes_of(make_header(info_, kTypeCd))); }
 
@@ -35,7 +35,7 @@ class DatWriter final : public RecordingWriter {
     const EventColumns& events = batch.events;
     buffer_.resize(events.size() * kRecordBytes);
     for (size_t i = 0; i < events.size(); ++i) {
-      E2LF_RETURN_IF_ERROR(check_time(events.t[i], last_event_us_));
+      E2LF_RETURN_IF_ERROR(check_time(events.t[i], unwrap_event_));
       const uint32_t place = static_cast<uint32_t>(events.p[i]) << 28 | static_cast<uint32_t>(events.y[i]) << 14 |
                              static_cast<uint32_t>(events.x[i]);
       store_le(&buffer_[i * kRecordBytes], static_cast<uint32_t>(events.t[i]));
@@ -51,6 +51,12 @@ class DatWriter final : public RecordingWriter {
   }
 
  private:
+  /// The sensor's size, as far as the format's coordinates reach; 0 = unknown.
+  static size_t most_pixels(size_t size) {
+    constexpr size_t kMost = kMaxCoordinate + size_t{1};
+    return size == 0 ? kMost : std::min(size, kMost);
+  }
+
   Result<void> write_triggers(const std::vector<Trigger>& triggers) {
     if (triggers.empty()) return {};
     if (!trigger_sink_) {
@@ -60,7 +66,7 @@ class DatWriter final : public RecordingWriter {
     buffer_.resize(triggers.size() * kRecordBytes);
     for (size_t i = 0; i < triggers.size(); ++i) {
       const Trigger& trigger = triggers[i];
-      E2LF_RETURN_IF_ERROR(check_time(trigger.t, last_trigger_us_));
+      E2LF_RETURN_IF_ERROR(check_time(trigger.t, unwrap_trigger_));
       if (trigger.id > kMaxTriggerId) {
         return Error{ErrorCode::kInvalidValue,
                      cat("trigger id ", trigger.id, " does not fit into DAT; write HDF5 instead"), sink_->name()};
@@ -71,22 +77,15 @@ class DatWriter final : public RecordingWriter {
     return trigger_sink_->write(buffer_);
   }
 
-  /// A reader must be able to unwrap `t_us` after `last_us`.
-  Result<void> check_time(int64_t t_us, int64_t& last_us) const {
-    if (static_cast<uint64_t>(t_us) >> 32 == static_cast<uint64_t>(last_us) >> 32) [[likely]] {
-      last_us = t_us;
+  /// The reader of the low 32 bits must come to the same time.
+  Result<void> check_time(int64_t t_us, TimeUnwrapper& unwrap) const {
+    if (unwrap(static_cast<uint32_t>(t_us)) == t_us) [[likely]] {
       return {};
     }
-    const auto last_low = static_cast<uint32_t>(last_us);
-    const auto low = static_cast<uint32_t>(t_us);
-    if (t_us - last_us >= int64_t{1} << 31 || t_us < 0 || last_low < 0xC0000000 || low >= 0x40000000) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("time ", t_us, " us cannot be told from its low 32 bits; shift the recording to zero or write ",
-                       "another format"),
-                   sink_->name()};
-    }
-    last_us = t_us;
-    return {};
+    return Error{ErrorCode::kInvalidValue,
+                 cat("time ", t_us, " us cannot be told from its low 32 bits; shift the recording to zero or write ",
+                     "another format"),
+                 sink_->name()};
   }
 
   std::unique_ptr<ByteSink> sink_;
@@ -95,8 +94,7 @@ class DatWriter final : public RecordingWriter {
   BatchCheck check_;
   std::unique_ptr<ByteSink> trigger_sink_;
   std::vector<uint8_t> buffer_;
-  int64_t last_event_us_ = 0;
-  int64_t last_trigger_us_ = 0;
+  TimeUnwrapper unwrap_event_, unwrap_trigger_;
 };
 
 Result<std::unique_ptr<RecordingWriter>> start(std::unique_ptr<ByteSink> sink, const RecordingInfo& info,

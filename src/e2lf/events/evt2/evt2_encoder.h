@@ -11,6 +11,8 @@ class Encoder {
  public:
   explicit Encoder(const RecordingInfo&) {}
   static constexpr int64_t kMaxFirstUs = timed::Clock::kMaxFirstUs;
+  static constexpr int64_t kMaxPauseUs = timed::Clock::kMaxFirstUs;
+  static constexpr uint16_t kMaxTriggerId = 31;
 
   void put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out);
   void put_trigger(const Trigger& trigger, WordBuffer& out);

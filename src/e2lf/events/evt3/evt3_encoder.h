@@ -18,6 +18,10 @@ class Encoder {
   /// Later starts need too many words that do nothing but count the loops of the 24-bit clock.
   static constexpr int64_t kMaxFirstUs = int64_t{1} << 41;
 
+  /// A pause is filled with time words, 2 bytes for every 4 ms: 32 MiB for the longest, 19 hours.
+  static constexpr int64_t kMaxPauseUs = int64_t{1} << 36;
+  static constexpr uint16_t kMaxTriggerId = 15;
+
   void put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out);
   void put_trigger(const Trigger& trigger, WordBuffer& out);
 

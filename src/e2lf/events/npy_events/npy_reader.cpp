@@ -10,6 +10,7 @@
 #include "e2lf/events/npy_events/npy_events.h"
 #include "e2lf/events/registry.h"
 #include "e2lf/events/side_triggers.h"
+#include "e2lf/events/time_search.h"
 
 namespace e2lf::events::npy_events {
 namespace {
@@ -72,13 +73,30 @@ class NpyBlocks final : public EventBlocks {
     return true;
   }
 
-  Result<void> seek_before(int64_t) override {
-    next_ = 0;
+  Result<void> seek_before(int64_t t_us) override {
+    const size_t item = header_.array.item_size;
     is_cut_told_ = false;
-    return source_->seek(header_.data_offset);
+    // No more than there is: the header alone is not believed.
+    const uint64_t stored = source_->size().value_or(0) / item;
+    const uint64_t count = std::min<uint64_t>(header_.array.shape[0], stored);
+    E2LF_ASSIGN_OR_RETURN(next_, find_place_before(count, t_us, [&](uint64_t i) { return time_at(i); }));
+    return source_->seek(header_.data_offset + next_ * item);
   }
 
  private:
+  /// The time at record i; that of the end is later than any.
+  Result<int64_t> time_at(uint64_t i) {
+    const size_t item = header_.array.item_size;
+    E2LF_RETURN_IF_ERROR(source_->seek(header_.data_offset + i * item));
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kTimesPerProbe * item));
+    const size_t count = std::min(bytes.size() / item, kTimesPerProbe);
+    if (count == 0) return INT64_MAX;
+    EventColumns events;
+    convert(bytes.first(count * item), count, events);
+    if (events.empty()) return INT64_MAX;
+    return median_time({events.t.begin(), events.t.end()});
+  }
+
   /// Returns how many records are not events.
   size_t convert(std::span<const uint8_t> bytes, size_t count, EventColumns& events) {
     const uint8_t* records = bytes.data();

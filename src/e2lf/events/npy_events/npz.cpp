@@ -9,6 +9,7 @@
 #include "e2lf/events/little_endian.h"
 #include "e2lf/events/npy_events/column_convert.h"
 #include "e2lf/events/npy_events/npy_events.h"
+#include "e2lf/events/time_search.h"
 
 namespace e2lf::events::npy_events {
 namespace {
@@ -28,13 +29,12 @@ Result<const NpyArray*> find_column(const NpzArrays& arrays, const std::string& 
   return &array;
 }
 
+/// Reads a column of `count` rows; those that do not fit T set their place in `bad`.
 template <typename T>
-Result<Column<T>> read_column(const NpzArrays& arrays, const std::string& key, const std::string& name,
+Result<Column<T>> read_column(const NpzArrays& arrays, const std::string& key, const std::string& name, size_t count,
                               Column<uint8_t>& bad) {
   E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, key, name));
-  const size_t count = array->shape[0];
-  if (bad.empty()) bad.assign(count, 0);
-  if (count != bad.size()) return Error{ErrorCode::kShape, cat("array \"", key, "\" differs in length"), name};
+  if (count != array->shape[0]) return Error{ErrorCode::kShape, cat("array \"", key, "\" differs in length"), name};
   Column<T> column(count);
   to_column(array->bytes.data(), {array->type, 0, array->item_size}, count, column.data(), bad.data());
   return column;
@@ -43,12 +43,14 @@ Result<Column<T>> read_column(const NpzArrays& arrays, const std::string& key, c
 Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::string& name) {
   std::vector<Trigger> triggers;
   if (arrays.count("trigger_t") == 0) return triggers;
-  Column<uint8_t> bad;
-  E2LF_ASSIGN_OR_RETURN(const auto t, read_column<int64_t>(arrays, "trigger_t", name, bad));
-  E2LF_ASSIGN_OR_RETURN(const auto p, read_column<uint8_t>(arrays, "trigger_p", name, bad));
-  E2LF_ASSIGN_OR_RETURN(const auto id, read_column<uint16_t>(arrays, "trigger_id", name, bad));
-  for (size_t i = 0; i < t.size(); ++i) {
-    if (bad[i] == 0) triggers.push_back({t[i], id[i], static_cast<uint8_t>(p[i] != 0)});
+  E2LF_ASSIGN_OR_RETURN(const NpyArray* times, find_column(arrays, "trigger_t", name));
+  const size_t count = times->shape[0];
+  Column<uint8_t> bad(count, 0);
+  E2LF_ASSIGN_OR_RETURN(const auto t, read_column<int64_t>(arrays, "trigger_t", name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(const auto p, read_column<uint8_t>(arrays, "trigger_p", name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(const auto id, read_column<uint16_t>(arrays, "trigger_id", name, count, bad));
+  for (size_t i = 0; i < count; ++i) {
+    if (bad[i] == 0 && is_time(t[i])) triggers.push_back({t[i], id[i], static_cast<uint8_t>(p[i] != 0)});
   }
   std::stable_sort(triggers.begin(), triggers.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
   return triggers;
@@ -61,7 +63,7 @@ class MemoryBlocks final : public EventBlocks {
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
-    if (next_ == 0) {
+    if (!std::exchange(has_begun_, true)) {
       block.triggers = all_.triggers;
       if (bad_ > 0) summary.add(Violation::kBadRecord, 0, bad_);
       summary.dropped_words += bad_;
@@ -73,14 +75,21 @@ class MemoryBlocks final : public EventBlocks {
     return more;
   }
 
-  Result<void> seek_before(int64_t) override {
-    next_ = 0;
+  Result<void> seek_before(int64_t t_us) override {
+    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
+      const auto begin = all_.events.t.begin() + static_cast<ptrdiff_t>(i);
+      const size_t count = std::min<size_t>(kTimesPerProbe, all_.events.size() - i);
+      return median_time({begin, begin + static_cast<ptrdiff_t>(count)});
+    };
+    E2LF_ASSIGN_OR_RETURN(next_, find_place_before(all_.events.size(), t_us, time_at));
+    has_begun_ = false;
     return {};
   }
 
  private:
   EventBatch all_;
   size_t bad_;
+  bool has_begun_ = false;  ///< triggers and damage have been handed out
   size_t next_ = 0;
 };
 
@@ -159,11 +168,13 @@ Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> so
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
   EventBatch all;
-  Column<uint8_t> bad;
-  E2LF_ASSIGN_OR_RETURN(all.events.x, read_column<uint16_t>(arrays, "x", name, bad));
-  E2LF_ASSIGN_OR_RETURN(all.events.y, read_column<uint16_t>(arrays, "y", name, bad));
-  E2LF_ASSIGN_OR_RETURN(all.events.p, read_column<uint8_t>(arrays, "p", name, bad));
-  E2LF_ASSIGN_OR_RETURN(all.events.t, read_column<int64_t>(arrays, "t", name, bad));
+  E2LF_ASSIGN_OR_RETURN(const NpyArray* times, find_column(arrays, "t", name));
+  const size_t count = times->shape[0];
+  Column<uint8_t> bad(count, 0);
+  E2LF_ASSIGN_OR_RETURN(all.events.x, read_column<uint16_t>(arrays, "x", name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(all.events.y, read_column<uint16_t>(arrays, "y", name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(all.events.p, read_column<uint8_t>(arrays, "p", name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(all.events.t, read_column<int64_t>(arrays, "t", name, count, bad));
   for (size_t i = 0; i < bad.size(); ++i) bad[i] |= all.events.p[i] > 1;
   const size_t num_bad = remove_bad(all.events, 0, bad);
   E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name));

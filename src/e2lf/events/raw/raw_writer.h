@@ -28,7 +28,10 @@ class WordBuffer {
 };
 
 /// Writes a RAW recording: the header, then what an Encoder makes of events and triggers merged by time:
-///   Encoder(info)                       kMaxFirstUs: the latest time a recording may begin with
+///   Encoder(info)
+///   kMaxFirstUs                         the latest time a recording may begin with
+///   kMaxPauseUs                         the longest time without events and triggers
+///   kMaxTriggerId
 ///   put_events(events, begin, end, out) events[begin, end)
 ///   put_trigger(trigger, out)
 template <typename Encoder>
@@ -72,13 +75,39 @@ class RawWriter final : public RecordingWriter {
       return Error{ErrorCode::kInvalidValue,
                    cat("time ", first_us, " us cannot be held by this format; shift the recording to zero"), name_};
     }
+    for (const Trigger& trigger : batch.triggers) {
+      if (trigger.id <= Encoder::kMaxTriggerId) continue;
+      return Error{ErrorCode::kInvalidValue,
+                   cat("trigger id ", trigger.id, " does not fit into this encoding, which ends at ",
+                       Encoder::kMaxTriggerId, "; write HDF5 or npz instead"),
+                   name_};
+    }
     if (first_us < latest_us_) {
       return Error{ErrorCode::kInvalidValue,
                    cat("time runs back from ", latest_us_, " to ", first_us, " us; sort events and triggers first"),
                    name_};
     }
     E2LF_RETURN_IF_ERROR(check_(batch));
+    if (latest_us_ < 0) latest_us_ = std::min(first_us, last_us);
+    if (last_us - latest_us_ > Encoder::kMaxPauseUs) E2LF_RETURN_IF_ERROR(check_pauses(batch));
     latest_us_ = last_us;
+    return {};
+  }
+
+  Result<void> check_pauses(const EventBatch& batch) const {
+    std::vector<int64_t> times_us(batch.events.t.begin(), batch.events.t.end());
+    for (const Trigger& trigger : batch.triggers) times_us.push_back(trigger.t);
+    std::sort(times_us.begin(), times_us.end());
+    int64_t last_us = latest_us_;
+    for (const int64_t t_us : times_us) {
+      if (t_us - last_us > Encoder::kMaxPauseUs) {
+        return Error{ErrorCode::kInvalidValue,
+                     cat("the pause from ", last_us, " to ", t_us, " us is longer than the ", Encoder::kMaxPauseUs,
+                         " us this encoding holds; split the recording or write HDF5"),
+                     name_};
+      }
+      last_us = t_us;
+    }
     return {};
   }
 

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "chunk_file.h"
+
+#include <algorithm>
+#include <hdf5.h>
+
+#include "e2lf/events/hdf5/metavision_layout.h"
+#include "e2lf/events/little_endian.h"
+
+namespace e2lf::fuzz {
+namespace {
+
+using namespace events::hdf5;
+using events::load_le;
+
+constexpr hsize_t kMaxChunks = 12;
+
+/// Chunks as the input lists them: writes each, and returns how many there are.
+hsize_t write_chunks(hid_t dataset, hsize_t chunk_length, std::span<const uint8_t> input) {
+  hsize_t chunks = 0;
+  while (input.size() > 3 && chunks < kMaxChunks) {
+    const uint32_t filter_mask = input[0];
+    const size_t size = std::min<size_t>(load_le<uint16_t>(&input[1]), input.size() - 3);
+    const hsize_t offset = chunks * chunk_length, extent = (chunks + 1) * chunk_length;
+    H5Dset_extent(dataset, &extent);
+    if (size > 0) H5Dwrite_chunk(dataset, H5P_DEFAULT, filter_mask, &offset, size, &input[3]);
+    input = input.subspan(3 + size);
+    ++chunks;
+  }
+  return chunks;
+}
+
+std::vector<uint8_t> image_of(hid_t file) {
+  H5Fflush(file, H5F_SCOPE_GLOBAL);
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  std::vector<uint8_t> bytes(size > 0 ? static_cast<size_t>(size) : 0);
+  if (H5Fget_file_image(file, bytes.data(), bytes.size()) != size) bytes.clear();
+  return bytes;
+}
+
+Handle make_memory_file() {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access.get(), size_t{1} << 16, 0);
+  return {H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose};
+}
+
+template <typename T>
+void write_column(hid_t parent, const char* name, hid_t type, const T* values, hsize_t count) {
+  const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Handle set(H5Dcreate2(parent, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  H5Dwrite(set.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+}
+
+}  // namespace
+
+std::vector<uint8_t> make_column_file(const events::EventColumns& events) {
+  const LibraryLock lock;
+  const Handle file = make_memory_file();
+  const Handle group(H5Gcreate2(file.get(), "events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const hsize_t count = events.size();
+  const int64_t offset_us = 1000;
+  write_column(group.get(), "x", H5T_NATIVE_UINT16, events.x.data(), count);
+  write_column(group.get(), "y", H5T_NATIVE_UINT16, events.y.data(), count);
+  write_column(group.get(), "p", H5T_NATIVE_UINT8, events.p.data(), count);
+  write_column(group.get(), "t", H5T_NATIVE_INT64, events.t.data(), count);
+  write_column(file.get(), "t_offset", H5T_NATIVE_INT64, &offset_us, 1);
+  return image_of(file.get());
+}
+
+std::vector<uint8_t> make_chunk_file(std::span<const uint8_t> input) {
+  if (input.size() < 3) return {};
+  constexpr hsize_t kLengths[] = {1, 7, 64, 16384};
+  const hsize_t chunk_length = kLengths[input[0] & 3], none = 0, unlimited = H5S_UNLIMITED;
+  const hsize_t missing = load_le<uint16_t>(&input[1]) % chunk_length;
+
+  const LibraryLock lock;
+  const Handle file = make_memory_file();
+  const Handle group(H5Gcreate2(file.get(), "CD", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(properties.get(), 1, &chunk_length);
+  if ((input[0] & 4) == 0) H5Pset_filter(properties.get(), kEcfFilter, H5Z_FLAG_OPTIONAL, 0, nullptr);
+  if ((input[0] & 8) != 0) H5Pset_deflate(properties.get(), 1);
+  const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
+  Handle dataset(
+      H5Dcreate2(group.get(), "events", event_type().get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose);
+  const hsize_t length = write_chunks(dataset.get(), chunk_length, input.subspan(3)) * chunk_length;
+  if (length > missing) {
+    const hsize_t extent = length - missing;
+    H5Dset_extent(dataset.get(), &extent);
+  }
+  dataset.close();
+  return image_of(file.get());
+}
+
+}  // namespace e2lf::fuzz

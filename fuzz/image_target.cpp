@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// The target of the pictures and MATLAB files that light fields are read from: the input is a file.
+#include "e2lf/lightfield/formats/mat5.h"
+#include "e2lf/lightfield/formats/raw_image.h"
+#include "require.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace e2lf::lightfield;
+  using e2lf::fuzz::require;
+  const std::span<const uint8_t> bytes(data, size);
+  const auto check = [](const e2lf::Result<RawImage>& image) {
+    if (image) require(image->samples.size() == image->height * image->row_bytes(), "an image has all its samples");
+  };
+  if (is_png(bytes)) check(decode_png(bytes, "input"));
+  if (is_jpeg(bytes)) check(decode_jpeg(bytes, "input"));
+  if (const auto array = find_mat_array(bytes, "LF", uint64_t{1} << 24, "input")) {
+    require(array->data.size() <= (size_t{1} << 24), "a variable is no larger than was allowed");
+  }
+  return 0;
+}

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# fuzz/run.sh SECONDS JOBS [TARGET...]: runs the fuzz targets of build/fuzz for so long each, so many at a time; all by default.
+# Seeds: what e2lf_fuzz_seeds writes, fuzz/corpus/<target>/ (inputs that broke something once), what earlier runs found
+# (build/fuzz/found/<target>/), and where E2LF_DATA is set the beginnings of its recordings, for this run only.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+seconds=$1 jobs=$2
+shift 2
+build=build/fuzz
+
+seeds=$(mktemp -d)
+trap 'rm -rf "$seeds"' EXIT
+"$build/bin/e2lf_fuzz_seeds" "$seeds"
+if [ -d "${E2LF_DATA:-}/events" ]; then
+  for file in "$E2LF_DATA"/events/*.raw "$E2LF_DATA"/events/*/*; do
+    case $(basename "$file") in
+      evt21*) target=evt2.1 ;;
+      evt2*.raw) target=evt2 ;;
+      *.raw) target=evt3 ;;
+      *.dat) target=dat ;;
+      *.aedat4) target=aedat4 ;;
+      *) continue ;;
+    esac
+    head -c 6000 "$file" >"$seeds/$target/data_$(basename "$file")"
+  done
+fi
+
+# What one target is allowed: 256 MiB in one allocation, 1 GiB in all, 25 s for one input. Where the HDF5 library reads a whole damaged
+# file, it leaks and asks for allocations that fail: these are not ours to mend, and what it uses in all stays bounded.
+run_target() {
+  local target=$1 folder found=$build/found/$1 folders=() limits=(-malloc_limit_mb=256) sanitizer=allocator_may_return_null=0
+  case $target in
+    hdf5 | dsec) limits=(-malloc_limit_mb=0 -detect_leaks=0) sanitizer=allocator_may_return_null=1:detect_leaks=0 ;;
+  esac
+  mkdir -p "$found" "$build/logs"
+  for folder in "$SEEDS/$target" "fuzz/corpus/$target"; do [ ! -d "$folder" ] || folders+=("$folder"); done
+  if ! ASAN_OPTIONS=$sanitizer "$build/bin/fuzz_$target" \
+    -max_total_time="$SECONDS_EACH" -max_len=8192 -timeout=25 "${limits[@]}" -rss_limit_mb=1024 \
+    -print_final_stats=1 -artifact_prefix="$build/finding-$target-" "$found" "${folders[@]}" >"$build/logs/$target.txt" 2>&1; then
+    tail -n 40 "$build/logs/$target.txt"
+    echo "fuzz: $target found something; run $build/bin/fuzz_$target on the file that is named above"
+    return 1
+  fi
+  awk -v target="$target" '
+    /stat::number_of_executed_units/ { runs = $2 }
+    /stat::average_exec_per_sec/ { rate = $2 }
+    /cov:/ { for (i = 1; i < NF; ++i) if ($i == "cov:") edges = $(i + 1) }
+    END { printf "fuzz: %-14s %10d inputs, %6d /s, %5d edges, nothing found\n", target, runs, rate, edges }' \
+    "$build/logs/$target.txt"
+}
+export -f run_target
+export build SEEDS=$seeds SECONDS_EACH=$seconds
+
+targets=("$@")
+if [ ${#targets[@]} -eq 0 ]; then
+  for program in "$build"/bin/fuzz_*; do targets+=("${program#"$build/bin/fuzz_"}"); done
+fi
+printf '%s\n' "${targets[@]}" | xargs -P "$jobs" -I{} bash -euo pipefail -c 'run_target {}'

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// The target of the side file of triggers: the input is one.
+#include "e2lf/events/raw/chunked_source.h"
+#include "e2lf/events/side_triggers.h"
+#include "require.h"
+
+namespace {
+
+using namespace e2lf::events;
+
+std::vector<Trigger> read(std::unique_ptr<ByteSource> source, size_t step) {
+  TriggerFeed feed = make_side_trigger_feed(std::move(source));
+  std::vector<Trigger> triggers;
+  DecodeSummary summary;
+  for (;;) {
+    const auto more = feed.take(INT64_MAX, step, triggers, summary);
+    if (!more || !*more) return triggers;
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using e2lf::fuzz::require;
+  const std::vector<Trigger> triggers = read(make_memory_source(std::span(data, size)), 64);
+  for (size_t i = 1; i < triggers.size(); ++i) require(triggers[i].t >= triggers[i - 1].t, "triggers are sorted");
+  for (const Trigger& trigger : triggers) require(trigger.p <= 1, "an edge is 0 or 1");
+  const auto live = read(
+      std::make_unique<ChunkedSource>(std::vector<uint8_t>(data, data + size), std::vector<size_t>(), 1 + size % 300),
+      7);
+  require(live == triggers, "a live source gives the same triggers");
+  return 0;
+}
