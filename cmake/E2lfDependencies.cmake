@@ -24,6 +24,13 @@ else()
   e2lf_feature(zstd OFF "libzstd-dev not found: AEDAT4 packets compressed with zstd are refused")
 endif()
 
+find_package(MetavisionHAL QUIET)
+if(MetavisionHAL_FOUND)
+  e2lf_feature(metavision ON "camera://metavision, not tested with a camera")
+else()
+  e2lf_feature(metavision OFF "the vendor's open HAL was not found: no camera://metavision")
+endif()
+
 if(NOT E2LF_WITH_TORCH STREQUAL "OFF")
   find_package(Torch QUIET)
   if(Torch_FOUND)

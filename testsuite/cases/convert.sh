@@ -21,6 +21,17 @@ done
 "$E2LF" convert recording.raw shifted.csv --shift-time --quiet 2>warnings.txt
 "$E2LF" info shifted.csv --json >shifted.json
 [ "$(json shifted.json "min(j['first_t_us'], 1000)")" -lt 1000 ] || fail "the time was not shifted"
+# A slice of time, from any format and from a pipe.
+"$E2LF" info recording.raw --json >whole.json
+from=$(json whole.json "j['first_t_us'] + 20000") to=$(json whole.json "j['first_t_us'] + 60000")
+"$E2LF" info recording.raw --from-us "$from" --to-us "$to" --json >slice.json
+check "0 < $(json slice.json "j['events']") < $(json whole.json "j['events']") and $(json slice.json "j['first_t_us']") >= $from and $(json slice.json "j['last_t_us']") < $to"
+for input in recording.raw a.hdf5 a.npz a.dat a.csv a.npy; do
+  "$E2LF" info "$input" --from-us "$from" --to-us "$to" --json >other.json
+  [ "$(json other.json "(j['events'], j['triggers'])")" = "$(json slice.json "(j['events'], j['triggers'])")" ] || fail "slice of $input"
+done
+cat recording.raw | "$E2LF" convert - slice.npy --from-us "$from" --to-us "$to" --quiet 2>warnings.txt
+[ "$("$E2LF" info slice.npy --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
 fails 1 "give --overwrite" "$E2LF" convert recording.raw a.csv
 fails 1 "check the path" "$E2LF" convert nothing.raw x.csv
 

@@ -6,7 +6,10 @@
 [ "$(json info.json "(j['format'], j['triggers'], j['num_violations'] if 'num_violations' in j else 0)")" = "('evt3', 64, 0)" ] || fail "info"
 grep -q '^<svg' rate.svg || fail "no plot"
 "$E2LF" accumulate recording.raw -o triggers.npz --source triggers --quiet
-"$E2LF" accumulate recording.raw -o bursts.npz --source bursts --quiet
+"$E2LF" accumulate recording.raw -o bursts.npz --source bursts --plot cycles.svg --json >bursts.json
+[ "$(json bursts.json "[cycle['number'] for cycle in j['each']]")" = "[0, 1, 2, 3]" ] || fail "the cycles found"
+check "$(json bursts.json "min(cycle['confidence'] for cycle in j['each'])") == $(json bursts.json "j['least_confidence']") > 0.2"
+[ "$(grep -c 'fill="#2ca02c"' cycles.svg)" = 12 ] || fail "the picture does not show four cycles of three images"
 "$E2LF" accumulate - -o piped.npz --source triggers --quiet <recording.raw
 py - <<'PY'
 import numpy as np
@@ -19,6 +22,15 @@ PY
 # Straight from the recording to light fields, one folder per cycle as they come.
 "$E2LF" reconstruct recording.raw --method inversion -o light_fields --quiet
 exists light_fields/cycle_00000/07_07.png light_fields/cycle_00003/epi.png light_fields/run.json
+# Live, at the speed of the recording: the same light fields, and how long each came after its cycle.
+"$E2LF" reconstruct replay:recording.raw --source triggers --method inversion -o live --json >live.json
+cmp live/cycle_00001/03_04.png light_fields/cycle_00001/03_04.png
+check "all(0 < cycle['latency_s'] < 60 and cycle['latency_s'] > cycle['reconstruct_s'] for cycle in $(json live.json "j['cycles']"))"
+"$E2LF" info replay:recording.raw --json >replayed.json
+[ "$(json replayed.json "(j['events'], j['triggers'])")" = "$(json info.json "(j['events'], j['triggers'])")" ] || fail "replay"
+cat recording.raw | "$E2LF" accumulate camera://pipe -o camera.npz --source triggers --quiet
+cmp camera.npz piped.npz
+fails 1 "no camera plugin \"nosuch\"" "$E2LF" info camera://nosuch
 # The same from a socket.
 py - recording.raw <<'PY' &
 import socket, sys

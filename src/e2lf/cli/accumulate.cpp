@@ -5,43 +5,81 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/rate_plot.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/events/event_image_writer.h"
+#include "e2lf/events/event_rate.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
 struct AccumulateArguments {
-  fs::path input, output;
+  fs::path input, output, plot;
   CycleFlags cycles;
+};
+
+/// Collects the picture of a recording while it is cut.
+class CyclePlot {
+ public:
+  [[nodiscard]] CycleObserver observer() {
+    return {.on_batch = [this](const events::EventBatch& batch) { rate_.add(batch); },
+            .on_mark = [this](const events::Mark& mark) { keep(found_.marks, mark); }};
+  }
+  void add(const events::Cycle& cycle) {
+    keep(found_.cycles, FoundCycle{cycle.number, cycle.confidence, cycle.slices});
+  }
+  [[nodiscard]] std::string svg() const { return rate_plot_svg(rate_.rate(), found_); }
+
+ private:
+  static constexpr size_t kBins = 2000;
+
+  /// The picture shows no more of them than this.
+  template <typename T>
+  static void keep(std::vector<T>& kept, const T& item) {
+    if (kept.size() < kMaxDrawn) kept.push_back(item);
+  }
+
+  events::EventRateCounter rate_{kBins};
+  FoundCycles found_;
 };
 
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_RETURN_IF_ERROR(check_output(arguments.output, common.overwrite));
+  if (!arguments.plot.empty()) E2LF_RETURN_IF_ERROR(check_output(arguments.plot, common.overwrite));
   RunRecord record("accumulate");
-  E2LF_ASSIGN_OR_RETURN(events::CycleReader reader, open_cycles(arguments.input, arguments.cycles));
+  CyclePlot plot;
+  const bool is_plotted = !arguments.plot.empty();
+  E2LF_ASSIGN_OR_RETURN(events::CycleReader reader,
+                        open_cycles(arguments.input, arguments.cycles, is_plotted ? plot.observer() : CycleObserver()));
   E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(arguments.output));
   float least_confidence = 1.0F;
+  Json cycles = Json::array();
   while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<events::Cycle> cycle, reader.next());
     if (!cycle) break;
     least_confidence = std::min(least_confidence, cycle->confidence);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
+    cycles.push_back(cycle_json(*cycle));
+    if (is_plotted) plot.add(*cycle);
   }
   record.end_step("accumulate");
   const events::CycleReport report = reader.report();
+  // The picture comes first: it tells why, where no cycle was found.
+  if (is_plotted) E2LF_RETURN_IF_ERROR(write_file(arguments.plot, plot.svg()));
   E2LF_RETURN_IF_ERROR(writer.finish());
   record.note("cycles", report_json(report));
   record.note("least_confidence", least_confidence);
+  record.note("each", cycles);
   std::error_code error;
   if (fs::is_regular_file(arguments.input, error)) record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(record.write(record_path_beside(arguments.output), verb));
   if (common.json) {
     Json json = report_json(report);
     json["least_confidence"] = least_confidence;
+    json["each"] = std::move(cycles);
     std::printf("%s\n", json.dump(2).c_str());
   } else if (!common.quiet) {
     std::printf("%s in %s, least confidence %.2f\n", report_text(report).c_str(), arguments.output.c_str(),
@@ -57,9 +95,12 @@ int run_accumulate(const std::vector<std::string>& arguments) {
             "e2lf accumulate recording.raw -o events.npz --source bursts");
   AccumulateArguments accumulation;
   verb.app()
-      .add_option("input,-i,--input", accumulation.input, "recording, - for a pipe, or tcp://127.0.0.1:PORT")
+      .add_option("input,-i,--input", accumulation.input,
+                  "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
       ->required();
   verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
+  verb.app().add_option("--plot", accumulation.plot,
+                        "write the event rate with the triggers or bursts and the cycles found, as an SVG picture");
   add_cycle_options(verb.app(), accumulation.cycles);
   return verb.run(arguments, [&] { return accumulate(accumulation, verb); });
 }

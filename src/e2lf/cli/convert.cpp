@@ -6,7 +6,9 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/events/live/camera.h"
 #include "e2lf/events/tcp_source.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -19,6 +21,7 @@ struct ConvertArguments {
   std::string format, input_format;
   bool shift_time = false, colour = false;
   size_t width = 0, height = 0;
+  int64_t from_us = INT64_MIN, to_us = INT64_MAX;
 };
 
 Result<void> convert_light_field(const ConvertArguments& arguments, const CommonOptions& common) {
@@ -44,6 +47,8 @@ Result<void> convert_events(const ConvertArguments& arguments, const CommonOptio
   open.time = arguments.shift_time ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;
   open.width = arguments.width;
   open.height = arguments.height;
+  open.from_us = arguments.from_us;
+  open.to_us = arguments.to_us;
   open.threads = 0;
   E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(arguments.input.string(), open));
   E2LF_ASSIGN_OR_RETURN(const events::ConvertReport report,
@@ -68,7 +73,8 @@ int run_convert(const std::vector<std::string>& arguments) {
             "e2lf convert recording.raw recording.hdf5");
   ConvertArguments conversion;
   CLI::App& app = verb.app();
-  app.add_option("input,-i,--input", conversion.input, "recording (- for a pipe, tcp://127.0.0.1:PORT) or light field")
+  app.add_option("input,-i,--input", conversion.input,
+                 "recording (- for a pipe, tcp://127.0.0.1:PORT, camera://NAME, replay:FILE) or light field")
       ->required();
   app.add_option("output,-o,--output", conversion.output, "file or folder to write; its extension says the format")
       ->required();
@@ -78,10 +84,12 @@ int run_convert(const std::vector<std::string>& arguments) {
   app.add_option("--event-format", conversion.input_format, "of the recording, where the file does not tell");
   app.add_flag("--shift-time", conversion.shift_time, "events: begin at 0 instead of the sensor's own time");
   app.add_flag("--colour", conversion.colour, "light fields: keep colour");
+  add_time_options(app, conversion.from_us, conversion.to_us);
   app.add_option("--sensor-width", conversion.width, "px, where the recording does not tell");
   app.add_option("--sensor-height", conversion.height, "px, where the recording does not tell");
   return verb.run(arguments, [&] {
-    const bool is_light_field = conversion.input != "-" && lightfield::detect_kind(conversion.input).ok();
+    const bool is_live = conversion.input == "-" || events::is_camera_name(conversion.input.string());
+    const bool is_light_field = !is_live && lightfield::detect_kind(conversion.input).ok();
     return is_light_field ? convert_light_field(conversion, verb.common()) : convert_events(conversion, verb.common());
   });
 }

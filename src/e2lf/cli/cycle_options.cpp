@@ -3,6 +3,7 @@
 
 #include "e2lf/base/npy.h"
 #include "e2lf/base/text.h"
+#include "e2lf/events/live/camera.h"
 #include "e2lf/events/tcp_source.h"
 
 namespace e2lf::cli {
@@ -43,6 +44,11 @@ events::TriggerEdge edge_of(const std::string& name) {
 
 }  // namespace
 
+void add_time_options(CLI::App& app, int64_t& from_us, int64_t& to_us) {
+  app.add_option("--from-us", from_us, "recordings: leave out what is before this time");
+  app.add_option("--to-us", to_us, "recordings: leave out what is at or after this time");
+}
+
 void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   const std::string group = "Pattern cycles of a recording";
   app.add_option("--source", flags.source,
@@ -74,17 +80,20 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
       ->capture_default_str()
       ->group(group);
+  add_time_options(app, flags.from_us, flags.to_us);
   app.add_option("--event-format", flags.format, "format of the recording, where the file does not tell")->group(group);
   app.add_option("--sensor-width", flags.width, "px, where the recording does not tell")->group(group);
   app.add_option("--sensor-height", flags.height, "px, where the recording does not tell")->group(group);
 }
 
-Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags) {
+Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
   events::OpenOptions open;
   open.format = flags.format;
   open.width = flags.width;
   open.height = flags.height;
   open.threads = 0;
+  open.from_us = flags.from_us;
+  open.to_us = flags.to_us;
   events::CycleOptions options;
   E2LF_ASSIGN_OR_RETURN(options.schedule, schedule_of(flags));
   E2LF_ASSIGN_OR_RETURN(options.source, source_of(input, flags, open));
@@ -95,6 +104,8 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   // Triggers have no sign, and the paper's intervals repeat within a cycle: the pattern of the first one must be given.
   if (options.source == events::CycleSource::kTriggers && !flags.first_pattern) options.tracker.first_pattern = 0;
   options.origin_us = flags.origin_us;
+  options.on_batch = observer.on_batch;
+  options.on_mark = observer.on_mark;
   if (flags.filter_pixels) options.filter = events::PixelFilterOptions{};
   E2LF_ASSIGN_OR_RETURN(auto reader, events::open_named_recording(input.string(), open));
   return events::CycleReader::open(std::move(reader), options);
@@ -124,9 +135,17 @@ Json report_json(const events::CycleReport& report) {
           {"silenced_pixels", report.hot_pixels}};
 }
 
+Json cycle_json(const events::Cycle& cycle) {
+  return {{"number", cycle.number},
+          {"begin_us", cycle.begin_us},
+          {"end_us", cycle.slices.empty() ? cycle.begin_us : cycle.slices.back().end_us},
+          {"events", cycle.events},
+          {"confidence", cycle.confidence}};
+}
+
 bool is_recording(const fs::path& path) {
   std::error_code error;
-  if (path == "-" || events::is_tcp_name(path.string())) return true;
+  if (path == "-" || events::is_camera_name(path.string())) return true;
   if (fs::is_directory(path, error)) return false;
   if (path.extension() == ".npz") {
     const auto arrays = read_npz(path);

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -23,18 +24,32 @@ struct CycleFlags {
   int64_t origin_us = 0;
   uint64_t max_cycles = 0;  ///< 0 = all
   size_t width = 0, height = 0;
+  int64_t from_us = INT64_MIN, to_us = INT64_MAX;
+};
+
+/// Declares --from-us and --to-us: which part of a recording is read.
+void add_time_options(CLI::App& app, int64_t& from_us, int64_t& to_us);
+
+/// Sees what a reader of cycles reads and finds; see events::CycleOptions.
+struct CycleObserver {
+  std::function<void(const events::EventBatch&)> on_batch = {};
+  std::function<void(const events::Mark&)> on_mark = {};
 };
 
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
-/// Opens a recording (a path, "-" for standard input, or tcp://127.0.0.1:PORT) cut into cycles as the flags say.
+/// Opens a recording (a path, "-" for standard input, or a camera's name) cut into cycles as the flags say.
 /// "auto" takes triggers when the recording has some among its first events, else bursts; a pipe or socket cannot be
 /// looked at first, so there it means bursts.
-[[nodiscard]] Result<events::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags);
+[[nodiscard]] Result<events::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
+                                                      const CycleObserver& observer = {});
 
 /// One line for people: cycles found and dropped, and why.
 [[nodiscard]] std::string report_text(const events::CycleReport& report);
 [[nodiscard]] Json report_json(const events::CycleReport& report);
+
+/// One cycle: number, times, events, confidence.
+[[nodiscard]] Json cycle_json(const events::Cycle& cycle);
 
 /// Whether a path is a recording rather than event images: no folder, no .npz of event images, no .npy of counts.
 [[nodiscard]] bool is_recording(const std::filesystem::path& path);

@@ -4,11 +4,13 @@
 
 #include "e2lf/base/safetensors.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/info_recording.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/events/event_images.h"
+#include "e2lf/events/live/camera.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
@@ -84,15 +86,18 @@ bool holds_event_images(const fs::path& path) {
 
 Result<void> print_info(const fs::path& path, const RecordingInfoOptions& recording, const Verb& verb) {
   std::error_code error;
-  if (path != "-" && !fs::exists(path, error)) {
+  const bool is_live = path == "-" || events::is_camera_name(path.string());
+  if (!is_live && !fs::exists(path, error)) {
     return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
   }
   Result<Description> description = Description{};
-  if (path.extension() == ".safetensors") {
+  if (is_live) {
+    return print_recording_info(path, recording, verb.common());
+  } else if (path.extension() == ".safetensors") {
     description = describe_model(path);
   } else if (holds_event_images(path)) {
     description = describe_event_images(path);
-  } else if (path != "-" && lightfield::detect_kind(path)) {
+  } else if (lightfield::detect_kind(path)) {
     description = describe_light_field(path);
   } else {
     return print_recording_info(path, recording, verb.common());
@@ -112,6 +117,7 @@ int run_info(const std::vector<std::string>& arguments) {
   verb.app().add_option("path,-i,--input", path, "file or folder")->required();
   verb.app().add_option("--plot", recording.plot, "recordings: write the event rate over time as an SVG picture");
   verb.app().add_option("--format", recording.format, "recordings: the format, where the file does not tell");
+  add_time_options(verb.app(), recording.from_us, recording.to_us);
   return verb.run(arguments, [&] { return print_info(path, recording, verb); });
 }
 

@@ -79,6 +79,8 @@ Result<void> print_recording_info(const fs::path& path, const RecordingInfoOptio
   events::OpenOptions open;
   open.format = options.format;
   open.policy = events::DecodePolicy::kSkip;  // the summary tells what was damaged
+  open.from_us = options.from_us;
+  open.to_us = options.to_us;
   open.threads = 0;
   E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(path.string(), open));
   events::EventRateCounter rate(kPlotBins);

@@ -12,6 +12,7 @@ namespace e2lf::cli {
 struct RecordingInfoOptions {
   std::filesystem::path plot;  ///< SVG of the event rate; empty = none
   std::string format;          ///< empty = detected
+  int64_t from_us = INT64_MIN, to_us = INT64_MAX;
 };
 
 /// Decodes a whole recording and prints what it holds: format, sensor, events, triggers, duration, rate, and what

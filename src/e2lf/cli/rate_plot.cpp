@@ -42,9 +42,58 @@ std::string line(double x0, double y0, double x1, double y1) {
              "\" stroke=\"#888\" stroke-width=\"0.7\"/>\n");
 }
 
+/// Where a time is on the page; nothing when it is outside the plot.
+class TimeAxis {
+ public:
+  explicit TimeAxis(const events::EventRate& rate)
+      : begin_us_(rate.begin_us), length_us_(static_cast<double>(rate.bin_us) * static_cast<double>(rate.size())) {}
+
+  [[nodiscard]] double x_of(int64_t t_us) const {
+    const double share = static_cast<double>(t_us - begin_us_) / length_us_;
+    return kLeft + (kWidth - kLeft - kRight) * std::clamp(share, 0.0, 1.0);
+  }
+
+ private:
+  int64_t begin_us_;
+  double length_us_;
+};
+
+/// Shades the slices of each cycle; the surer, the darker.
+std::string shade_cycles(const std::vector<FoundCycle>& cycles, const TimeAxis& axis) {
+  std::string svg;
+  double labelled_until = 0;
+  for (size_t i = 0; i < std::min(cycles.size(), kMaxDrawn); ++i) {
+    const FoundCycle& cycle = cycles[i];
+    for (const events::TimeSlice& slice : cycle.slices) {
+      const double begin = axis.x_of(slice.begin_us), end = axis.x_of(slice.end_us);
+      svg += cat("<rect x=\"", begin, "\" y=\"", kTop, "\" width=\"", std::max(end - begin, 0.5), "\" height=\"",
+                 kHeight - kTop - kBottom, "\" fill=\"#2ca02c\" fill-opacity=\"", 0.25 * cycle.confidence, "\"/>\n");
+    }
+    const double x = cycle.slices.empty() ? 0 : axis.x_of(cycle.slices.front().begin_us);
+    if (x < labelled_until + 70) continue;
+    svg += label(x, kTop - 4, "start", cat(cycle.number, ": ", std::round(cycle.confidence * 100) / 100));
+    labelled_until = x;
+  }
+  return svg;
+}
+
+/// A tick for each trigger or burst, in the colour of its sign.
+std::string draw_marks(const std::vector<events::Mark>& marks, const TimeAxis& axis) {
+  std::string svg;
+  for (size_t i = 0; i < std::min(marks.size(), kMaxDrawn); ++i) {
+    const events::Mark& mark = marks[i];
+    const char* colour = !mark.on_share ? "#888" : *mark.on_share > 0.5F ? "#d62728" : "#1f77b4";
+    const double x = axis.x_of(mark.t_us);
+    svg += cat("<line x1=\"", x, "\" y1=\"", kHeight - kBottom, "\" x2=\"", x, "\" y2=\"", kHeight - kBottom + 10,
+               "\" stroke=\"", colour, "\" stroke-width=\"1.5\" stroke-opacity=\"",
+               0.3 + 0.7 * static_cast<double>(mark.confidence), "\"/>\n");
+  }
+  return svg;
+}
+
 }  // namespace
 
-std::string rate_plot_svg(const events::EventRate& rate) {
+std::string rate_plot_svg(const events::EventRate& rate, const FoundCycles& found) {
   std::string svg =
       cat("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ", kWidth, " ", kHeight,
           "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n");
@@ -58,6 +107,8 @@ std::string rate_plot_svg(const events::EventRate& rate) {
   const double top_rate = round_up(static_cast<double>(peak) / bin_us);  // events per us = M events/s
   const double half = (kHeight - kTop - kBottom) / 2;
   const double per_count = half / (top_rate * bin_us);
+  const TimeAxis axis(rate);
+  svg += shade_cycles(found.cycles, axis);
   svg += area(rate.on, per_count, -1, "#d62728");
   svg += area(rate.off, per_count, 1, "#1f77b4");
 
@@ -66,6 +117,7 @@ std::string rate_plot_svg(const events::EventRate& rate) {
     svg += line(kLeft, y, kWidth - kRight, y);
     svg += label(kLeft - 8, y + 4, "end", cat(std::abs(share) * top_rate));
   }
+  svg += draw_marks(found.marks, axis);
   svg += label(16, 22, "start", "M/s");
   const double duration_ms = bin_us * static_cast<double>(rate.on.size()) / 1000.0;
   for (int tick = 0; tick <= 5; ++tick) {

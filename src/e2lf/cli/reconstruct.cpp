@@ -2,6 +2,7 @@
 // e2lf reconstruct: event images or a recording -> light field
 #include "e2lf/recon/reconstruct.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -72,21 +73,43 @@ Result<Method> make_method(const ReconstructArguments& arguments, const events::
   return arguments.method == "network" ? network_method(arguments, record) : inversion_method(arguments, file, record);
 }
 
+using Clock = std::chrono::steady_clock;
+
+double seconds(Clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// The event images of a cycle, and what is known of it.
+struct CycleImages {
+  events::EventImages images;
+  Json about = Json::object();             ///< for the record: of a recording, times and confidence
+  Clock::time_point ready = Clock::now();  ///< when the images were there: of a live recording, its last bytes
+  double behind_s = 0;                     ///< from the end of the last pattern until then; live recordings only
+};
+
 /// The event images of one cycle after the other, from a file of them or cut from a recording as it is read.
 class CycleInput {
  public:
   explicit CycleInput(events::EventImageFile file) : file_(std::move(file)) {}
   CycleInput(events::CycleReader reader, uint64_t max_cycles) : reader_(std::move(reader)), max_cycles_(max_cycles) {}
 
-  Result<std::optional<events::EventImages>> next() {
+  Result<std::optional<CycleImages>> next() {
+    CycleImages next;
     if (!reader_) {
-      return taken_ == file_.cycles.size() ? std::nullopt : std::optional(std::move(file_.cycles[taken_++]));
+      if (taken_ == file_.cycles.size()) return std::optional<CycleImages>();
+      next.images = std::move(file_.cycles[taken_++]);
+      return std::optional(std::move(next));
     }
-    if (max_cycles_ != 0 && taken_ == max_cycles_) return std::optional<events::EventImages>();
+    if (max_cycles_ != 0 && taken_ == max_cycles_) return std::optional<CycleImages>();
     E2LF_ASSIGN_OR_RETURN(std::optional<events::Cycle> cycle, reader_->next());
-    if (!cycle) return std::optional<events::EventImages>();
+    if (!cycle) return std::optional<CycleImages>();
     ++taken_;
-    return std::optional(std::move(cycle->images));
+    next.about = cycle_json(*cycle);
+    next.ready = cycle->arrival.value_or(Clock::now());
+    const int64_t behind_us = cycle->known_us - cycle->slices.back().end_us;
+    if (cycle->arrival) next.behind_s = static_cast<double>(std::max<int64_t>(0, behind_us)) * 1e-6;
+    next.images = std::move(cycle->images);
+    return std::optional(std::move(next));
   }
 
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
@@ -145,20 +168,17 @@ class CycleWriter {
       : arguments_(arguments), common_(common), method_(std::move(method)), codes_(std::move(codes)) {}
 
   /// Into an existing folder.
-  Result<void> process(const events::EventImages& images, const fs::path& folder) {
-    const auto begin = std::chrono::steady_clock::now();
-    const auto elapsed_s = [begin] {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    };
+  Result<void> process(const CycleImages& cycle, const fs::path& folder) {
+    const Clock::time_point begin = Clock::now();
     LightField light_field;
     {
       ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet);
-      E2LF_ASSIGN_OR_RETURN(light_field, method_(images, bar.callback()));
+      E2LF_ASSIGN_OR_RETURN(light_field, method_(cycle.images, bar.callback()));
     }
-    const double reconstruct_s = elapsed_s();
+    const double reconstruct_s = seconds(Clock::now() - begin);
     std::optional<double> difference;
     if (codes_) {
-      E2LF_ASSIGN_OR_RETURN(difference, event_error(*codes_, light_field, images));
+      E2LF_ASSIGN_OR_RETURN(difference, event_error(*codes_, light_field, cycle.images));
     }
     if (!gain_) {
       E2LF_ASSIGN_OR_RETURN(gain_, resolve_gain(arguments_.gain, light_field));
@@ -167,9 +187,13 @@ class CycleWriter {
       for (float& value : light_field.data()) value *= *gain_;
     }
     E2LF_RETURN_IF_ERROR(write_reconstruction(folder, light_field, arguments_.format, {}));
-    cycles_.push_back(
-        {{"cycle", cycles_.size()}, {"gain", *gain_}, {"reconstruct_s", reconstruct_s}, {"latency_s", elapsed_s()}});
-    if (difference) cycles_.back()["event_error"] = *difference;
+    Json about = cycle.about;
+    about["cycle"] = cycles_.size();
+    about["gain"] = *gain_;
+    about["reconstruct_s"] = reconstruct_s;
+    about["latency_s"] = cycle.behind_s + seconds(Clock::now() - cycle.ready);
+    if (difference) about["event_error"] = *difference;
+    cycles_.push_back(std::move(about));
     return {};
   }
 
@@ -188,7 +212,7 @@ class CycleWriter {
 Result<void> process_file(CycleInput& input, CycleWriter& writer, const fs::path& folder) {
   const bool single = input.file().cycles.size() == 1;
   for (;;) {
-    E2LF_ASSIGN_OR_RETURN(const std::optional<events::EventImages> images, input.next());
+    E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
     if (!images) return {};
     const fs::path target = single ? folder : folder / cycle_name(writer.cycles().size());
     std::error_code ignored;
@@ -200,7 +224,7 @@ Result<void> process_file(CycleInput& input, CycleWriter& writer, const fs::path
 /// A recording: the folder of each cycle appears, whole, as soon as it is done.
 Result<void> process_recording(CycleInput& input, CycleWriter& writer, const fs::path& folder) {
   for (;;) {
-    E2LF_ASSIGN_OR_RETURN(const std::optional<events::EventImages> images, input.next());
+    E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
     if (!images) break;
     E2LF_ASSIGN_OR_RETURN(AtomicFolder target,
                           AtomicFolder::create(folder / cycle_name(writer.cycles().size()), false));
@@ -264,7 +288,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", reconstruction.input,
                  "event images (.npz, .npy, folder of event_image_00000.npy ...), a recording, - for a pipe, "
-                 "tcp://127.0.0.1:PORT")
+                 "tcp://127.0.0.1:PORT, camera://NAME, replay:FILE (a recording at its own speed)")
       ->required();
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
   add_codes_options(app, reconstruction.codes);

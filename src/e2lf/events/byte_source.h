@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -36,6 +37,9 @@ class ByteSource {
 
   /// The length in bytes, where it is known; a file may still grow.
   [[nodiscard]] virtual std::optional<uint64_t> size() const = 0;
+
+  /// When the newest bytes that fetch() returned arrived at this host; nothing where that means nothing (a file).
+  [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
   /// The name for messages ("recording.raw", "memory", "stdin").
   [[nodiscard]] virtual std::string name() const = 0;

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
+#include "e2lf/base/file.h"
 #include "e2lf/events/convert.h"
 #include "e2lf/events/hdf5/hdf5_file.h"
 #include "e2lf/events/hdf5/metavision_layout.h"
+#include "e2lf/events/raw/chunked_source.h"
 #include "e2lf/events/recording.h"
 #include "e2lf/events/test_streams.h"
 
@@ -93,6 +95,10 @@ TEST(ContainerData, Aedat4FilesHaveTheirEvents) {
     E2LF_SKIP_WITHOUT(path);
     const EventBatch batch = read_file_of(path);
     EXPECT_EQ(batch.events.size(), count) << name;
+    // The same through a pipe.
+    const auto bytes = read_file(path).value();
+    auto live = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>{777}, 10007)).value();
+    EXPECT_TRUE(read_all(*live).value() == batch) << name;
     auto reader = open_recording(path);
     EXPECT_EQ((*reader)->info().width, width);
     EXPECT_EQ((*reader)->info().format, "aedat4");

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "e2lf/base/file.h"
+#include "e2lf/events/raw/chunked_source.h"
 #include "e2lf/events/registry.h"
 #include "e2lf/events/test_streams.h"
 
@@ -117,6 +118,24 @@ TEST_P(Container, MemoryAndPipesReadTheSame) {
   ::pclose(pipe);
 }
 
+TEST_P(Container, CutAtEveryByteReadsTheSame) {
+  const EventBatch stream = random_stream({.events = 70, .trigger_every = 9});
+  ASSERT_TRUE(write(stream).ok());
+  const auto bytes = read_file(path()).value();
+  const size_t step = std::max<size_t>(1, bytes.size() / 4000);
+  for (size_t cut = 1; cut < bytes.size(); cut += step) {
+    for (const size_t piece : {bytes.size(), size_t{5}}) {
+      if (piece == 5 && cut % 50 != 1) continue;
+      auto source = std::make_unique<ChunkedSource>(bytes, std::vector<size_t>{cut}, piece);
+      auto reader = open_recording(std::move(source), {.format = GetParam().name});
+      ASSERT_TRUE(reader.ok()) << reader.error().text();
+      const auto back = read_all(**reader);
+      ASSERT_TRUE(back.ok()) << back.error().text();
+      ASSERT_TRUE(back->events == stream.events) << cut << " " << piece;
+    }
+  }
+}
+
 TEST_P(Container, SizeAndFormatAreFoundAgain) {
   ASSERT_TRUE(write(random_stream({.events = 10})).ok());
   auto reader = open_recording(path());
@@ -158,6 +177,29 @@ TEST_P(Container, SeekGoesToTheFirstEventAtOrAfterATime) {
     ASSERT_FALSE(batch.events.empty());
     EXPECT_EQ(batch.events[0], stream.events[static_cast<size_t>(first - stream.events.t.begin())]) << target;
   }
+}
+
+TEST_P(Container, SliceOfTimeIsTheSameFromAFileAndAStream) {
+  const EventBatch stream = random_stream({.events = 100000, .trigger_every = 900});
+  ASSERT_TRUE(write(stream).ok());
+  const auto bytes = read_file(path()).value();
+  OpenOptions options{.format = GetParam().name, .from_us = stream.events.t[61234], .to_us = stream.events.t[61999]};
+  const auto begin = std::lower_bound(stream.events.t.begin(), stream.events.t.end(), options.from_us);
+  const auto end = std::lower_bound(stream.events.t.begin(), stream.events.t.end(), options.to_us);
+  EventColumns expected;
+  expected.append(stream.events, static_cast<size_t>(begin - stream.events.t.begin()),
+                  static_cast<size_t>(end - stream.events.t.begin()));
+  EXPECT_TRUE(read(options)->events == expected);
+  auto live = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 100003), options);
+  ASSERT_TRUE(live.ok()) << live.error().text();
+  EXPECT_TRUE(read_all(**live)->events == expected);
+  // The same in times from zero.
+  const int64_t first_us = stream.events.t.front();
+  options.time = TimeOrigin::kZero;
+  options.from_us -= first_us;
+  options.to_us -= first_us;
+  for (int64_t& t : expected.t) t -= first_us;
+  EXPECT_TRUE(read(options)->events == expected);
 }
 
 TEST_P(Container, WriterRefusesWhatReadersCouldNotTrust) {

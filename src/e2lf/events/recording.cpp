@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/log.h"
@@ -96,10 +97,41 @@ DecodeSummary RecordingReader::summary() const {
   return shifted;
 }
 
+/// Goes to a time where the source can be sought; otherwise passes over what comes before.
+Result<void> RecordingReader::begin_at(int64_t absolute_us) {
+  const auto sought = seek_before(absolute_us);
+  if (!sought && sought.error().code != ErrorCode::kUnsupported) return sought;
+  if (sought) pending_.refill();
+  return skip_to(absolute_us);
+}
+
+Result<void> RecordingReader::skip_to(int64_t absolute_us) {
+  for (bool more = true;;) {
+    pending_.skip_to(pending_.first_event(absolute_us), pending_.first_trigger(absolute_us));
+    if (!pending_.empty() || !more) return {};
+    E2LF_ASSIGN_OR_RETURN(more, refill_pending(kDefaultBatch));
+  }
+}
+
+/// Drops what is at or after a time from a batch; there is no more then.
+void RecordingReader::end_at(int64_t absolute_us, EventBatch& batch) {
+  const auto is_late = [absolute_us](const auto& t_us) { return t_us >= absolute_us; };
+  const auto event = std::find_if(batch.events.t.begin(), batch.events.t.end(), is_late);
+  const auto trigger = std::find_if(batch.triggers.begin(), batch.triggers.end(),
+                                    [&](const Trigger& candidate) { return is_late(candidate.t); });
+  has_ended_ = event != batch.events.t.end() || trigger != batch.triggers.end();
+  batch.events.resize(static_cast<size_t>(event - batch.events.t.begin()));
+  batch.triggers.erase(trigger, batch.triggers.end());
+}
+
 Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   E2LF_REQUIRE(max_events >= kMinBatch, "a batch holds at least kMinBatch events");
   batch.clear();
   E2LF_RETURN_IF_ERROR(find_shift());
+  if (has_ended_) return false;
+  if (!std::exchange(has_begun_, true) && options_.from_us != INT64_MIN) {
+    E2LF_RETURN_IF_ERROR(begin_at(options_.from_us + shift_us_.value_or(0)));
+  }
   if (!pending_.empty()) {
     pending_.take(batch, max_events);
   } else {
@@ -109,6 +141,7 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
       E2LF_RETURN_IF_ERROR(apply_policy());
     }
   }
+  if (options_.to_us != INT64_MAX) end_at(options_.to_us + shift_us_.value_or(0), batch);
   count(batch.events, 0, batch.events.size());
   summary_.triggers += batch.triggers.size();
   if (const int64_t shift_us = shift_us_.value_or(0); shift_us != 0) {
@@ -190,13 +223,10 @@ Result<void> RecordingReader::seek(int64_t t_us) {
   summary_ = {};
   known_violations_ = {};
   pending_.refill();
+  has_begun_ = true;
+  has_ended_ = false;
   E2LF_RETURN_IF_ERROR(seek_before(absolute_us));
-  bool more = true;
-  while (more && pending_.empty()) {
-    E2LF_ASSIGN_OR_RETURN(more, refill_pending(kDefaultBatch));
-    pending_.skip_to(pending_.first_event(absolute_us), pending_.first_trigger(absolute_us));
-  }
-  return {};
+  return skip_to(absolute_us);
 }
 
 Result<EventBatch> read_all(RecordingReader& reader) {

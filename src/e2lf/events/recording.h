@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -44,6 +45,10 @@ struct OpenOptions {
   size_t width = 0;  ///< sensor size for files that do not say; a file that says otherwise is kInvalidValue
   size_t height = 0;
   int threads = 1;  ///< for one read() call; 0 = all cores
+
+  /// read() hands out from_us <= t < to_us only, in times as it hands them out. A file is sought, a stream is skipped.
+  int64_t from_us = INT64_MIN;
+  int64_t to_us = INT64_MAX;
 };
 
 /// Times t with begin_us <= t < end_us.
@@ -82,6 +87,9 @@ class RecordingReader {
   /// Fails with kUnsupported where the source cannot be sought.
   [[nodiscard]] Result<void> seek(int64_t t_us);
 
+  /// When the newest bytes behind what was handed out arrived at this host; nothing for what is not live.
+  [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
+
   /// What was met in what read() and accumulate() have handed out; times are shifted as theirs.
   [[nodiscard]] DecodeSummary summary() const;
 
@@ -106,10 +114,14 @@ class RecordingReader {
   bool accumulate_pending(std::span<const TimeSlice> slices, EventImages& images, std::vector<Trigger>* triggers);
   [[nodiscard]] Result<bool> refill_pending(size_t max_events);
   [[nodiscard]] Result<void> find_shift();
+  [[nodiscard]] Result<void> begin_at(int64_t absolute_us);
+  [[nodiscard]] Result<void> skip_to(int64_t absolute_us);
+  void end_at(int64_t absolute_us, EventBatch& batch);
   [[nodiscard]] Result<void> apply_policy();
   void count(const EventColumns& events, size_t begin, size_t end);
 
-  PendingBatch pending_;             ///< read but not yet handed out, absolute in time
+  PendingBatch pending_;                        ///< read but not yet handed out, absolute in time
+  bool has_begun_ = false, has_ended_ = false;  ///< options_.from_us and to_us were met
   std::optional<int64_t> shift_us_;  ///< what to subtract; unknown until the first event under TimeOrigin::kZero
   std::array<uint64_t, kNumViolations> known_violations_{};
 };

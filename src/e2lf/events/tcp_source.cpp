@@ -7,9 +7,11 @@
 #include <cstring>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/events/live/camera.h"
 
 namespace e2lf::events {
 namespace {
@@ -19,7 +21,7 @@ constexpr std::string_view kScheme = "tcp://";
 Result<sockaddr_in> parse_address(const std::string& name) {
   const Error malformed{ErrorCode::kInvalidValue, "not a TCP address; write tcp://127.0.0.1:PORT", name};
   const size_t colon = name.rfind(':');
-  if (!is_tcp_name(name) || colon <= kScheme.size()) return malformed;
+  if (!name.starts_with(kScheme) || colon <= kScheme.size()) return malformed;
   uint16_t port = 0;
   const char* end = name.data() + name.size();
   const auto parsed = std::from_chars(name.data() + colon + 1, end, port);
@@ -35,11 +37,7 @@ Result<sockaddr_in> parse_address(const std::string& name) {
 
 }  // namespace
 
-bool is_tcp_name(const std::string& name) {
-  return name.starts_with(kScheme);
-}
-
-Result<std::unique_ptr<ByteSource>> open_tcp_source(const std::string& name) {
+Result<int> connect_tcp(const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(const sockaddr_in address, parse_address(name));
   const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0 || ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
@@ -47,13 +45,15 @@ Result<std::unique_ptr<ByteSource>> open_tcp_source(const std::string& name) {
     if (descriptor >= 0) ::close(descriptor);
     return Error{ErrorCode::kIo, cat("cannot connect (", reason, "); start the sender first"), name};
   }
-  return make_descriptor_source(descriptor, /*owned=*/true, name);
+  return descriptor;
 }
 
 Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name, const OpenOptions& options) {
-  if (!is_tcp_name(name)) return open_recording(std::filesystem::path(name), options);
-  E2LF_ASSIGN_OR_RETURN(auto source, open_tcp_source(name));
-  return open_recording(std::move(source), options);
+  if (is_camera_name(name)) return open_camera(name, options);
+  struct stat input {};
+  const bool is_pipe =
+      name == "-" && ::fstat(STDIN_FILENO, &input) == 0 && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode));
+  return is_pipe ? open_camera("camera://pipe", options) : open_recording(std::filesystem::path(name), options);
 }
 
 }  // namespace e2lf::events

@@ -34,11 +34,16 @@ class CycleReader::Impl {
         options_(options),
         tracker_(tracked_schedule(options), tracker_options(options)),
         bursts_(options.bursts),
+        signer_(options.signs),
         assembler_(options, reader_->info().width, reader_->info().height) {}
 
   Result<std::optional<Cycle>> next() {
     for (;;) {
-      if (auto cycle = assembler_.take()) return cycle;
+      if (auto cycle = assembler_.take()) {
+        cycle->known_us = last_us_;
+        cycle->arrival = reader_->arrival();
+        return cycle;
+      }
       if (has_ended_) return std::optional<Cycle>();
       E2LF_RETURN_IF_ERROR(advance());
     }
@@ -58,6 +63,7 @@ class CycleReader::Impl {
   Result<void> advance() {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader_->read(batch_, kBatchEvents));
     has_ended_ = !more;
+    if (options_.on_batch) options_.on_batch(batch_);
     if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
     if (!batch_.triggers.empty()) last_us_ = std::max(last_us_, batch_.triggers.back().t);
     found_.clear();
@@ -68,8 +74,8 @@ class CycleReader::Impl {
         break;
       case CycleSource::kTriggers:
         find_trigger_marks();
-        add_starts_of_marks();
-        known_us = tracker_.known_until(has_ended_ ? INT64_MAX : known_us);
+        add_starts_of_triggers();
+        known_us = tracker_.known_until(has_ended_ ? INT64_MAX : signer_.known_until(known_us));
         break;
       case CycleSource::kBursts:
         bursts_.add(batch_.events, found_);
@@ -85,9 +91,22 @@ class CycleReader::Impl {
   }
 
   void add_starts_of_marks() {
-    marks_ += found_.size();
     starts_.clear();
-    for (const Mark& mark : found_) tracker_.add(mark, starts_);
+    for (const Mark& mark : found_) add_mark(mark);
+    for (const PatternStart& start : starts_) add_start(start);
+  }
+
+  void add_mark(const Mark& mark) {
+    ++marks_;
+    if (options_.on_mark) options_.on_mark(mark);
+    tracker_.add(mark, starts_);
+  }
+
+  /// While the pattern is known, triggers go on at once; otherwise each waits for the sign of its events.
+  void add_starts_of_triggers() {
+    starts_.clear();
+    signer_.add(batch_.events, found_);
+    while (const auto mark = signer_.take(/*needs_sign=*/!tracker_.is_locked(), has_ended_)) add_mark(*mark);
     for (const PatternStart& start : starts_) add_start(start);
   }
 
@@ -144,6 +163,7 @@ class CycleReader::Impl {
   CycleOptions options_;
   PatternTracker tracker_;
   BurstDetector bursts_;
+  MarkSigner signer_;
   CycleAssembler assembler_;
   EventBatch batch_;
   std::vector<Mark> found_;

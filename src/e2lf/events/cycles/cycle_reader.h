@@ -2,14 +2,17 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "e2lf/events/cycles/burst_detector.h"
+#include "e2lf/events/cycles/mark_signer.h"
 #include "e2lf/events/cycles/pattern_tracker.h"
 #include "e2lf/events/cycles/pixel_filter.h"
 #include "e2lf/events/cycles/schedule.h"
@@ -35,8 +38,13 @@ struct CycleOptions {
   bool one_trigger_per_cycle = false;    ///< at the start of its first pattern
   TrackerOptions tracker = {};           ///< for triggers and bursts
   BurstOptions bursts = {};
+  SignOptions signs = {};  ///< of triggers, looked at to find the pattern again after a loss
 
   int64_t origin_us = 0;  ///< kSchedule: when the first pattern of any cycle began
+
+  /// Called with every batch that is read and every mark that is found, for pictures of a recording.
+  std::function<void(const EventBatch&)> on_batch = {};
+  std::function<void(const Mark&)> on_mark = {};
 
   std::optional<PixelFilterOptions> filter = {};  ///< hot and flickering pixels
 
@@ -52,6 +60,11 @@ struct Cycle {
   EventImages images;
   uint64_t events = 0;      ///< in the images
   float confidence = 1.0F;  ///< of the least certain transition, 0..1
+
+  int64_t known_us = 0;  ///< how far the recording had been read when the cycle was complete
+  /// When the bytes that completed it arrived; nothing for a recording that is not live. The time from the end of its
+  /// last pattern to anything done with it is (known_us - slices.back().end_us) and the time since `arrival`.
+  std::optional<std::chrono::steady_clock::time_point> arrival = {};
 };
 
 /// Why a cycle was dropped.

@@ -171,6 +171,42 @@ TEST(CycleReader, PhaseOfTriggersIsFoundFromUnequalIntervals) {
   expect_exact(cut(20, synthesis, options), 20, synthesis);
 }
 
+TEST(CycleReader, PatternOfTriggersIsFoundAgainFromTheSignsOfTheirEvents) {
+  const SynthesisOptions synthesis;
+  // Half a cycle of triggers is lost with a stretch of the recording; the intervals alone fit either half.
+  const auto lose = [](uint64_t number, SynthesisedCycle& cycle) {
+    if (number < 5 || number > 9) return;
+    std::erase_if(cycle.batch.triggers, [](const Trigger&) { return true; });
+  };
+  const Outcome outcome = cut(30, synthesis, by_triggers(), lose);
+  EXPECT_GE(outcome.cycles.size(), 20u);
+  for (const Cycle& cycle : outcome.cycles) {
+    const uint64_t number = true_number(cycle, synthesis);
+    EXPECT_EQ(cycle.images, images_of(number)) << number;
+  }
+}
+
+TEST(CycleReader, FirstPatternOfTriggersNeedNotBeGiven) {
+  const SynthesisOptions synthesis;
+  CycleOptions options = by_triggers();
+  options.tracker.first_pattern = {};
+  // The recording begins with the fourth pattern of its first cycle.
+  const Outcome outcome = cut(12, synthesis, options, [](uint64_t number, SynthesisedCycle& cycle) {
+    if (number > 0) return;
+    const int64_t begin_us = cycle.batch.triggers[6].t;
+    std::erase_if(cycle.batch.triggers, [&](const Trigger& trigger) { return trigger.t < begin_us; });
+    EventColumns rest;
+    for (size_t i = 0; i < cycle.batch.events.size(); ++i) {
+      if (cycle.batch.events.t[i] >= begin_us) rest.push_back(cycle.batch.events[i]);
+    }
+    cycle.batch.events = rest;
+  });
+  EXPECT_GE(outcome.cycles.size(), 10u);
+  for (const Cycle& cycle : outcome.cycles) {
+    EXPECT_EQ(cycle.images, images_of(true_number(cycle, synthesis)));
+  }
+}
+
 TEST(CycleReader, OneTriggerForEachCycleIsEnough) {
   SynthesisOptions synthesis;
   CycleOptions options = by_triggers();

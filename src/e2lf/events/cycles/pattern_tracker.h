@@ -52,6 +52,9 @@ class PatternTracker {
   /// still being looked for.
   [[nodiscard]] int64_t known_until(int64_t t_us) const;
 
+  /// Whether the pattern of the last mark is known; the intervals of the next one tell then, and no sign is needed.
+  [[nodiscard]] bool is_locked() const { return pattern_.has_value() || (is_first_ && options_.first_pattern); }
+
   /// The expected time from the start of a pattern to the next start.
   [[nodiscard]] int64_t interval_us(size_t pattern) const { return static_cast<int64_t>(interval_us_[pattern]); }
 

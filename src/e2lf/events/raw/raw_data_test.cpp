@@ -7,6 +7,7 @@
 
 #include "e2lf/base/file.h"
 #include "e2lf/base/isa.h"
+#include "e2lf/events/convert.h"
 #include "e2lf/events/raw/chunked_source.h"
 #include "e2lf/events/test_streams.h"
 
@@ -18,6 +19,7 @@ struct Anchor {
   const char* file;
   uint64_t on, off, triggers, rising;
   int64_t first_us, last_us, sum_t, sum_x, sum_y;
+  uint16_t trigger_id = 0;
 };
 
 constexpr Anchor kAnchors[] = {
@@ -25,9 +27,9 @@ constexpr Anchor kAnchors[] = {
     {"evt2_gen3_640x480.raw", 367855, 171626, 0, 0, 1317888, 1367888, 724340275912, 171811022, 110162026},
     {"evt3_hd_trigger_1280x720.raw", 41439, 41030, 2, 1, 14224870, 15476187, 1222326831810, 42078718, 31656267},
     {"evt3_vga_trigger_2khz_640x480.raw", 125183, 218291, 4157, 2079, 7139845, 9218023, 2851601611994, 116731888,
-     80879209},
-    {"evt21_le_derived.raw", 115532, 104064, 2, 1, 11718656, 11727457, 2574324900467, 159113225, 85638051},
-    {"evt21_halfswapped_derived.raw", 115532, 104064, 2, 1, 11718656, 11727457, 2574324900467, 159113225, 85638051},
+     80879209, 6},
+    {"evt21_le_derived.raw", 115532, 104064, 2, 1, 11718656, 11727457, 2574324900467, 159113225, 85638051, 1},
+    {"evt21_halfswapped_derived.raw", 115532, 104064, 2, 1, 11718656, 11727457, 2574324900467, 159113225, 85638051, 1},
 };
 
 std::filesystem::path event_file(const std::string& name) {
@@ -50,7 +52,10 @@ void expect_anchor(const EventBatch& batch, const Anchor& anchor) {
   EXPECT_EQ(sum(events.y), anchor.sum_y);
   ASSERT_EQ(batch.triggers.size(), anchor.triggers);
   uint64_t rising = 0;
-  for (const Trigger& trigger : batch.triggers) rising += trigger.p;
+  for (const Trigger& trigger : batch.triggers) {
+    rising += trigger.p;
+    EXPECT_EQ(trigger.id, anchor.trigger_id);
+  }
   EXPECT_EQ(rising, anchor.rising);
 }
 
@@ -147,6 +152,21 @@ TEST_P(Anchors, PipeGivesTrueCounts) {
   const EventBatch batch = read_whole(make_descriptor_source(ends[0], /*owned=*/true, "pipe"));
   feeder.join();
   expect_anchor(batch, GetParam());
+}
+
+TEST_P(Anchors, EveryContainerKeepsThem) {
+  const TestFolder folder;
+  for (const char* extension : {"csv", "txt", "dat", "hdf5", "npy", "npz", "h5"}) {
+    SCOPED_TRACE(extension);
+    auto reader = open_recording(path_).value();
+    const auto copy = folder / (std::string("copy.") + extension);
+    const auto report = convert_recording(*reader, copy);
+    ASSERT_TRUE(report.ok()) << report.error().text();
+    expect_anchor(read_whole(copy), GetParam());
+    auto again = open_recording(copy, {.policy = DecodePolicy::kStrict, .threads = 0}).value();
+    expect_anchor(read_all(*again).value(), GetParam());
+    expect_clean(again->summary(), GetParam());
+  }
 }
 
 TEST_P(Anchors, ZeroOriginShiftsEventsAndTriggersAlike) {
@@ -248,6 +268,16 @@ TEST_P(Anchors, WrittenAgainInEveryEncodingReadsTheSame) {
     EXPECT_EQ(again->info().find("serial_number"), info.find("serial_number"));
     EXPECT_EQ(read_all(*again).value(), whole) << format;
     EXPECT_EQ(again->summary().num_violations(), 0u) << format;
+  }
+}
+
+TEST(Triggers, OfTheTwoKilohertzRecordingAre500UsApart) {
+  const auto path = event_file("evt3_vga_trigger_2khz_640x480.raw");
+  E2LF_SKIP_WITHOUT(path);
+  const std::vector<Trigger> triggers = read_whole(path).triggers;
+  for (size_t i = 1; i < triggers.size(); ++i) {
+    EXPECT_NEAR(static_cast<double>(triggers[i].t - triggers[i - 1].t), 500, 2) << i;
+    EXPECT_NE(triggers[i].p, triggers[i - 1].p) << i;
   }
 }
 

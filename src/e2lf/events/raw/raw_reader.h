@@ -30,6 +30,8 @@ class RawReader final : public RecordingReader {
     if (threads > 1 && source_->seekable()) parts_.emplace(kPartsPerThread * threads, limits_of(info_));
   }
 
+  std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
+
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
     if (next_part_ == num_parts_ && drains_parts_) return false;
