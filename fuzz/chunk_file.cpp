@@ -13,19 +13,19 @@ namespace {
 using namespace events::hdf5;
 using events::load_le;
 
-constexpr hsize_t kMaxChunks = 12;
+constexpr size_t kMaxChunks = 12;
 
-/// Chunks as the input lists them: writes each, and returns how many there are.
-hsize_t write_chunks(hid_t dataset, hsize_t chunk_length, std::span<const uint8_t> input) {
-  hsize_t chunks = 0;
-  while (input.size() > 3 && chunks < kMaxChunks) {
-    const uint32_t filter_mask = input[0];
+struct Chunk {
+  uint32_t filter_mask = 0;
+  std::span<const uint8_t> bytes;
+};
+
+std::vector<Chunk> list_chunks(std::span<const uint8_t> input) {
+  std::vector<Chunk> chunks;
+  while (input.size() > 3 && chunks.size() < kMaxChunks) {
     const size_t size = std::min<size_t>(load_le<uint16_t>(&input[1]), input.size() - 3);
-    const hsize_t offset = chunks * chunk_length, extent = (chunks + 1) * chunk_length;
-    H5Dset_extent(dataset, &extent);
-    if (size > 0) H5Dwrite_chunk(dataset, H5P_DEFAULT, filter_mask, &offset, size, &input[3]);
+    chunks.push_back({input[0], input.subspan(3, size)});
     input = input.subspan(3 + size);
-    ++chunks;
   }
   return chunks;
 }
@@ -84,10 +84,15 @@ std::vector<uint8_t> make_chunk_file(std::span<const uint8_t> input) {
   Handle dataset(
       H5Dcreate2(group.get(), "events", event_type().get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
       H5Dclose);
-  const hsize_t length = write_chunks(dataset.get(), chunk_length, input.subspan(3)) * chunk_length;
-  if (length > missing) {
-    const hsize_t extent = length - missing;
-    H5Dset_extent(dataset.get(), &extent);
+  const std::vector<Chunk> chunks = list_chunks(input.subspan(3));
+  if (chunks.empty()) return {};
+  // Set once, as the library itself does not shrink a data set of damaged chunks safely.
+  const hsize_t extent = chunks.size() * chunk_length - missing;
+  H5Dset_extent(dataset.get(), &extent);
+  for (size_t i = 0; i < chunks.size(); ++i) {
+    const hsize_t offset = i * chunk_length;
+    const auto& [filter_mask, bytes] = chunks[i];
+    if (!bytes.empty()) H5Dwrite_chunk(dataset.get(), H5P_DEFAULT, filter_mask, &offset, bytes.size(), bytes.data());
   }
   dataset.close();
   return image_of(file.get());
