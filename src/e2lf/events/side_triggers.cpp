@@ -37,21 +37,33 @@ class SideTriggerFile final : public TriggerSource {
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     size_t used = 0;
     for (size_t end = 0; (end = text.find('\n', used)) != std::string_view::npos; used = end + 1) {
-      if (const auto trigger = parse_line(text.substr(used, end - used))) block.push_back(*trigger);
+      add_line(text.substr(used, end - used), block);
+      is_within_line_ = false;
     }
-    // What is left is the last line of the file, or of the bytes at hand, or no line at all.
+    // What is left is the last line of the file, or of the bytes at hand, or a line too long to be one.
     if (used == 0) {
-      if (const auto trigger = parse_line(text)) block.push_back(*trigger);
+      add_line(text, block);
+      is_within_line_ = true;
       used = text.size();
     }
     source_->consume(used);
     return true;
   }
 
-  Result<void> rewind() override { return source_->seek(0); }
+  Result<void> rewind() override {
+    is_within_line_ = false;
+    return source_->seek(0);
+  }
 
  private:
+  /// A line that is too long is none, wherever the bytes at hand end.
+  void add_line(std::string_view line, std::vector<Trigger>& block) const {
+    if (is_within_line_ || line.size() >= kLongestLine) return;
+    if (const auto trigger = parse_line(line)) block.push_back(*trigger);
+  }
+
   std::unique_ptr<ByteSource> source_;
+  bool is_within_line_ = false;  ///< the beginning of the line at hand was too long
 };
 
 }  // namespace
