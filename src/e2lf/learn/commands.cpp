@@ -6,7 +6,10 @@
 #endif
 
 #include <ATen/Parallel.h>
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <thread>
 
 #include "e2lf/learn/benchmark.h"
 #include "e2lf/learn/trainer.h"
@@ -26,10 +29,18 @@ void keep_freed_memory() {
 #endif
 }
 
+/// Torch's own guess at the number of cores can be one on a virtual machine that has more.
+void use_all_cores() {
+  if (std::getenv("OMP_NUM_THREADS") == nullptr) {
+    at::set_num_threads(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  }
+}
+
 /// Runs work that calls torch; its exceptions become errors.
 template <typename Work>
 auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(work()) {
   try {
+    use_all_cores();
     return work();
   } catch (const c10::Error& error) {
     return Error{ErrorCode::kInternal, cat("torch failed: ", error.what_without_backtrace(), "; report this"),
