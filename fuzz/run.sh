@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # fuzz/run.sh SECONDS JOBS [TARGET...]: runs the fuzz targets of build/fuzz for so long each, so many at a time; all by default.
+# With FUZZ_REPLAY set, the seeds alone are run, without new inputs.
 # Seeds: what e2lf_fuzz_seeds writes, fuzz/corpus/<target>/ (inputs that broke something once), what earlier runs found
 # (build/fuzz/found/<target>/), and where E2LF_DATA is set the beginnings of its recordings, for this run only.
 set -euo pipefail
@@ -25,17 +26,20 @@ if [ -d "${E2LF_DATA:-}/events" ]; then
   done
 fi
 
-# What one target is allowed: 256 MiB in one allocation, 1 GiB in all, 100 s for one input (they take 2 s at most; machines may be busy). Where the HDF5 library reads a whole damaged
-# file, it leaks and asks for allocations that fail: these are not ours to mend, and what it uses in all stays bounded.
+# What one target is allowed: 256 MiB in one allocation, 1 GiB in all, 100 s for one input (they take 2 s at most; machines
+# may be busy). Where the HDF5 library reads a whole damaged file, it leaks, and it asks for allocations of some GiB that it
+# never touches, before our checks can see what the file claims: these are not ours to mend.
 run_target() {
-  local target=$1 folder found=$build/found/$1 folders=() limits=(-malloc_limit_mb=256) sanitizer=allocator_may_return_null=0
+  local target=$1 folder found=$build/found/$1 folders=() limits=(-malloc_limit_mb=256 -rss_limit_mb=1024) sanitizer=allocator_may_return_null=0
   case $target in
-    hdf5 | dsec) limits=(-malloc_limit_mb=0 -detect_leaks=0) sanitizer=allocator_may_return_null=1:detect_leaks=0 ;;
+    hdf5 | dsec) limits=(-malloc_limit_mb=0 -rss_limit_mb=0 -detect_leaks=0) sanitizer=allocator_may_return_null=1:detect_leaks=0 ;;
   esac
+  local replay=()
+  [ -z "${FUZZ_REPLAY:-}" ] || replay=(-runs=0)
   mkdir -p "$found" "$build/logs"
   for folder in "$SEEDS/$target" "fuzz/corpus/$target"; do [ ! -d "$folder" ] || folders+=("$folder"); done
   if ! ASAN_OPTIONS=$sanitizer "$build/bin/fuzz_$target" \
-    -max_total_time="$SECONDS_EACH" -max_len=8192 -timeout=100 "${limits[@]}" -rss_limit_mb=1024 \
+    -max_total_time="$SECONDS_EACH" -max_len=8192 -timeout=100 "${replay[@]}" "${limits[@]}" \
     -print_final_stats=1 -artifact_prefix="$build/finding-$target-" "$found" "${folders[@]}" >"$build/logs/$target.txt" 2>&1; then
     tail -n 40 "$build/logs/$target.txt"
     echo "fuzz: $target found something; run $build/bin/fuzz_$target on the file that is named above"

@@ -26,9 +26,9 @@ uint8_t* put_u32(uint8_t* out, uint32_t value) {
 template <typename T>
 uint64_t changes_at(std::span<const T> values, size_t begin) {
   std::array<uint8_t, 64> differs{};
-  const T* const value = values.data() + begin;
+  const T* const before = values.data() + begin - 1;
   const size_t count = std::min(differs.size(), values.size() - begin);
-  for (size_t i = 0; i < count; ++i) differs[i] = value[i] != value[i - 1] ? 1 : 0;
+  for (size_t i = 0; i < count; ++i) differs[i] = before[i + 1] != before[i] ? 1 : 0;
   uint64_t changes = 0;
   for (size_t i = 0; i < 64; i += 8) {
     uint64_t bytes = 0;
