@@ -25,6 +25,10 @@ run 2 "--gian" events.npz -m model.safetensors --gian 2
 run 1 "\"bright\" is no gain" events.npz -m model.safetensors --gain bright
 run 2 "did you mean" events.npz -m model.safetensors --set precison=float32
 
+# Codes that cannot have made these events.
+py -c 'import json; json.dump({"patterns": [["00000000"] * 8] + [["01000000"] * 8] * 4}, open("five.json", "w"))'
+run 1 "the codes have 5 patterns" events.npz -m model.safetensors --codes five.json
+
 # Existing output stays as it is without --overwrite.
 mkdir taken && echo keep >taken/file
 fails 1 "give --overwrite" "$E2LF" reconstruct events.npz -m model.safetensors -o taken

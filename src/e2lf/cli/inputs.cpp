@@ -13,25 +13,35 @@ void add_codes_options(CLI::App& app, CodesSource& source) {
   app.add_option("--codes", source.codes, "aperture patterns (.json, .npy, .npz); win over the model's");
 }
 
-Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
+Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<aperture::Codes>& of_events,
+                                             RunRecord& record) {
   KnownCodes known;
+  std::optional<aperture::Codes> codes = of_events;
   if (!source.model.empty()) {
     record.add_input(source.model);
     E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(source.model));
     known.constants = model.constants;
     known.event_model = model.event_model;
-    if (model.codes) known.codes = *model.codes;
-    if (!model.codes && source.codes.empty()) {
-      return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; give them with --codes",
-                   source.model.string()};
-    }
+    if (model.codes) codes = model.codes;
   }
   if (!source.codes.empty()) {
     record.add_input(source.codes);
-    E2LF_ASSIGN_OR_RETURN(known.codes, aperture::read_codes(source.codes));
+    E2LF_ASSIGN_OR_RETURN(codes, aperture::read_codes(source.codes));
   }
-  if (source.model.empty() && source.codes.empty()) known.codes = aperture::default_codes();
-  return known;
+  if (!codes) return std::optional<KnownCodes>();
+  known.codes = std::move(*codes);
+  return std::optional(std::move(known));
+}
+
+Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(source, std::nullopt, record));
+  if (known) return std::move(*known);
+  if (!source.model.empty()) {
+    return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; give them with --codes",
+                 source.model.string()};
+  }
+  known.emplace().codes = aperture::default_codes();
+  return std::move(*known);
 }
 
 Result<lightfield::LightField> load_scene(const fs::path& path) {

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "e2lf/aperture/codes.h"
@@ -27,6 +28,12 @@ struct KnownCodes {
 
 /// Declares -m/--model and --codes.
 void add_codes_options(CLI::App& app, CodesSource& source);
+
+/// What is known of the patterns behind some events: those of --codes, else those of the model, else `of_events` (what
+/// the events' own file holds). Nothing when none of them has any.
+[[nodiscard]] Result<std::optional<KnownCodes>> find_codes(const CodesSource& source,
+                                                           const std::optional<aperture::Codes>& of_events,
+                                                           RunRecord& record);
 
 /// Reads the patterns: those of --codes, else those of the model, else the built-in ones when neither is given. Fails
 /// with kNotFound when the model holds no codes.

@@ -42,7 +42,6 @@ Result<Method> network_method(const ReconstructArguments& arguments, RunRecord& 
     return Error{ErrorCode::kInvalidValue, "the network needs a model; give one with -m, or use --method inversion",
                  "--model"};
   }
-  record.add_input(arguments.codes.model);
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.codes.model));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor made,
@@ -54,23 +53,24 @@ Result<Method> network_method(const ReconstructArguments& arguments, RunRecord& 
   });
 }
 
-/// The codes come from --codes or the model, else from the event images' file.
-Result<Method> inversion_method(const ReconstructArguments& arguments, const events::EventImageFile& file,
+Result<Method> inversion_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
                                 RunRecord& record) {
-  KnownCodes known;
-  if (arguments.codes.codes.empty() && arguments.codes.model.empty() && file.codes) {
-    E2LF_ASSIGN_OR_RETURN(known.codes, aperture::codes_from_npy(*file.codes, arguments.input.string()));
-  } else {
+  if (!known) {
     E2LF_ASSIGN_OR_RETURN(known, load_codes(arguments.codes, record));
   }
-  return Method([known](const events::EventImages& images, const ProgressFn&) {
+  return Method([known = std::move(*known)](const events::EventImages& images, const ProgressFn&) {
     return recon::reconstruct_by_inversion(images, known.codes, known.constants);
   });
 }
 
-Result<Method> make_method(const ReconstructArguments& arguments, const events::EventImageFile& file,
-                           RunRecord& record) {
-  return arguments.method == "network" ? network_method(arguments, record) : inversion_method(arguments, file, record);
+/// The patterns that the events were made with, when the command line or their own file tells.
+Result<std::optional<KnownCodes>> codes_of_events(const ReconstructArguments& arguments,
+                                                  const events::EventImageFile& file, RunRecord& record) {
+  std::optional<aperture::Codes> own;
+  if (file.codes) {
+    E2LF_ASSIGN_OR_RETURN(own, aperture::codes_from_npy(*file.codes, arguments.input.string()));
+  }
+  return find_codes(arguments.codes, own, record);
 }
 
 using Clock = std::chrono::steady_clock;
@@ -138,28 +138,6 @@ std::string cycle_name(size_t cycle) {
   return "cycle_" + number;
 }
 
-/// The codes that the events were made with, when anything says them.
-Result<std::optional<KnownCodes>> find_codes(const ReconstructArguments& arguments,
-                                             const events::EventImageFile& file) {
-  KnownCodes known;
-  bool found = !arguments.codes.codes.empty() || file.codes;
-  if (!arguments.codes.model.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(arguments.codes.model));
-    known.constants = model.constants;
-    known.event_model = model.event_model;
-    if (model.codes) known.codes = *model.codes;
-    found = found || model.codes;
-  }
-  if (!found) return std::optional<KnownCodes>();
-  if (file.codes) {
-    E2LF_ASSIGN_OR_RETURN(known.codes, aperture::codes_from_npy(*file.codes, arguments.input.string()));
-  }
-  if (!arguments.codes.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(known.codes, aperture::read_codes(arguments.codes.codes));
-  }
-  return std::optional(std::move(known));
-}
-
 /// Reconstructs cycles and writes each; what has been done so far.
 class CycleWriter {
  public:
@@ -176,10 +154,6 @@ class CycleWriter {
       E2LF_ASSIGN_OR_RETURN(light_field, method_(cycle.images, bar.callback()));
     }
     const double reconstruct_s = seconds(Clock::now() - begin);
-    std::optional<double> difference;
-    if (codes_) {
-      E2LF_ASSIGN_OR_RETURN(difference, event_error(*codes_, light_field, cycle.images));
-    }
     if (!gain_) {
       E2LF_ASSIGN_OR_RETURN(gain_, resolve_gain(arguments_.gain, light_field));
     }
@@ -192,7 +166,9 @@ class CycleWriter {
     about["gain"] = *gain_;
     about["reconstruct_s"] = reconstruct_s;
     about["latency_s"] = cycle.behind_s + seconds(Clock::now() - cycle.ready);
-    if (difference) about["event_error"] = *difference;
+    if (codes_) {
+      E2LF_ASSIGN_OR_RETURN(about["event_error"], event_error(*codes_, light_field, *gain_, cycle.images));
+    }
     cycles_.push_back(std::move(about));
     return {};
   }
@@ -257,9 +233,10 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(AtomicFolder output, AtomicFolder::create(arguments.output, common.overwrite));
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_input(arguments));
-  E2LF_ASSIGN_OR_RETURN(Method method, make_method(arguments, input.file(), record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, input.file(), record));
+  E2LF_ASSIGN_OR_RETURN(Method method, arguments.method == "network" ? network_method(arguments, record)
+                                                                     : inversion_method(arguments, codes, record));
   record.end_step("open");
-  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments, input.file()));
   CycleWriter writer(arguments, common, std::move(method), std::move(codes));
   if (input.is_recording()) {
     // Earlier cycles are of use while later ones are still being recorded: the folder itself appears at once.
