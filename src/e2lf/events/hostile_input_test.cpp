@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cstring>
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
@@ -167,6 +170,38 @@ TEST(RawWriter, RefusesAPauseThatItWouldHaveToFill) {
   batch.events.push_back({1, 1, 1, 100 + (int64_t{1} << 37)});
   EXPECT_EQ((*writer)->write(batch).error().code, ErrorCode::kInvalidValue);
   EXPECT_LT(bytes.size(), 4096u);
+}
+
+TEST(HostileEvt21, AVectorWithoutEventsDoesNotMoveLaterOnesToAnotherSlice) {
+  std::vector<uint8_t> bytes;
+  auto writer = create_recording(make_memory_sink(bytes), "evt2.1",
+                                 {.format = "evt2.1", .width = 64, .height = 48, .header = {}});
+  EventBatch batch;
+  for (int64_t i = 0; i < 400; ++i) batch.events.push_back({30, static_cast<uint16_t>(i % 48), 1, 1000 + i});
+  ASSERT_TRUE((*writer)->write(batch).ok());
+  ASSERT_TRUE((*writer)->finish().ok());
+
+  // The word of t = 1160 (64 * 18 + 8) says 64 * 18 + 60 instead, and has no events.
+  const auto head = [](uint32_t low_us) { return 1u << 28 | low_us << 22 | 160 % 48; };
+  const auto as_bytes = [](uint64_t word) {
+    std::array<uint8_t, 8> result{};
+    std::memcpy(result.data(), &word, result.size());
+    return result;
+  };
+  const auto sound = as_bytes(uint64_t{head(8)} << 32 | 1u << 30), empty = as_bytes(uint64_t{head(60)} << 32);
+  const auto place = std::search(bytes.begin(), bytes.end(), sound.begin(), sound.end());
+  ASSERT_NE(place, bytes.end());
+  std::copy(empty.begin(), empty.end(), place);
+
+  const auto events = read_bytes(bytes, "evt2.1").value().events;
+  ASSERT_EQ(events.size(), 399u);
+  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {}).value();
+  EventImages images(2, 48, 64), expected(2, 48, 64);
+  const std::vector<TimeSlice> slices = {{1000, 1180}, {1180, 2000}};
+  ASSERT_TRUE(reader->accumulate(slices, images).ok());
+  for (size_t i = 0; i < events.size(); ++i)
+    ++expected.image(events.t[i] < 1180 ? 0 : 1)[events.y[i] * size_t{64} + 30];
+  EXPECT_EQ(images, expected);
 }
 
 }  // namespace

@@ -172,7 +172,18 @@ size_t decode_columns(const uint8_t* words, size_t count, State& state, const Se
   return count;
 }
 
-/// Adds events to the current image up to the first word that is none. All of their times lie in the current slice.
+/// Whether an event word has any event; a damaged EVT2.1 word may have none.
+template <typename Layout>
+HWY_INLINE bool has_events(const uint8_t* word) {
+  if constexpr (Layout::kWordBytes == 4) {
+    return true;
+  } else {
+    return Layout::mask(word) != 0;
+  }
+}
+
+/// Adds events to the current image up to the first word that is none. The first word has events: times before its own
+/// are raised to it, so all lie in the current slice.
 template <typename Layout>
 HWY_INLINE size_t add_events(const uint8_t* words, size_t count, const State& state, const SensorLimits& limits,
                              ImageSink& sink) {
@@ -206,7 +217,7 @@ HWY_INLINE size_t add_events(const uint8_t* words, size_t count, const State& st
       all += events;
       on += events * p;
     }
-    last_low = std::max(last_low, low_of(head));
+    if (has_events<Layout>(word)) last_low = std::max(last_low, low_of(head));
   }
   if (all > 0) sink.note_events(on, all - on, sink.time(), state.high_us | last_low);
   return i;
@@ -219,8 +230,8 @@ size_t decode_images(const uint8_t* words, size_t count, State& state, const Sen
     const uint8_t* word = words + i * Layout::kWordBytes;
     const uint32_t head = Layout::head(word);
     size_t used = 0;
-    if (fits && type_of(head) <= kOn && sink.set_time(state.high_us | low_of(head)) && sink.image() != nullptr &&
-        state.high_us + 64 <= sink.slice_end_us()) {
+    if (fits && type_of(head) <= kOn && has_events<Layout>(word) && sink.set_time(state.high_us | low_of(head)) &&
+        sink.image() != nullptr && state.high_us + 64 <= sink.slice_end_us()) {
       used = add_events<Layout>(word, count - i, state, limits, sink);
     }
     if (used == 0) used = Words<Layout>::decode_scalar(word, 1, state, limits, sink);
