@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/hdf5/library.h"
 
+#include "e2lf/hdf5/bytes_driver.h"
+
 namespace e2lf::hdf5 {
 namespace {
 
 std::recursive_mutex& library_mutex() {
   static std::recursive_mutex mutex;
   return mutex;
-}
-
-/// HDF5 1.10 reads beyond its sieve buffer where a damaged file puts elements past its end.
-Handle safe_access() {
-  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_sieve_buf_size(access.get(), 0);
-  return access;
 }
 
 }  // namespace
@@ -35,16 +30,12 @@ bool Handle::close() {
 
 Handle open_file(const std::filesystem::path& path) {
   const LibraryLock lock;
-  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, safe_access().get()), H5Fclose};
+  return {open_path_to_read(path), H5Fclose};
 }
 
-Handle open_bytes(std::span<uint8_t> bytes, const std::string& name) {
-  constexpr size_t kGrowBytes = size_t{1} << 20;
+Handle open_bytes(std::vector<uint8_t> bytes) {
   const LibraryLock lock;
-  const Handle access = safe_access();
-  H5Pset_fapl_core(access.get(), kGrowBytes, false);
-  H5Pset_file_image(access.get(), bytes.data(), bytes.size());
-  return {H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose};
+  return {open_bytes_to_read(std::move(bytes)), H5Fclose};
 }
 
 std::string last_reason() {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <hdf5.h>
 #include <mutex>
-#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "e2lf/base/result.h"
 
@@ -58,9 +59,10 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// Opens a file, or the bytes of one, for reading; invalid when the library refuses. `name` must not be that of a file.
+/// Opens a file, or the bytes of one, for reading, so that nothing beyond its end is read (bytes_driver.h); invalid
+/// when the library refuses.
 [[nodiscard]] Handle open_file(const std::filesystem::path& path);
-[[nodiscard]] Handle open_bytes(std::span<uint8_t> bytes, const std::string& name);
+[[nodiscard]] Handle open_bytes(std::vector<uint8_t> bytes);
 
 /// What HDF5 says was the root of its last error, e.g. "truncated file".
 [[nodiscard]] std::string last_reason();

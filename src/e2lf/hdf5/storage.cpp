@@ -21,10 +21,17 @@ uint64_t product(const std::vector<hsize_t>& extents) {
   return result;
 }
 
+/// Bytes that the data set says it takes, and the file has.
+uint64_t stored_bytes(hid_t dataset) {
+  const Handle file(H5Iget_file_id(dataset), H5Fclose);
+  hsize_t size = 0;
+  if (H5Fget_filesize(file.get(), &size) < 0) return 0;
+  return std::min<uint64_t>(H5Dget_storage_size(dataset), size);
+}
+
 /// Elements that the file has room for.
 uint64_t stored_elements(hid_t dataset, const Storage& storage) {
-  const uint64_t bytes = H5Dget_storage_size(dataset);
-  if (!storage.is_chunked() || storage.filters.empty()) return bytes / storage.bytes_each;
+  if (!storage.is_chunked() || storage.filters.empty()) return storage.stored_bytes / storage.bytes_each;
   const Handle space(H5Dget_space(dataset), H5Sclose);
   hsize_t chunks = 0;
   if (H5Dget_num_chunks(dataset, space.get(), &chunks) < 0) return 0;
@@ -118,12 +125,18 @@ Result<Storage> inspect_storage(hid_t dataset, const std::string& location) {
   if (storage.bytes_each == 0 || H5Tdetect_class(type.get(), H5T_VLEN) != 0 || H5Tis_variable_str(type.get()) != 0) {
     return Error{ErrorCode::kUnsupported, "the data set's elements are not of one size; store plain numbers", location};
   }
+  if (storage.bytes_each > kMaxElementBytes) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("the data set's elements are of ", storage.bytes_each, " bytes each; store plain numbers"),
+                 location};
+  }
   E2LF_RETURN_IF_ERROR(read_layout(properties.get(), storage, location));
   read_filters(properties.get(), storage);
   if (storage.filters.size() > 16) {
     return Error{ErrorCode::kUnsupported, "the data set is packed by more than 16 filters; is the file damaged?",
                  location};
   }
+  storage.stored_bytes = stored_bytes(dataset);
   storage.stored_elements = stored_elements(dataset, storage);
   return storage;
 }

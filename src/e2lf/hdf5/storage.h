@@ -12,6 +12,9 @@ namespace e2lf::hdf5 {
 /// Largest chunk that is read, in bytes after unpacking: the library allocates one on the word of the header.
 inline constexpr uint64_t kMaxChunkBytes = uint64_t{1} << 27;
 
+/// Largest element that is read, in bytes: the library converts one at a time, in memory of its size.
+inline constexpr size_t kMaxElementBytes = size_t{1} << 16;
+
 /// How a data set is stored, and what of its size may be believed.
 struct Storage {
   std::vector<hsize_t> extents;  ///< as the header claims
@@ -19,6 +22,7 @@ struct Storage {
   size_t bytes_each = 0;         ///< per element, in the file
   std::vector<H5Z_filter_t> filters;
   uint64_t chunk_bytes = 0;      ///< after unpacking
+  uint64_t stored_bytes = 0;     ///< in the file, packed; no more than the file has
   uint64_t stored_elements = 0;  ///< no more than these can be in the file: what may be allocated
 
   /// The product of the extents; the largest number when it overflows.
@@ -27,8 +31,8 @@ struct Storage {
 };
 
 /// Looks at a data set that was just opened, without reading or allocating on its word. `location` names it in errors.
-/// Fails with kFormat (not readable), kUnsupported (elements of variable length, elements in other files than this one,
-/// chunks above kMaxChunkBytes).
+/// Fails with kFormat (not readable), kUnsupported (elements of variable length or above kMaxElementBytes, elements in
+/// other files than this one, chunks above kMaxChunkBytes).
 [[nodiscard]] Result<Storage> inspect_storage(hid_t dataset, const std::string& location);
 
 /// Whether a chunk holds as many bytes as the layout says: HDF5 1.10 reads beyond it where it does not. `offset` is the

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/hdf5/storage.h"
 
+#include <cstring>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include "e2lf/base/file.h"
 #include "e2lf/base/test_files.h"
 
 namespace e2lf::hdf5 {
@@ -28,6 +30,34 @@ TEST(Storage, ClaimsBeyondWhatTheFileHoldsAreNotBelieved) {
   EXPECT_EQ(storage->claimed_elements(), UINT64_MAX) << "the product overflows";
   EXPECT_EQ(storage->stored_elements, 0u);
   EXPECT_EQ(storage->bytes_each, 2u);
+}
+
+TEST(Storage, NoMoreIsStoredThanTheFileHas) {
+  const TestFolder folder;
+  constexpr uint64_t kCount = 12345, kClaimed = uint64_t{1} << 40;
+  make_set(folder / "a.h5", {kCount}, H5T_NATIVE_UINT8,
+           [](hid_t properties) { H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY); });
+  std::vector<uint8_t> bytes = read_file(folder / "a.h5").value();
+  for (size_t i = 0; i + 8 <= bytes.size(); ++i) {  // the extent, and the bytes that the layout says are stored
+    uint64_t number = 0;
+    std::memcpy(&number, &bytes[i], 8);
+    if (number == kCount) std::memcpy(&bytes[i], &kClaimed, 8);
+  }
+  const Handle file = open_bytes(bytes);
+  const Handle set(H5Dopen2(file.get(), "values", H5P_DEFAULT), H5Dclose);
+  const auto storage = inspect_storage(set.get(), "a.h5");
+  ASSERT_TRUE(storage.ok()) << storage.error().text();
+  EXPECT_EQ(storage->claimed_elements(), kClaimed);
+  EXPECT_EQ(storage->stored_elements, bytes.size());
+}
+
+TEST(Storage, HugeElementsAreRefused) {
+  const TestFolder folder;
+  for (const size_t size : {kMaxElementBytes, kMaxElementBytes + 1, size_t{1} << 31}) {
+    const Handle type(H5Tcreate(H5T_OPAQUE, size), H5Tclose);
+    const Handle set = make_set(folder / "a.h5", {1}, type.get(), [](hid_t) {});
+    EXPECT_EQ(inspect_storage(set.get(), "a.h5").ok(), size == kMaxElementBytes) << size;
+  }
 }
 
 TEST(Storage, HugeChunksAreRefused) {

@@ -53,7 +53,7 @@ Result<Handle> open_file(ByteSource& source) {
     file = e2lf::hdf5::open_file(source.path());
   } else {
     E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> bytes, read_rest(source));
-    file = e2lf::hdf5::open_bytes(bytes, source.name() + " (in memory)");
+    file = e2lf::hdf5::open_bytes(std::move(bytes));
   }
   if (!file.valid()) {
     return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file; it is damaged or not complete",

@@ -87,7 +87,7 @@ hid_t memory_type(SampleType type) {
 bool holds_samples(hid_t set, const hdf5::Storage& storage) {
   constexpr double kMaxDeflateRatio = 1032.0;
   const double promised = static_cast<double>(storage.claimed_elements()) * static_cast<double>(storage.bytes_each);
-  const double most = static_cast<double>(H5Dget_storage_size(set)) * (storage.is_chunked() ? kMaxDeflateRatio : 1.0);
+  const double most = static_cast<double>(storage.stored_bytes) * (storage.is_chunked() ? kMaxDeflateRatio : 1.0);
   const bool is_known = storage.filters.empty() || storage.filters.back() == H5Z_FILTER_DEFLATE;
   return promised <= most && is_known && hdf5::chunks_are_whole(set, storage);
 }

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/hdf5/bytes_driver.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <iterator>
+#include <memory>
+#include <new>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
+
+#include "e2lf/hdf5/library.h"
+
+namespace e2lf::hdf5 {
+namespace {
+
+/// What a file is read from: bytes, or a descriptor.
+class Contents {
+ public:
+  explicit Contents(std::vector<uint8_t> bytes) : bytes_(std::move(bytes)), size_(bytes_.size()) {}
+  explicit Contents(const std::filesystem::path& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    struct stat info {};
+    if (descriptor_ >= 0 && ::fstat(descriptor_, &info) == 0 && S_ISREG(info.st_mode)) {
+      size_ = static_cast<uint64_t>(info.st_size);
+    }
+  }
+  Contents(const Contents&) = delete;
+  Contents& operator=(const Contents&) = delete;
+  ~Contents() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  [[nodiscard]] uint64_t size() const { return size_; }
+
+  /// False, with nothing promised about `out`, where not all of it lies inside the file or it cannot be read.
+  [[nodiscard]] bool read(uint64_t begin, size_t count, uint8_t* out) const {
+    if (begin > size_ || count > size_ - begin) return false;
+    if (descriptor_ < 0) {
+      if (count > 0) std::memcpy(out, bytes_.data() + begin, count);
+      return true;
+    }
+    while (count > 0) {
+      const ssize_t read = ::pread(descriptor_, out, count, static_cast<off_t>(begin));
+      if (read < 0 && errno == EINTR) continue;
+      if (read <= 0) return false;
+      out += read;
+      begin += static_cast<uint64_t>(read);
+      count -= static_cast<size_t>(read);
+    }
+    return true;
+  }
+
+ private:
+  std::vector<uint8_t> bytes_;
+  int descriptor_ = -1;
+  uint64_t size_ = 0;
+};
+
+/// An open file as the library sees it.
+struct DriverFile : H5FD_t {
+  std::shared_ptr<const Contents> contents;
+  haddr_t end_of_addresses = 0;
+};
+
+const DriverFile& of(const H5FD_t* file) {
+  return *static_cast<const DriverFile*>(file);
+}
+
+/// What the H5Fopen() that is under way opens; nothing when the library opens a file on the word of another.
+std::shared_ptr<const Contents>& contents_to_open() {
+  static std::shared_ptr<const Contents> contents;
+  return contents;
+}
+
+H5FD_t* open_file(const char*, unsigned flags, hid_t, haddr_t) {
+  if (contents_to_open() == nullptr || (flags & H5F_ACC_RDWR) != 0) return nullptr;
+  auto* const file = new (std::nothrow) DriverFile();
+  if (file != nullptr) file->contents = contents_to_open();
+  return file;
+}
+
+herr_t close_file(H5FD_t* file) {
+  delete static_cast<DriverFile*>(file);
+  return 0;
+}
+
+herr_t read_file(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t begin, size_t count, void* out) {
+  return of(file).contents->read(begin, count, static_cast<uint8_t*>(out)) ? 0 : -1;
+}
+
+herr_t refuse_to_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, size_t, const void*) {
+  return -1;
+}
+
+haddr_t end_of_addresses(const H5FD_t* file, H5FD_mem_t) {
+  return of(file).end_of_addresses;
+}
+
+herr_t set_end_of_addresses(H5FD_t* file, H5FD_mem_t, haddr_t end) {
+  static_cast<DriverFile*>(file)->end_of_addresses = end;
+  return 0;
+}
+
+haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) {
+  return of(file).contents->size();
+}
+
+/// No features: they are the library's buffers.
+herr_t query(const H5FD_t*, unsigned long* features) {  // NOLINT(google-runtime-int): the library's type
+  if (features != nullptr) *features = 0;
+  return 0;
+}
+
+hid_t register_driver() {
+  H5FD_class_t driver{};
+  driver.name = "e2lf";
+  driver.maxaddr = INT64_MAX;
+  driver.fc_degree = H5F_CLOSE_WEAK;
+  driver.open = open_file;
+  driver.close = close_file;
+  driver.query = query;
+  driver.get_eoa = end_of_addresses;
+  driver.set_eoa = set_end_of_addresses;
+  driver.get_eof = end_of_file;
+  driver.read = read_file;
+  driver.write = refuse_to_write;
+  constexpr H5FD_mem_t kOneKind[] = H5FD_FLMAP_SINGLE;
+  std::copy(std::begin(kOneKind), std::end(kOneKind), driver.fl_map);
+  return H5FDregister(&driver);
+}
+
+hid_t open_to_read(std::shared_ptr<const Contents> contents, const char* name) {
+  static const hid_t driver = register_driver();
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  if (H5Pset_driver(access.get(), driver, nullptr) < 0) return -1;
+  contents_to_open() = std::move(contents);
+  const hid_t file = H5Fopen(name, H5F_ACC_RDONLY, access.get());
+  contents_to_open() = nullptr;
+  return file;
+}
+
+}  // namespace
+
+hid_t open_path_to_read(const std::filesystem::path& path) {
+  return open_to_read(std::make_shared<const Contents>(path), path.c_str());
+}
+
+hid_t open_bytes_to_read(std::vector<uint8_t> bytes) {
+  return open_to_read(std::make_shared<const Contents>(std::move(bytes)), "in memory");
+}
+
+}  // namespace e2lf::hdf5
