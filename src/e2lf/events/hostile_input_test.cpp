@@ -172,6 +172,26 @@ TEST(RawWriter, RefusesAPauseThatItWouldHaveToFill) {
   EXPECT_LT(bytes.size(), 4096u);
 }
 
+TEST(HostileEvt21, TheByteOrderIsFoundThoughOneOfTheFirstWordsIsDamaged) {
+  EventBatch batch;
+  for (int64_t i = 0; i < 400; ++i) batch.events.push_back({12, static_cast<uint16_t>(i % 48), 1, 1000 + i});
+  for (const std::string order : {"legacy", "little"}) {
+    std::vector<uint8_t> bytes;
+    auto writer = create_recording(make_memory_sink(bytes), "evt2.1",
+                                   {.format = "evt2.1", .width = 64, .height = 48, .header = {{"endianness", order}}});
+    ASSERT_TRUE((*writer)->write(batch).ok());
+    ASSERT_TRUE((*writer)->finish().ok());
+    const std::string key = "endianness=" + order, end = "% end\n";
+    std::fill_n(std::search(bytes.begin(), bytes.end(), key.begin(), key.end()), key.size(), uint8_t{'x'});
+    // The type of the third word, whichever half it is in.
+    const auto words = std::search(bytes.begin(), bytes.end(), end.begin(), end.end()) + 6;
+    words[16 + 3] = words[16 + 7] = 0x70;
+    const auto events = read_bytes(bytes, "evt2.1").value().events;
+    EXPECT_GE(events.size(), 398u) << order;
+    EXPECT_TRUE(std::all_of(events.x.begin(), events.x.end(), [](uint16_t x) { return x == 12; })) << order;
+  }
+}
+
 TEST(HostileEvt21, AVectorWithoutEventsDoesNotMoveLaterOnesToAnotherSlice) {
   std::vector<uint8_t> bytes;
   auto writer = create_recording(make_memory_sink(bytes), "evt2.1",

@@ -10,10 +10,19 @@ template <ByteOrder kOrder>
 constexpr timed::Encoding kEncoding =
     kOrder == ByteOrder::kLittle ? timed::Encoding::kEvt21Little : timed::Encoding::kEvt21Legacy;
 
+constexpr size_t kLookedAt = 512;
+
+/// How many words make no sense, of some.
+template <ByteOrder kOrder>
+size_t bad_words(std::span<const uint8_t> words) {
+  const size_t count = std::min(words.size() / 8, kLookedAt);
+  return timed::Words<Layout<kOrder>>::count_bad(words.data(), count, count);
+}
+
 /// How many words make sense from the first on, in steps and up to some.
 template <ByteOrder kOrder>
 size_t good_words(std::span<const uint8_t> words) {
-  constexpr size_t kLookedAt = 512, kStep = 8;
+  constexpr size_t kStep = 8;
   const size_t count = std::min(words.size() / 8, kLookedAt);
   size_t good = 0;
   while (good < count) {
@@ -47,8 +56,13 @@ template struct Codec<ByteOrder::kLittle>;
 template struct Codec<ByteOrder::kLegacy>;
 
 ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint) {
-  const size_t little = good_words<ByteOrder::kLittle>(words);
-  const size_t legacy = good_words<ByteOrder::kLegacy>(words);
+  size_t little = good_words<ByteOrder::kLittle>(words);
+  size_t legacy = good_words<ByteOrder::kLegacy>(words);
+  if (little == legacy) {
+    // A damaged word ends both, and says nothing of the others.
+    little = kLookedAt - bad_words<ByteOrder::kLittle>(words);
+    legacy = kLookedAt - bad_words<ByteOrder::kLegacy>(words);
+  }
   if (little == legacy) return hint == "legacy" ? ByteOrder::kLegacy : ByteOrder::kLittle;
   return little > legacy ? ByteOrder::kLittle : ByteOrder::kLegacy;
 }

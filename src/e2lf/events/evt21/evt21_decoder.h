@@ -31,8 +31,9 @@ struct Codec : timed::Words<Layout<kOrder>> {
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
 };
 
-/// The byte order in which the first words make sense for longer; headers are known to be silent about it, or wrong.
-/// `hint` (the header's "little", "legacy" or nothing) decides when both do. `words`: the first few kilobytes.
+/// The byte order in which the first words make sense for longer, or where that is the same, in which fewer of them
+/// make none; headers are known to be silent about it, or wrong. `hint` (the header's "little", "legacy" or nothing)
+/// decides when both do. `words`: the first few kilobytes.
 [[nodiscard]] ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint);
 
 }  // namespace e2lf::events::evt21
