@@ -22,6 +22,8 @@ using Bytes = std::span<const uint8_t>;
 constexpr size_t kMaxEvents = size_t{1} << 20;
 /// A RAW file has a time word for every 4 ms, HDF5 an index entry for every 2 ms: longer recordings are valid and slow.
 constexpr int64_t kMaxSpanUs = int64_t{1} << 30;
+/// EVT2 counts the loops of its clock before a late first event, a million words for today in microseconds.
+constexpr int64_t kMaxFirstUs = int64_t{1} << 45;
 constexpr int64_t kFilledUs = 10'000'000;
 
 struct Decoded {
@@ -183,6 +185,8 @@ void check_round_trip(Decoded decoded, const std::string& format) {
   if (has_clock && !all.triggers.empty() && all.triggers.back().t - all.triggers.front().t > kMaxSpanUs) return;
   if (is_raw(format)) {
     if (looks_like_no_data(all.events)) return;
+    if (!all.events.empty() && all.events.t.front() > kMaxFirstUs) return;
+    if (!all.triggers.empty() && all.triggers.front().t > kMaxFirstUs) return;
     if (decoded.info.width == 0) decoded.info.width = 2048;
     if (decoded.info.height == 0) decoded.info.height = 2048;
     decoded.info.format = format;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # fuzz/run.sh SECONDS JOBS [TARGET...]: runs the fuzz targets of build/fuzz for so long each, so many at a time; all by default.
-# With FUZZ_REPLAY set, the seeds alone are run, without new inputs.
+# With FUZZ_FIXED set, each tries its seeds and a fixed number of new inputs, the same ones each time, SECONDS at most.
 # Seeds: what e2lf_fuzz_seeds writes, fuzz/corpus/<target>/ (inputs that broke something once), what earlier runs found
 # (build/fuzz/found/<target>/), and where E2LF_DATA is set the beginnings of its recordings, for this run only.
 set -euo pipefail
@@ -26,20 +26,34 @@ if [ -d "${E2LF_DATA:-}/events" ]; then
   done
 fi
 
-# What one target is allowed: 256 MiB in one allocation, 1 GiB in all, 100 s for one input (they take 2 s at most; machines
-# may be busy). Where the HDF5 library reads a whole damaged file, it leaks, and it asks for allocations of some GiB that it
-# never touches, before our checks can see what the file claims: these are not ours to mend.
-run_target() {
-  local target=$1 folder found=$build/found/$1 folders=() limits=(-malloc_limit_mb=256 -rss_limit_mb=1024) sanitizer=allocator_may_return_null=0
-  case $target in
-    hdf5 | dsec) limits=(-malloc_limit_mb=0 -rss_limit_mb=0 -detect_leaks=0) sanitizer=allocator_may_return_null=1:detect_leaks=0 ;;
+# How many inputs take about 25 s on a busy core.
+fixed_runs() {
+  case $1 in
+    evt3) echo 2500 ;;
+    evt2 | evt2.1 | dsec | hdf5 | hdf5_chunks) echo 5000 ;;
+    dat) echo 10000 ;;
+    aedat4 | csv | txt | npy) echo 20000 ;;
+    npz | safetensors | side_triggers) echo 60000 ;;
+    *) echo 150000 ;;
   esac
-  local replay=()
-  [ -z "${FUZZ_REPLAY:-}" ] || replay=(-runs=0)
+}
+
+# What one target is allowed: 256 MiB in one allocation, 1 GiB in all, 100 s for one input (they take 2 s at most; machines
+# may be busy). Where the HDF5 library reads a whole damaged file, it asks for what the file claims, some GiB, before our
+# driver refuses to read them: it is told that there is no such memory. It also leaks (leaks.txt).
+run_target() {
+  local target=$1 folder found=$build/found/$1 folders=() inputs=() malloc_limit=256 sanitizer=allocator_may_return_null=0
+  case $target in
+    hdf5 | dsec) malloc_limit=0 sanitizer=allocator_may_return_null=1:max_allocation_size_mb=256 ;;
+  esac
+  if [ -n "${FUZZ_FIXED:-}" ]; then
+    inputs=(-seed=1 "-runs=$(fixed_runs "$target")")
+    found=$SEEDS/found_$target
+  fi
   mkdir -p "$found" "$build/logs"
   for folder in "$SEEDS/$target" "fuzz/corpus/$target"; do [ ! -d "$folder" ] || folders+=("$folder"); done
-  if ! ASAN_OPTIONS=$sanitizer "$build/bin/fuzz_$target" \
-    -max_total_time="$SECONDS_EACH" -max_len=8192 -timeout=100 "${replay[@]}" "${limits[@]}" \
+  if ! ASAN_OPTIONS=$sanitizer LSAN_OPTIONS=suppressions=fuzz/leaks.txt:print_suppressions=0 "$build/bin/fuzz_$target" \
+    -max_total_time="$SECONDS_EACH" -max_len=8192 -timeout=100 -rss_limit_mb=1024 -malloc_limit_mb="$malloc_limit" "${inputs[@]}" \
     -print_final_stats=1 -artifact_prefix="$build/finding-$target-" "$found" "${folders[@]}" >"$build/logs/$target.txt" 2>&1; then
     tail -n 40 "$build/logs/$target.txt"
     echo "fuzz: $target found something; run $build/bin/fuzz_$target on the file that is named above"
@@ -52,7 +66,7 @@ run_target() {
     END { printf "fuzz: %-14s %10d inputs, %6d /s, %5d edges, nothing found\n", target, runs, rate, edges }' \
     "$build/logs/$target.txt"
 }
-export -f run_target
+export -f run_target fixed_runs
 export build SEEDS=$seeds SECONDS_EACH=$seconds
 
 targets=("$@")
