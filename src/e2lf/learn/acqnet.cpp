@@ -88,10 +88,8 @@ torch::Tensor Patterns::binary_codes() const {
 }
 
 torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::Tensor& codes) {
-  const auto batch = light_field.size(0), views = light_field.size(1);
-  const auto rays = light_field.reshape({batch, views, -1});
-  return torch::matmul(codes / static_cast<double>(views), rays)
-      .reshape({batch, codes.size(0), light_field.size(2), light_field.size(3)});
+  const auto rays = light_field.permute({0, 2, 3, 1});
+  return torch::matmul(rays, codes.t() / static_cast<double>(codes.size(1))).permute({0, 3, 1, 2}).contiguous();
 }
 
 SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device) {

@@ -56,8 +56,8 @@ void Batches::advance_pool(uint64_t step) {
   const auto end = kFirstPool + static_cast<uint64_t>(static_cast<double>(step) * config_.data.pool_per_step);
   pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
   for (; pool_end_ < end; ++pool_end_) {
-    pool_.push_back(synthesise(dataset_.textures, config_.data.synthesiser,
-                               mix_seed(config_.seed, kSynthesis, pool_end_), device_));
+    pool_.push_back(views_last(synthesise(dataset_.textures, config_.data.synthesiser,
+                                          mix_seed(config_.seed, kSynthesis, pool_end_), device_)));
     if (pool_.size() > config_.data.pool) pool_.pop_front();
   }
 }
@@ -128,8 +128,11 @@ Batch Batches::at(uint64_t step, Share share) {
   batch.gain = own(gain);
   batch.constants = {own(constants.eps), own(constants.tau), own(constants.sigma_w), own(constants.sigma_z)};
   batch.noise = {own(noise.w), own(noise.z)};
+  // Stacked with the views last in memory, which is how they and the network's result are used.
+  for (auto& field : patches) field = field.permute({1, 2, 0});
   batch.light_field = torch::stack(std::vector(patches.begin() + first, patches.begin() + first + length))
                           .to(torch::kFloat)
+                          .permute({0, 3, 1, 2})
                           .mul_((batch.gain / 255.0).reshape({-1, 1, 1, 1}));
   return batch;
 }

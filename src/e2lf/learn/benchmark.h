@@ -24,7 +24,7 @@ struct BenchmarkRow {
 
 /// Training throughput: a plain libtorch loop of the paper's networks (the peer; left out where its module is not
 /// beside the program), this trainer with the same networks, and with the network of the default configuration; whole
-/// steps, here with synthesised data. Fails as Trainer::create does.
+/// steps, here with synthesised data; bfloat16 where the CPU has it. Fails as Trainer::create does.
 [[nodiscard]] Result<std::vector<BenchmarkRow>> benchmark_training(const BenchmarkOptions& options,
                                                                    const ProgressFn& progress = {});
 

@@ -49,18 +49,22 @@ Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device de
       if (tensor.shape.size() != 4 || tensor.shape[0] != 8 || tensor.shape[1] != 8) {
         return misfit(ErrorCode::kShape, name, tensor, path.string());
       }
-      dataset.scenes.push_back({name.substr(kLightField.size()), to_torch(tensor, device).flatten(0, 1)});
+      dataset.scenes.push_back({name.substr(kLightField.size()), views_last(to_torch(tensor, device).flatten(0, 1))});
     }
   }
   return dataset;
 }
 
+torch::Tensor views_last(const torch::Tensor& views) {
+  return views.permute({1, 2, 0}).contiguous().permute({2, 0, 1});
+}
+
 torch::Tensor transform_views(const torch::Tensor& views, unsigned symmetry) {
-  auto field = views.reshape({8, 8, views.size(1), views.size(2)});
+  auto field = views.permute({1, 2, 0}).reshape({views.size(1), views.size(2), 8, 8});
   if ((symmetry & 1U) != 0) field = field.flip({0, 2});
   if ((symmetry & 2U) != 0) field = field.flip({1, 3});
   if ((symmetry & 4U) != 0) field = field.transpose(0, 1).transpose(2, 3);
-  return field.reshape({64, field.size(2), field.size(3)});
+  return field.reshape({field.size(0), field.size(1), 64}).permute({2, 0, 1});
 }
 
 }  // namespace e2lf::learn

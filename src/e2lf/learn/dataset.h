@@ -29,8 +29,11 @@ struct Dataset {
 /// tensor.
 [[nodiscard]] Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device);
 
+/// [64, y, x] with the views of a pixel beside each other in memory, as training reads them.
+[[nodiscard]] torch::Tensor views_last(const torch::Tensor& views);
+
 /// One of the eight symmetries of a light field, jointly over views and pixels: bit 0 flips y, bit 1 flips x, bit 2
-/// transposes. views: [64, y, x] of any type.
+/// transposes. views: [64, y, x] of any type; the result's views are last in memory.
 [[nodiscard]] torch::Tensor transform_views(const torch::Tensor& views, unsigned symmetry);
 
 }  // namespace e2lf::learn

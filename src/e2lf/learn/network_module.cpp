@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "e2lf/learn/convolve.h"
+
 namespace e2lf::learn {
 namespace {
 
@@ -32,32 +34,6 @@ size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
   return 0;
 }
 
-/// [batch, c * s^2, y, x] -> [batch, c, y * s, x * s] or back, by views and one copy that keeps channels last.
-torch::Tensor shuffle(const torch::Tensor& x, int64_t s) {
-  const auto b = x.size(0), c = x.size(1) / (s * s), h = x.size(2), w = x.size(3);
-  return x.reshape({b, c, s, s, h, w}).permute({0, 1, 4, 2, 5, 3}).reshape({b, c, h * s, w * s});
-}
-
-torch::Tensor unshuffle(const torch::Tensor& x, int64_t s) {
-  const auto b = x.size(0), c = x.size(1), h = x.size(2) / s, w = x.size(3) / s;
-  return x.reshape({b, c, h, s, w, s}).permute({0, 1, 3, 5, 2, 4}).reshape({b, c * s * s, h, w});
-}
-
-torch::Tensor convolve(const Layer& layer, const torch::Tensor& input, torch::ScalarType compute,
-                       const NamedTensors& weights) {
-  const auto weight = weights.at(layer.name + ".weight").to(compute);
-  const auto bias = weights.at(layer.name + ".bias").to(compute);
-  const auto stride = static_cast<int64_t>(layer.stride);
-  if (layer.op == Op::kConvTransposed) {
-    // Without overlap it is a 1x1 convolution and a shuffle, for which every build of torch has fast kernels.
-    const auto columns = weight.permute({1, 2, 3, 0}).reshape({-1, weight.size(0), 1, 1});
-    const auto spread = shuffle(at::conv2d(input, columns), stride) + bias.reshape({1, -1, 1, 1});
-    return spread.contiguous(at::MemoryFormat::ChannelsLast);
-  }
-  const int64_t padding = layer.stride == 1 ? static_cast<int64_t>(layer.kernel) / 2 : 0;
-  return at::conv2d(input, weight, bias, stride, padding);
-}
-
 }  // namespace
 
 NetworkModule::NetworkModule(model::Network network, torch::Device device) : network_(std::move(network)) {
@@ -75,6 +51,8 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
     auto weight = torch::randn({transposed ? in : out, transposed ? out : in, kernel, kernel}) *
                   std::sqrt((layer.relu ? 2.0 : 1.0) / fan_in);
     if (!layer.residual.empty()) weight.zero_();
+    // In memory as the kernels for CPUs read it and give its gradient: [kernel, kernel, in, out].
+    if (device.is_cpu() && !transposed) weight = weight.permute({2, 3, 1, 0}).contiguous().permute({3, 2, 0, 1});
     parameters_[layer.name + ".weight"] = weight.to(device).set_requires_grad(true);
     parameters_[layer.name + ".bias"] = torch::zeros({out}, torch::device(device)).set_requires_grad(true);
   }
@@ -91,13 +69,15 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
     switch (layer.op) {
       case Op::kConv:
       case Op::kConvTransposed:
-        x = convolve(layer, x, compute, weights);
+        x = convolve(layer, x, weights.at(layer.name + ".weight").to(compute),
+                     weights.at(layer.name + ".bias").to(compute),
+                     layer.residual.empty() ? torch::Tensor() : values.at(layer.residual));
         break;
       case Op::kPixelUnshuffle:
-        x = unshuffle(x, stride).contiguous(at::MemoryFormat::ChannelsLast);
+        x = unshuffle(x, stride);
         break;
       case Op::kPixelShuffle:
-        x = shuffle(x, stride).contiguous(at::MemoryFormat::ChannelsLast);
+        x = shuffle(x, stride);
         break;
       case Op::kUpsample:
         x = x.repeat_interleave(stride, 2).repeat_interleave(stride, 3);
@@ -112,8 +92,9 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
         break;
       }
     }
-    if (!layer.residual.empty()) x = x + values.at(layer.residual);
-    if (layer.relu) x = torch::relu(x);
+    const bool done = layer.op == Op::kConv || layer.op == Op::kConvTransposed;
+    if (!done && !layer.residual.empty()) x = x + values.at(layer.residual);
+    if (!done && layer.relu) x = torch::relu(x);
     values[layer.name] = x;
   }
   return x.to(input.scalar_type());

@@ -198,8 +198,11 @@ Peers::Finish Peers::begin_sum(const torch::Tensor& tensor) const {
 Result<void> Peers::copy_from_first(const torch::Tensor& tensor) const {
   if (size_ == 1) return {};
   try {
-    std::vector<torch::Tensor> tensors{tensor};
-    group_->with([&](auto& group) -> Finish { return [work = group.broadcast(tensors)] { work->wait(); }; })();
+    torch::NoGradGuard no_grad;
+    std::vector<torch::Tensor> dense{tensor.contiguous()};  // all that groups send
+    group_->with([&](auto& group) -> Finish { return [work = group.broadcast(dense)] { work->wait(); }; })();
+    auto target = tensor;
+    if (!dense.front().is_same(tensor)) target.copy_(dense.front());
   } catch (const std::exception& error) {
     return lost(error);
   }
