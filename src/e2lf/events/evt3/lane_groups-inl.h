@@ -32,9 +32,11 @@ HWY_INLINE hn::Vec<Group> lanes_from(hn::Vec<Group> values, hn::Vec<GroupBytes> 
 
 /// For each lane the value of the last lane of the set up to it; `before` in front of the first.
 HWY_INLINE hn::Vec<Group> fill_forward(hn::Vec<Group> values, uint32_t set, hn::Vec<Group> before) {
+  const hn::Full128<int8_t> di8;
   const auto from = hn::Load(GroupBytes(), kLaneTables.fill[set]);
-  const auto in_front = hn::Lt(hn::BitCast(SignedGroup(), from), hn::Zero(SignedGroup()));
-  return hn::IfThenElse(hn::RebindMask(Group(), in_front), before, lanes_from(values, from));
+  // Positions that are not there are negative.
+  return hn::BitCast(Group(), hn::IfNegativeThenElse(hn::BitCast(di8, from), hn::BitCast(di8, before),
+                                                     hn::BitCast(di8, lanes_from(values, from))));
 }
 
 /// The last lane in all lanes.
@@ -48,12 +50,17 @@ HWY_INLINE hn::Vec<SignedGroup> steps_of(hn::Vec<Group> values, hn::Vec<Group> b
   return hn::BitCast(SignedGroup(), hn::Sub(values, previous));
 }
 
-/// Which bytes share a bit with `wanted`.
-HWY_INLINE uint32_t bytes_with(hn::Vec<GroupBytes> values, hn::Vec<GroupBytes> wanted) {
+/// Which lanes of `first` are set (bits 0 to 7), and of `second` (bits 8 to 15); all bits of a lane are alike.
+HWY_INLINE uint32_t bits_of_two(hn::Vec<Group> first, hn::Vec<Group> second) {
+#if HWY_ARCH_X86
+  return static_cast<uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(first.raw, second.raw)));
+#else
+  const GroupBytes d8;
+  const auto bytes = hn::ConcatEven(d8, hn::BitCast(d8, second), hn::BitCast(d8, first));
   uint16_t bits = 0;
-  hn::StoreMaskBits(GroupBytes(), hn::Ne(hn::And(values, wanted), hn::Zero(GroupBytes())),
-                    reinterpret_cast<uint8_t*>(&bits));
+  hn::StoreMaskBits(d8, hn::MaskFromVec(bytes), reinterpret_cast<uint8_t*>(&bits));
   return bits;
+#endif
 }
 
 #if HWY_TARGET == HWY_AVX3_DL

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs of EVT3 words that are events, their rows and times, and what is ignored. Included once for each target.
+// EVT3 words in groups of 32, for CPUs that compress 16-bit lanes. Included once for each target.
 #if defined(E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H
 #undef E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H
@@ -22,9 +22,11 @@ namespace e2lf::events::evt3 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+#if HWY_TARGET == HWY_AVX3_DL
 
+using events::HWY_NAMESPACE::add_mask_to_row;
 using events::HWY_NAMESPACE::Columns;
+using events::HWY_NAMESPACE::expand_mask;
 
 /// What plain words change: events and everything that leaves the loops out of them.
 struct Cursor {
@@ -84,8 +86,6 @@ size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Colu
   cursor.y = y;
   return i;
 }
-
-#if HWY_TARGET == HWY_AVX3_DL
 
 /// How many lanes up to each lane, itself included, are set in `bits`.
 HWY_INLINE __m512i count_up_to_lane(uint32_t bits) {
@@ -162,126 +162,146 @@ size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Col
   return i;
 }
 
-#else
-
-/// What a word of each type does in a run of plain words.
-enum PlainClass : uint8_t { kIsEvent = 1, kIsRow = 2, kIsLow = 4, kIsPlain = 8 };
-HWY_ALIGN constexpr uint8_t kPlainClasses[16] = {
-    kIsRow | kIsPlain, 0,       kIsEvent | kIsPlain, 0, 0, 0, kIsLow | kIsPlain, kIsPlain, 0, 0, 0, 0, 0, 0,
-    kIsPlain,          kIsPlain};
-
-HWY_ALIGN constexpr uint8_t kEventsThenRows[16] = {kIsEvent, kIsEvent, kIsEvent, kIsEvent, kIsEvent, kIsEvent,
-                                                   kIsEvent, kIsEvent, kIsRow,   kIsRow,   kIsRow,   kIsRow,
-                                                   kIsRow,   kIsRow,   kIsRow,   kIsRow};
-HWY_ALIGN constexpr uint8_t kLowsThenPlain[16] = {kIsLow,   kIsLow,   kIsLow,   kIsLow,   kIsLow,   kIsLow,
-                                                  kIsLow,   kIsLow,   kIsPlain, kIsPlain, kIsPlain, kIsPlain,
-                                                  kIsPlain, kIsPlain, kIsPlain, kIsPlain};
-
-/// The words of a group by what they do, as bits.
-struct GroupKinds {
-  uint32_t events, rows, lows;
-  uint32_t used;  ///< plain words in front
-};
-
-HWY_INLINE GroupKinds kinds_of(hn::Vec<Group> word, hn::Vec<Group> time_high) {
-  const Group d;
-  const GroupBytes d8;
-  const auto type = hn::BitCast(d8, hn::ShiftRight<12>(word));
-  // The upper byte of a lane is looked up too, as type 0; narrowing drops it.
-  const auto by_type = hn::BitCast(d, hn::TableLookupBytes(hn::Load(d8, kPlainClasses), type));
-  const auto heartbeat = hn::IfThenElseZero(hn::Eq(word, time_high), hn::Set(d, uint16_t{kIsPlain}));
-  const auto kinds = hn::And(hn::Or(by_type, heartbeat), hn::Set(d, uint16_t{0xFF}));
-  const auto narrow = hn::DemoteTo(hn::Half<GroupBytes>(), hn::BitCast(SignedGroup(), kinds));
-  const auto twice = hn::Combine(d8, narrow, narrow);
-  const uint32_t events_rows = bytes_with(twice, hn::Load(d8, kEventsThenRows));
-  const uint32_t lows_plain = bytes_with(twice, hn::Load(d8, kLowsThenPlain));
-  const auto used = static_cast<uint32_t>(std::countr_one(lows_plain >> 8));
-  const uint32_t taken = (1u << used) - 1;
-  return {events_rows & taken, (events_rows >> 8) & taken, lows_plain & taken, used};
-}
-
-/// Stores four times `low` with `high` as 64-bit values.
-template <typename D64>
-HWY_INLINE void store_four_times(D64 d64, hn::Vec<hn::Full128<uint32_t> > low, int64_t high, int64_t* to) {
-  const auto highs = hn::Set(d64, static_cast<uint64_t>(high));
-  auto* const out = reinterpret_cast<uint64_t*>(to);
-  if constexpr (hn::MaxLanes(D64()) == 4) {
-    hn::StoreU(hn::Or(highs, hn::PromoteTo(d64, low)), d64, out);
-  } else {
-    const hn::Half<hn::Full128<uint32_t> > half;
-    hn::StoreU(hn::Or(highs, hn::PromoteTo(d64, hn::LowerHalf(half, low))), d64, out);
-    hn::StoreU(hn::Or(highs, hn::PromoteTo(d64, hn::UpperHalf(half, low))), d64, out + 2);
-  }
-}
-
-/// The same for the first `count` of eight; writes four or eight.
-HWY_INLINE void store_times(hn::Vec<Group> low, int64_t high, size_t count, int64_t* to) {
-  const hn::Full128<uint32_t> d32;
-  const hn::CappedTag<uint64_t, 4> d64;
-  const hn::Half<Group> half;
-  store_four_times(d64, hn::PromoteTo(d32, hn::LowerHalf(half, low)), high, to);
-  if (count > 4) store_four_times(d64, hn::PromoteTo(d32, hn::UpperHalf(half, low)), high, to + 4);
-}
-
-/// take_plain_words() for eight words at a time, while eight are left; events of a group are compressed to the front.
-size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
-  const Group d;
-  const SignedGroup di;
-  const GroupBytes d8;
-  const auto time_high = hn::Set(d, static_cast<uint16_t>(cursor.time_high));
-  const auto coordinate = hn::Set(d, static_cast<uint16_t>(kCoordinateMask));
-  const auto payload = hn::Set(d, static_cast<uint16_t>(kPayloadMask));
-  const auto last_low = hn::Set(di, static_cast<int16_t>(std::min<int64_t>(cursor.end_us - cursor.high, 4096) - 1));
-  const int64_t high = cursor.high;
-  const Columns to = out;
-  auto low = hn::Set(d, static_cast<uint16_t>(cursor.low));
-  auto y = hn::Set(d, static_cast<uint16_t>(cursor.y));
-  size_t at = to.count;
-  size_t i = 0;
-  while (i + kGroupWords <= count) {
-    const auto word = hn::LoadU(d, reinterpret_cast<const uint16_t*>(words + 2 * i));
-    const GroupKinds kinds = kinds_of(word, time_high);
-    if (kinds.used == 0) break;
-    const auto lows = fill_forward(hn::And(word, payload), kinds.lows, low);
-    const auto out_of_time = hn::Or(hn::Lt(steps_of(lows, low), hn::Zero(di)), hn::Gt(hn::BitCast(di, lows), last_low));
-    if (!hn::AllFalse(di, out_of_time)) break;
-    const auto place = hn::And(word, coordinate);
-    const auto rows = fill_forward(place, kinds.rows, y);
-    const auto chosen = hn::Load(d8, kLaneTables.compress[kinds.events]);
-    const auto polarity = hn::And(hn::ShiftRight<11>(word), hn::Set(d, uint16_t{1}));
-    const auto num_events = static_cast<size_t>(std::popcount(kinds.events));
-    hn::StoreU(lanes_from(place, chosen), d, to.x + at);
-    hn::StoreU(lanes_from(rows, chosen), d, to.y + at);
-    hn::StoreU(hn::DemoteTo(hn::Half<GroupBytes>(), hn::BitCast(di, lanes_from(polarity, chosen))),
-               hn::Half<GroupBytes>(), to.p + at);
-    store_times(lanes_from(lows, chosen), high, num_events, to.t + at);
-    at += num_events;
-    low = last_in_all(lows);
-    y = last_in_all(rows);
-    // Not i += used: the next group's address must not wait for this one's kinds.
-    if (kinds.used < kGroupWords) {
-      i += kinds.used;
-      break;
-    }
-    i += kGroupWords;
-  }
-  out.count = at;
-  cursor.low = hn::GetLane(low);
-  cursor.y = hn::GetLane(y);
-  return i;
-}
-
-#endif
-
 HWY_INLINE size_t take_plain(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
-#if HWY_TARGET == HWY_AVX3_DL
   constexpr size_t kGroup = 32, kOneByOne = 1;
-#else
-  constexpr size_t kGroup = kGroupWords, kOneByOne = kGroupWords;
-#endif
   const size_t used = take_plain_groups(words, count, cursor, out);
   if (count - used >= kGroup) return used > 0 ? used : take_plain_words(words, kOneByOne, cursor, out);
   return used + take_plain_words(words + 2 * used, count - used, cursor, out);
+}
+
+/// The 32-bit mask of a vector of 12, 12 and 8 pixels that begins here; false when another word is among the three.
+HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
+  const auto a = load_le<uint16_t>(words);
+  const auto b = load_le<uint16_t>(words + 2);
+  const auto c = load_le<uint16_t>(words + 4);
+  mask = (a & 0xFFFu) | ((b & 0xFFFu) << 12) | (static_cast<uint32_t>(c) << 24);
+  return (a >> 12) == kVect12 && (b >> 12) == kVect12 && (c >> 12) == kVect8;
+}
+
+/// Events to the columns of a sink.
+struct ToColumns {
+  ColumnSink& sink;
+  Columns out;
+
+  explicit ToColumns(ColumnSink& target) : sink(target), out{target.x, target.y, target.p, target.t, target.count} {}
+  [[nodiscard]] static bool is_open() { return true; }
+  [[nodiscard]] static int64_t end_us() { return INT64_MAX; }
+  [[nodiscard]] static size_t room() { return SIZE_MAX; }
+  void flush() { sink.count = out.count; }
+  void reload() { out.count = sink.count; }
+  void add_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, int64_t t) {
+    expand_mask<32>(mask, x, y, p, t, out);
+  }
+};
+
+/// Events to images, in their order: few at one time by way of some columns, many straight to their row, so that the
+/// pixels can be brought near before they are counted.
+class ToImages {
+ public:
+  Columns out{x_, y_, p_, t_, 0};
+
+  explicit ToImages(ImageSink& target) : sink_(target) {}
+  [[nodiscard]] bool is_open() const { return sink_.is_open() && sink_.image() != nullptr; }
+  [[nodiscard]] int64_t end_us() const { return sink_.slice_end_us(); }
+  /// How many events `out` takes.
+  [[nodiscard]] size_t room() {
+    if (out.count > kColumns / 2) flush_columns();
+    return kColumns - out.count;
+  }
+  void flush() {
+    flush_columns();
+    flush_rows();
+  }
+  void reload() {}
+  void add_vector(uint32_t mask, uint32_t base, uint32_t row, uint32_t polarity, int64_t time) {
+    const int count = std::popcount(mask);
+    if (count <= kFew) {
+      if (out.count > kColumns - 32) flush_columns();
+      expand_mask<32>(mask, base, row, polarity, time, out);
+      return;
+    }
+    flush_columns();
+    sink_.set_time(time);
+    (polarity != 0 ? sink_.on : sink_.off) += static_cast<uint64_t>(count);
+    sink_.prefetch_pixel(base, row);
+    sink_.prefetch_pixel(base + 31, row);
+    if (num_rows_ >= kRows) add(rows_[num_rows_ % kRows]);
+    rows_[num_rows_++ % kRows] = {sink_.image() + row * sink_.width() + base, mask, polarity != 0 ? 1 : -1};
+  }
+
+ private:
+  static constexpr size_t kColumns = 512, kRows = 16;
+  static constexpr int kFew = 8;
+
+  struct Row {
+    int16_t* pixels;
+    uint32_t mask;
+    int step;
+  };
+
+  static void add(const Row& row) { add_mask_to_row(row.mask, row.step, row.pixels); }
+  void flush_columns() {
+    if (out.count == 0) return;
+    flush_rows();
+    sink_.add_block(x_, y_, p_, t_, out.count);
+    out.count = 0;
+  }
+  void flush_rows() {
+    for (size_t i = num_rows_ - std::min(num_rows_, kRows); i < num_rows_; ++i) add(rows_[i % kRows]);
+    num_rows_ = 0;
+  }
+
+  ImageSink& sink_;
+  uint16_t x_[kColumns + kSinkSlack];
+  uint16_t y_[kColumns + kSinkSlack];
+  uint8_t p_[kColumns + kSinkSlack];
+  int64_t t_[kColumns + kSinkSlack];
+  Row rows_[kRows];
+  size_t num_rows_ = 0;
+};
+
+/// Runs of plain words and of vectors by the kernels above, the rest by the scalar reference, word by word.
+template <typename Target, typename Sink>
+HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, Sink& sink,
+                               Target& target) {
+  sink.set_time(Codec::time(state));
+  size_t i = 0;
+  while (i < count) {
+    // The kernels take time as it comes: not while it is held up by an earlier event, or after the last slice.
+    const int64_t time = Codec::time(state);
+    if (target.is_open() && sink.time() == time) {
+      Cursor cursor{state.high_us, target.end_us(), state.time_high, state.low, state.y};
+      for (;;) {
+        const uint32_t word = load_le<uint16_t>(words + 2 * i);
+        uint32_t mask = 0;
+        const uint32_t base = state.base_x;
+        if (word >> 12 == kVectBaseX) {
+          state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
+          state.base_p = static_cast<uint8_t>((word >> 11) & 1);
+          ++i;
+        } else if (word >> 12 == kVect12 && i + 3 <= count && base + 32 <= limits.width &&
+                   load_triple(words + 2 * i, mask)) {
+          target.add_vector(mask, base, cursor.y, state.base_p, cursor.high | cursor.low);
+          state.base_x = static_cast<uint16_t>(base + 32);
+          i += 3;
+        } else {
+          const size_t used = take_plain(words + 2 * i, std::min(count - i, target.room()), cursor, target.out);
+          i += used;
+          if (used == 0) break;
+        }
+        if (i == count) break;
+      }
+      state.low = static_cast<uint16_t>(cursor.low);
+      state.y = static_cast<uint16_t>(cursor.y);
+      target.flush();
+      if (i == count) break;
+    }
+    if (decode_scalar(words + 2 * i, 1, state, limits, sink) == 0) return i;
+    sink.set_time(Codec::time(state));
+    target.reload();
+    ++i;
+  }
+  return count;
 }
 
 #endif

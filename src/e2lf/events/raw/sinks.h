@@ -158,8 +158,12 @@ class ImageSink {
   [[nodiscard]] size_t width() const { return images_->width; }
   [[nodiscard]] size_t height() const { return images_->height; }
 
-  /// Adds to one count, stopping at the ends of int16.
-  static void bump(int16_t& count, int step) { count = static_cast<int16_t>(std::clamp(count + step, -32768, 32767)); }
+  /// Adds 1 or -1 to one count, stopping at the ends of int16.
+  static void bump(int16_t& count, int step) {
+    int16_t sum = 0;
+    // A branch that is hardly ever taken is less work than limiting every sum.
+    if (!__builtin_add_overflow(count, step, &sum)) count = sum;
+  }
 
   /// Takes over what has been counted so far: sets first_t_us and last_t_us.
   void settle() {
