@@ -138,6 +138,11 @@ Result<Storage> inspect_storage(hid_t dataset, const std::string& location) {
   }
   storage.stored_bytes = stored_bytes(dataset);
   storage.stored_elements = stored_elements(dataset, storage);
+  const bool is_compact = H5Pget_layout(properties.get()) == H5D_COMPACT;
+  if (is_compact && storage.stored_elements < storage.claimed_elements()) {
+    return Error{ErrorCode::kFormat, "the data set stores fewer elements than it claims; the file is damaged",
+                 location};
+  }
   return storage;
 }
 

@@ -31,8 +31,9 @@ struct Storage {
 };
 
 /// Looks at a data set that was just opened, without reading or allocating on its word. `location` names it in errors.
-/// Fails with kFormat (not readable), kUnsupported (elements of variable length or above kMaxElementBytes, elements in
-/// other files than this one, chunks above kMaxChunkBytes).
+/// Fails with kFormat (not readable, or elements inside the header that are not all there: the library would read
+/// beyond them), kUnsupported (elements of variable length or above kMaxElementBytes, elements in other files than this
+/// one, chunks above kMaxChunkBytes).
 [[nodiscard]] Result<Storage> inspect_storage(hid_t dataset, const std::string& location);
 
 /// Whether a chunk holds as many bytes as the layout says: HDF5 1.10 reads beyond it where it does not. `offset` is the

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/hdf5/storage.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -49,6 +51,27 @@ TEST(Storage, NoMoreIsStoredThanTheFileHas) {
   ASSERT_TRUE(storage.ok()) << storage.error().text();
   EXPECT_EQ(storage->claimed_elements(), kClaimed);
   EXPECT_EQ(storage->stored_elements, bytes.size());
+}
+
+TEST(Storage, ElementsInsideTheHeaderMustBeThere) {
+  const TestFolder folder;
+  const uint64_t value = 0x1122334455667788;
+  {
+    const Handle set = make_set(folder / "a.h5", {1}, H5T_NATIVE_UINT64,
+                                [](hid_t properties) { H5Pset_layout(properties, H5D_COMPACT); });
+    H5Dwrite(set.get(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value);
+  }
+  std::vector<uint8_t> bytes = read_file(folder / "a.h5").value();
+  std::array<uint8_t, 8> pattern{};
+  std::memcpy(pattern.data(), &value, 8);
+  const auto stored = std::search(bytes.begin(), bytes.end(), pattern.begin(), pattern.end());
+  ASSERT_NE(stored, bytes.end());
+  for (const uint8_t size : {8, 7, 0}) {  // the 16-bit number in front of the elements
+    stored[-2] = size;
+    const Handle file = open_bytes(bytes);
+    const Handle set(H5Dopen2(file.get(), "values", H5P_DEFAULT), H5Dclose);
+    EXPECT_EQ(inspect_storage(set.get(), "a.h5").ok(), size == 8) << int{size};
+  }
 }
 
 TEST(Storage, HugeElementsAreRefused) {
