@@ -12,6 +12,7 @@ namespace e2lf::events::dat {
 
 /// Prophesee DAT: a text header, a byte each for record type and size, then 8-byte records: u32 time in us, u32 place.
 /// Times wrap after 71.6 minutes; the reader unwraps them, so gaps between records must stay below 17 minutes there.
+/// Seeking goes by the times of a few records (dat_seek.h).
 /// Triggers are in a second file: name_cd.dat or name.dat has name_trigger.dat, read when it is there.
 
 [[nodiscard]] bool detect(std::span<const uint8_t> head);
@@ -27,22 +28,5 @@ namespace e2lf::events::dat {
 
 /// name_trigger.dat for name_cd.dat or name.dat.
 [[nodiscard]] std::filesystem::path trigger_path(const std::filesystem::path& path);
-
-/// Full times from the 32 low bits that records hold.
-class TimeUnwrapper {
- public:
-  int64_t operator()(uint32_t low) {
-    if (low < kQuarter && last_ >= 3 * kQuarter) base_us_ += int64_t{1} << 32;
-    // A straggler from before the wrap belongs to the time before it.
-    const bool straggler = low >= 3 * kQuarter && last_ < kQuarter && base_us_ > 0;
-    if (!straggler) last_ = low;
-    return base_us_ + low - (straggler ? int64_t{1} << 32 : 0);
-  }
-
- private:
-  static constexpr uint32_t kQuarter = uint32_t{1} << 30;
-  int64_t base_us_ = 0;
-  uint32_t last_ = 0;
-};
 
 }  // namespace e2lf::events::dat

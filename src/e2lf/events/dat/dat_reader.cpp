@@ -4,6 +4,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/events/batch_check.h"
 #include "e2lf/events/dat/dat.h"
+#include "e2lf/events/dat/dat_seek.h"
 #include "e2lf/events/event_gate.h"
 #include "e2lf/events/little_endian.h"
 #include "e2lf/events/registry.h"
@@ -115,9 +116,10 @@ class DatReader final : public RecordingReader {
     return triggers_.take_beside(batch, begin, !is_end, max_events, summary_);
   }
 
-  Result<void> seek_before(int64_t) override {
-    E2LF_RETURN_IF_ERROR(source_->seek(header_.bytes));
-    unwrap_ = {};
+  Result<void> seek_before(int64_t t_us) override {
+    E2LF_ASSIGN_OR_RETURN(const Place place, find_place_before(*source_, header_.bytes, t_us));
+    E2LF_RETURN_IF_ERROR(source_->seek(header_.bytes + place.record * kRecordBytes));
+    unwrap_ = place.clock;
     gate_.reset();
     return triggers_.rewind();
   }

@@ -5,6 +5,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/events/batch_check.h"
 #include "e2lf/events/dat/dat.h"
+#include "e2lf/events/dat/time_unwrapper.h"
 #include "e2lf/events/little_endian.h"
 
 namespace e2lf::events::dat {
