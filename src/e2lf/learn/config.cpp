@@ -101,13 +101,15 @@ Result<void> read_train(OptionReader reader, const std::string& location, TrainC
   reader.read("patch", train.patch).read("batch", train.batch).read("steps", train.steps);
   reader.read("learning_rate", train.learning_rate).read("warmup_steps", train.warmup_steps);
   reader.read("hold_steps", train.hold_steps).read("clip_norm", train.clip_norm).read("ema", train.ema);
-  reader.read("gain_weight_power", train.gain_weight_power).read("log_steps", train.log_steps);
+  reader.read("gain_weight_power", train.gain_weight_power).read("error_power", train.error_power);
+  reader.read("log_steps", train.log_steps);
   reader.read("evaluate_steps", train.evaluate_steps).read("checkpoint_steps", train.checkpoint_steps);
   E2LF_RETURN_IF_ERROR(reader.finish());
   if (train.batch == 0 || train.steps == 0 || train.patch == 0 || train.log_steps == 0 || train.evaluate_steps == 0 ||
       train.checkpoint_steps == 0) {
     return invalid("patch, batch, steps and the intervals must be positive; raise them", location);
   }
+  if (!(train.error_power > 0.0)) return invalid("error_power must be positive; 1 is the squared error", location);
   return {};
 }
 
@@ -214,6 +216,7 @@ Json to_json(const Config& config) {
             {"clip_norm", train.clip_norm},
             {"ema", train.ema},
             {"gain_weight_power", train.gain_weight_power},
+            {"error_power", train.error_power},
             {"log_steps", train.log_steps},
             {"evaluate_steps", train.evaluate_steps},
             {"checkpoint_steps", train.checkpoint_steps}}}};

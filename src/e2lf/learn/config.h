@@ -65,7 +65,8 @@ struct TrainConfig {
   uint64_t hold_steps = 0;  ///< the rate stays at its peak until here, then follows a cosine to zero
   double clip_norm = 0.1;   ///< usual norms are 0.005 to 0.05; a rare large one would throw Adam off
   double ema = 0.999;
-  double gain_weight_power = 1.0;  ///< a sample with gain g weighs g^-power in the loss
+  double gain_weight_power = 1.0;  ///< a sample's squared error is divided by its gain to this power
+  double error_power = 1.0;        ///< then raised to this: below 1, hard samples do not drown the others
   uint64_t log_steps = 50, evaluate_steps = 1000, checkpoint_steps = 250;
 };
 

@@ -44,7 +44,8 @@ double rounded(double value) {
   return std::round(value / unit) * unit;
 }
 
-/// Lines with axes. `logarithmic`: the points hold log10 of the values.
+/// Lines with axes. `logarithmic`: the points hold log10 of the values. Losses fall and PSNR rises, so names are where
+/// the curves are not: above the first, below the second.
 std::string chart(const std::vector<Curve>& curves, bool logarithmic) {
   const Range x = range_of(curves, &Curve::Point::samples), y = range_of(curves, &Curve::Point::y);
   const double width = kWidth - kLeft - kRight, height = kHeight - kTop - kBottom;
@@ -62,13 +63,14 @@ std::string chart(const std::vector<Curve>& curves, bool logarithmic) {
     svg += text_at(page_x(samples), kHeight - 22, "middle", cat(std::round(samples)));
   }
   svg += text_at(kLeft + width / 2, kHeight - 4, "middle", "samples");
+  const double names = logarithmic ? kTop + 14 : kTop + height + 8 - 16 * static_cast<double>(curves.size());
   for (size_t i = 0; i < curves.size(); ++i) {
     const char* colour = kColours[i % std::size(kColours)];
     svg += cat("<polyline fill=\"none\" stroke=\"", colour, "\" stroke-width=\"1.5\" points=\"");
     for (const auto& point : curves[i].points) svg += cat(page_x(point.samples), ',', page_y(point.y), ' ');
     svg += "\"/>\n";
     svg += cat("<g fill=\"", colour, "\">",
-               text_at(kWidth - kRight - 4, kTop + 14 + 16 * static_cast<double>(i), "end", curves[i].name), "</g>\n");
+               text_at(kWidth - kRight - 4, names + 16 * static_cast<double>(i), "end", curves[i].name), "</g>\n");
   }
   return svg + "</svg>\n";
 }

@@ -59,6 +59,13 @@ std::vector<torch::Tensor> in_backward_order(const NetworkModule& network, const
   return ordered;
 }
 
+/// What each sample adds to the loss, from its mean squared error and its gain.
+torch::Tensor sample_losses(const TrainConfig& train, const torch::Tensor& errors, const torch::Tensor& gains) {
+  constexpr double kFloor = 1e-6;  // 60 dB: below it a power under 1 would be all slope
+  const auto relative = errors * gains.pow(-train.gain_weight_power);
+  return train.error_power == 1.0 ? relative : (relative + kFloor).pow(train.error_power);
+}
+
 Trainer::Trainer(Config config, Batches batches, NetworkModule network, torch::Device device, const Peers& peers)
     : config_(std::move(config)),
       device_(device),
@@ -157,7 +164,7 @@ Result<StepReport> Trainer::train_step() {
                           config_.input, compute_type()};
   const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise);
   const auto errors = (result.light_field - batch.light_field).square().mean({1, 2, 3});
-  const auto loss = (errors * batch.gain.pow(-config_.train.gain_weight_power)).mean();
+  const auto loss = sample_losses(config_.train, errors, batch.gain).mean();
 
   E2LF_RETURN_IF_ERROR(backward(loss));
   E2LF_ASSIGN_OR_RETURN(StepReport report, average_over_peers({loss.item<double>(), errors.mean().item<double>()}));
@@ -227,6 +234,7 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
   using Clock = std::chrono::steady_clock;
   auto last_time = Clock::now();
   uint64_t last_step = step_;
+  StepReport sum;
   while (step_ < config_.train.steps) {
     E2LF_ASSIGN_OR_RETURN(const StepReport report, train_step());
     if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) {
@@ -235,11 +243,15 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
                        "; lower train.learning_rate and resume from the last checkpoint"),
                    checkpoint.string()};
     }
+    sum = {sum.loss + report.loss, sum.mse + report.mse, sum.gradient_norm + report.gradient_norm};
     const bool ends = step_ == config_.train.steps;
     if (step_ % config_.train.log_steps == 0 || ends) {
       const double seconds = std::chrono::duration<double>(Clock::now() - last_time).count();
       const double speed = static_cast<double>((step_ - last_step) * config_.train.batch) / std::max(seconds, 1e-9);
-      if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.add(step_row(report, speed)));
+      const auto steps = static_cast<double>(step_ - last_step);
+      const StepReport mean{sum.loss / steps, sum.mse / steps, sum.gradient_norm / steps};
+      if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.add(step_row(mean, speed)));
+      sum = {};
       last_time = Clock::now();
       last_step = step_;
     }

@@ -20,7 +20,7 @@ namespace e2lf::learn {
 
 /// What one step of training did.
 struct StepReport {
-  double loss = 0;           ///< weighted mean squared error
+  double loss = 0;           ///< what the gradient is of
   double mse = 0;            ///< plain mean squared error
   double gradient_norm = 0;  ///< before clipping
 };
