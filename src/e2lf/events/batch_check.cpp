@@ -1,9 +1,61 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/events/batch_check.h"
 
+#include <algorithm>
+
 #include "e2lf/base/text.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/events/batch_check.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
 namespace e2lf::events {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The largest value; 0 for none.
+template <typename T>
+uint32_t largest(const T* values, size_t count) {
+  const hn::ScalableTag<T> d;
+  auto most = hn::Zero(d);
+  size_t i = 0;
+  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) most = hn::Max(most, hn::LoadU(d, values + i));
+  T lanes[hn::MaxLanes(d)];
+  hn::StoreU(most, d, lanes);
+  uint32_t result = *std::max_element(lanes, lanes + hn::Lanes(d));
+  for (; i < count; ++i) result = std::max<uint32_t>(result, values[i]);
+  return result;
+}
+
+bool is_sorted(const int64_t* t, size_t count) {
+  const hn::ScalableTag<int64_t> d;
+  auto falls = hn::MaskFromVec(hn::Zero(d));
+  size_t i = 1;
+  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
+    falls = hn::Or(falls, hn::Lt(hn::LoadU(d, t + i), hn::LoadU(d, t + i - 1)));
+  }
+  bool sorted = hn::AllFalse(d, falls);
+  for (; i < count; ++i) sorted = sorted && t[i] >= t[i - 1];
+  return sorted;
+}
+
+/// Whether all of x, y and p lie below their bounds and times do not fall.
+bool is_good(const EventColumns& events, uint32_t width, uint32_t height) {
+  const size_t count = events.size();
+  return largest(events.x.data(), count) < width && largest(events.y.data(), count) < height &&
+         largest(events.p.data(), count) <= 1 && is_sorted(events.t.data(), count);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::events
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::events {
+
+HWY_EXPORT(is_good);
 
 Error BatchCheck::find_error(const EventColumns& events) const {
   const auto place = [&](size_t i) { return cat(name_, ": event ", events_done_ + i); };
@@ -32,10 +84,9 @@ Result<void> BatchCheck::operator()(const EventBatch& batch) {
   const uint32_t width = width_ == 0 ? 65536 : static_cast<uint32_t>(width_);
   const uint32_t height = height_ == 0 ? 65536 : static_cast<uint32_t>(height_);
   const size_t count = events.size();
-  uint32_t bad = count > 0 && events.t.front() < last_event_us_;
-  for (size_t i = 0; i < count; ++i) bad |= (events.x[i] >= width) | (events.y[i] >= height) | (events.p[i] > 1);
-  for (size_t i = 1; i < count; ++i) bad |= events.t[i] < events.t[i - 1];
-  if (bad != 0) return find_error(events);
+  if ((count > 0 && events.t.front() < last_event_us_) || !HWY_DYNAMIC_DISPATCH(is_good)(events, width, height)) {
+    return find_error(events);
+  }
   if (count > 0) last_event_us_ = events.t.back();
   events_done_ += count;
 
@@ -66,3 +117,4 @@ Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, 
 }
 
 }  // namespace e2lf::events
+#endif

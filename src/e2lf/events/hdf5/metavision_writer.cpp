@@ -203,9 +203,14 @@ Result<void> MetavisionWriter::write_chunks(bool is_last) {
     E2LF_RETURN_IF_ERROR(
         events_.append_chunk(chunk.bytes, chunk.size, end_of(i) - i * kChunkEvents, chunk.is_filtered));
   }
-  EventColumns rest;
-  rest.append(pending_, events, pending_.size());
-  pending_ = std::move(rest);
+  // Not by a new set of columns: fresh memory costs more than encoding.
+  const auto drop = [events](auto& column) {
+    column.erase(column.begin(), column.begin() + static_cast<ptrdiff_t>(events));
+  };
+  drop(pending_.x);
+  drop(pending_.y);
+  drop(pending_.p);
+  drop(pending_.t);
   return {};
 }
 
