@@ -26,15 +26,15 @@ if [ -d "${E2LF_DATA:-}/events" ]; then
   done
 fi
 
-# How many inputs take about 25 s on a busy core.
+# How many inputs take about 20 s of a core.
 fixed_runs() {
   case $1 in
-    evt3) echo 2500 ;;
-    evt2 | evt2.1 | dsec | hdf5 | hdf5_chunks) echo 5000 ;;
-    dat) echo 10000 ;;
-    aedat4 | csv | txt | npy) echo 20000 ;;
-    npz | safetensors | side_triggers) echo 60000 ;;
-    *) echo 150000 ;;
+    evt3 | evt2.1 | dsec | hdf5 | hdf5_chunks) echo 10000 ;;
+    evt2 | dat) echo 20000 ;;
+    aedat4 | csv | txt | npy) echo 50000 ;;
+    safetensors) echo 120000 ;;
+    ecf | npz | side_triggers) echo 250000 ;;
+    *) echo 1000000 ;;
   esac
 }
 
