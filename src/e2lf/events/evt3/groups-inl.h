@@ -34,52 +34,87 @@ struct Cursor {
 /// 255 for the types that are not plain: plain are single events, what places them, and what is ignored.
 HWY_ALIGN constexpr uint8_t kNotPlain[16] = {0, 255, 0, 255, 255, 255, 0, 0, 255, 255, 255, 255, 255, 255, 0, 0};
 
+/// What bounds the words that are taken.
+struct Bounds {
+  uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
+  int64_t last_low;    ///< the latest low bits of the time
+  uint32_t width;      ///< of the sensor
+};
+
 /// Words that take_vectors() may look at from one on.
 constexpr size_t kVectorWords = 4;
 
-/// Decodes vectors and their bases, of which the first word is one, up to another word or a vector that reaches beyond
+/// Goes over the row and time words among `next` (four words, the first in its low bits) in front of a base. Returns
+/// how many there are; 0 when there is no base, or another word or an odd time in front of it.
+HWY_INLINE size_t take_places(uint64_t next, const Bounds& bounds, Cursor& cursor) {
+  constexpr uint64_t kOnes = 0x0001000100010001;
+  // A lane's upper bit stays clear where its type is a base.
+  const uint64_t type_or_none = (next >> 12 & 0xF * kOnes) ^ kVectBaseX * kOnes;
+  const uint64_t bases = ~(type_or_none + 0x7FFF * kOnes) & 0x8000 * kOnes;
+  if (bases == 0) return 0;
+  const auto count = static_cast<size_t>(std::countr_zero(bases)) / 16;
+  uint32_t low = cursor.low, y = cursor.y;
+  uint32_t bad = 0;
+  for (size_t i = 0; i < count; ++i, next >>= 16) {
+    const auto word = static_cast<uint32_t>(next & 0xFFFF);
+    const uint32_t type = word >> 12;
+    const uint32_t new_low = type == kTimeLow ? word & kPayloadMask : low;
+    bad |= static_cast<uint32_t>(new_low < low);
+    bad |= static_cast<uint32_t>((type != kAddrY) & (type != kTimeLow) & (word != bounds.time_high));
+    y = type == kAddrY ? word & kCoordinateMask : y;
+    low = new_low;
+  }
+  if (bad != 0 || static_cast<int64_t>(low) > bounds.last_low) return 0;
+  cursor.low = low;
+  cursor.y = y;
+  return count;
+}
+
+/// Decodes vectors, their bases and what stands in front of these, up to another word or a vector that reaches beyond
 /// the sensor or has no base. Returns how many words were used.
 template <typename Target>
-HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, uint32_t width, Cursor& cursor, Target& target) {
+HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor,
+                               Target& target) {
   constexpr uint64_t kTripleTypes = 0xF000F000F000, kTriple = 0x500040004000;
-  const uint32_t low = cursor.low, y = cursor.y;
-  uint32_t base = cursor.base_x, polarity = cursor.base_p;
+  Cursor at = cursor;
   size_t i = 0;
   while (i + kVectorWords <= count) {
     const auto next = load_le<uint64_t>(words + 2 * i);
     const auto type = static_cast<uint32_t>(next >> 12) & 0xF;
     if (type == kVectBaseX) {
-      base = static_cast<uint32_t>(next) & kCoordinateMask;
-      polarity = static_cast<uint32_t>(next >> 11) & 1;
+      at.base_x = static_cast<uint32_t>(next) & kCoordinateMask;
+      at.base_p = static_cast<uint32_t>(next >> 11) & 1;
       ++i;
-    } else if ((next & kTripleTypes) == kTriple && base + 32 <= width) {
-      target.put_vector(static_cast<uint32_t>((next & 0xFFF) | (next >> 4 & 0xFFF000) | (next >> 8 & 0xFF000000)), base,
-                        y, polarity, low);
-      base += 32;
+    } else if ((next & kTripleTypes) == kTriple && at.base_x + 32 <= bounds.width) {
+      const uint64_t mask = (next & 0xFFF) | (next >> 4 & 0xFFF000) | (next >> 8 & 0xFF000000);
+      target.put_vector(static_cast<uint32_t>(mask), at.base_x, at.y, at.base_p, at.low);
+      at.base_x += 32;
       i += 3;
-    } else {
+    } else if (type == kVect8 || type == kVect12) {
       const uint32_t bits = type == kVect8 ? 8 : 12;
-      if ((type != kVect8 && type != kVect12) || base + bits > width) break;
-      target.put_vector(static_cast<uint32_t>(next) & ((1u << bits) - 1), base, y, polarity, low);
-      base += bits;
+      if (at.base_x + bits > bounds.width) break;
+      target.put_vector(static_cast<uint32_t>(next) & ((1u << bits) - 1), at.base_x, at.y, at.base_p, at.low);
+      at.base_x += bits;
       ++i;
+    } else {
+      const size_t places = take_places(next, bounds, at);
+      if (places == 0) break;
+      i += places;
     }
   }
-  cursor.base_x = base;
-  cursor.base_p = polarity;
+  cursor = at;
   return i;
 }
 
-/// Decodes words up to the first that needs a closer look, brings a time before the last one or after `last_low`, or is
+/// Decodes words up to the first that needs a closer look, brings a time before the last one or after the bound, or is
 /// among the last few. No branch depends on the order of plain words. Returns how many words were used.
 template <typename Target>
-HWY_INLINE size_t take_words(const uint8_t* words, size_t count, uint32_t time_high_word, int64_t last_low_us,
-                             uint32_t width, Cursor& cursor, Target& target) {
+HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor, Target& target) {
   const Group d;
   const SignedGroup di;
   const auto not_plain = hn::Load(GroupBytes(), kNotPlain);
-  const auto time_high = hn::Set(d, static_cast<uint16_t>(time_high_word));
-  const auto last_low = hn::Set(di, static_cast<int16_t>(last_low_us));
+  const auto time_high = hn::Set(d, static_cast<uint16_t>(bounds.time_high));
+  const auto last_low = hn::Set(di, static_cast<int16_t>(bounds.last_low));
   auto low = hn::Set(d, static_cast<uint16_t>(cursor.low));
   auto y = hn::Set(d, static_cast<uint16_t>(cursor.y));
   size_t i = 0;
@@ -111,9 +146,11 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, uint32_t time_h
       i -= kGroupWords - used;
       cursor.low = hn::GetLane(low);
       cursor.y = hn::GetLane(y);
-      const size_t in_vectors = take_vectors(words + 2 * i, count - i, width, cursor, target);
+      const size_t in_vectors = take_vectors(words + 2 * i, count - i, bounds, cursor, target);
       if (in_vectors == 0) break;
       i += in_vectors;
+      low = hn::Set(d, static_cast<uint16_t>(cursor.low));
+      y = hn::Set(d, static_cast<uint16_t>(cursor.y));
     }
     target.make_room();
   }
@@ -131,9 +168,10 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
     // The kernels take time as it comes: not while it is held up by an earlier event, or after the last slice.
     if (target.is_open() && sink.time() == Codec::time(state)) {
       const int64_t last_low = std::clamp<int64_t>(target.end_us() - state.high_us, 0, 4096) - 1;
+      const Bounds bounds{state.time_high, last_low, limits.width};
       Cursor cursor{state.low, state.y, state.base_x, state.base_p};
       target.begin(state.high_us);
-      i += take_words(words + 2 * i, count - i, state.time_high, last_low, limits.width, cursor, target);
+      i += take_words(words + 2 * i, count - i, bounds, cursor, target);
       target.end();
       state.low = static_cast<uint16_t>(cursor.low);
       state.y = static_cast<uint16_t>(cursor.y);
