@@ -12,6 +12,8 @@
 #include <hwy/highway.h>
 
 #include "e2lf/engine/winograd-inl.h"
+#include "e2lf/learn/matrix_product-inl.h"
+#include "e2lf/learn/winograd_adjoint-inl.h"
 
 #ifndef E2LF_LEARN_WINOGRAD_CONV_ONCE
 #define E2LF_LEARN_WINOGRAD_CONV_ONCE
@@ -21,8 +23,6 @@ using engine::kTileSize, engine::kWinogradMatrices, engine::kWinogradPoints, eng
 
 /// Tiles that go through all steps together, so that what lies between the steps stays in the cache.
 constexpr size_t kBlockTiles = 24;
-
-constexpr size_t kTaps = 3;
 
 /// Where a tile's pixels are: images, then rows, then columns of tiles.
 struct Tile {
@@ -68,9 +68,6 @@ namespace e2lf::learn {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-namespace en = engine::HWY_NAMESPACE;
-using en::FloatTag, en::FloatVec, en::kA, en::kB, en::kGemmRows, en::kGemmVectors, en::kLanes;
 using Square = FloatVec[kWinogradPoints][kWinogradPoints];
 
 /// Access to kLanes channels of a pixel.
@@ -105,74 +102,6 @@ HWY_INLINE void for_channels(size_t channels, const Run& run) {
 template <class Access>
 HWY_INLINE FloatVec load_pixel(const float* pixel, size_t channel, const Access& access) {
   return pixel == nullptr ? hn::Zero(FloatTag()) : access.load(pixel + channel);
-}
-
-/// A matrix read element by element: (row, column) is at data[row * row_step + column * column_step].
-struct Factor {
-  const float* data;
-  size_t row_step, column_step;
-};
-
-/// `product` (rows `columns` wide) is set to the product of kRows rows of `a` and kVectors vectors of columns of b, or
-/// has it added (kAdd). Rows of b are `columns` wide, too.
-template <bool kAdd, size_t kRows, size_t kVectors>
-HWY_INLINE void multiply_block(const Factor& a, size_t depth, const float* HWY_RESTRICT b, size_t columns,
-                               float* HWY_RESTRICT product) {
-  const FloatTag d;
-  FloatVec sums[kRows][kVectors];
-  E2LF_UNROLL
-  for (size_t i = 0; i < kRows; ++i) {
-    E2LF_UNROLL
-    for (size_t j = 0; j < kVectors; ++j)
-      sums[i][j] = kAdd ? hn::LoadU(d, product + i * columns + j * kLanes) : hn::Zero(d);
-  }
-  const float* HWY_RESTRICT from = a.data;
-  for (size_t k = 0; k < depth; ++k) {
-    FloatVec row[kVectors];
-    E2LF_UNROLL
-    for (size_t j = 0; j < kVectors; ++j) row[j] = hn::LoadU(d, b + j * kLanes);
-    E2LF_UNROLL
-    for (size_t i = 0; i < kRows; ++i) {
-      const auto factor = hn::Set(d, from[i * a.row_step]);
-      E2LF_UNROLL
-      for (size_t j = 0; j < kVectors; ++j) sums[i][j] = hn::MulAdd(factor, row[j], sums[i][j]);
-    }
-    from += a.column_step;
-    b += columns;
-  }
-  E2LF_UNROLL
-  for (size_t i = 0; i < kRows; ++i) {
-    E2LF_UNROLL
-    for (size_t j = 0; j < kVectors; ++j) hn::StoreU(sums[i][j], d, product + i * columns + j * kLanes);
-  }
-}
-
-/// All rows, for kVectors vectors of columns.
-template <bool kAdd, size_t kVectors>
-HWY_INLINE void multiply_rows(Factor a, size_t rows, size_t depth, const float* b, size_t columns, float* product) {
-  static_assert(kGemmRows == 6);
-  for (; rows >= kGemmRows; rows -= kGemmRows) {
-    multiply_block<kAdd, kGemmRows, kVectors>(a, depth, b, columns, product);
-    a.data += kGemmRows * a.row_step;
-    product += kGemmRows * columns;
-  }
-  if (rows == 1) multiply_block<kAdd, 1, kVectors>(a, depth, b, columns, product);
-  if (rows == 2) multiply_block<kAdd, 2, kVectors>(a, depth, b, columns, product);
-  if (rows == 3) multiply_block<kAdd, 3, kVectors>(a, depth, b, columns, product);
-  if (rows == 4) multiply_block<kAdd, 4, kVectors>(a, depth, b, columns, product);
-  if (rows == 5) multiply_block<kAdd, 5, kVectors>(a, depth, b, columns, product);
-}
-
-/// product = a b, or product += a b; a is [rows, depth], b [depth, columns], columns a multiple of 16.
-template <bool kAdd>
-void multiply(const Factor& a, size_t rows, size_t depth, const float* b, size_t columns, float* product) {
-  size_t column = 0;
-  for (; column + kGemmVectors * kLanes <= columns; column += kGemmVectors * kLanes) {
-    multiply_rows<kAdd, kGemmVectors>(a, rows, depth, b + column, columns, product + column);
-  }
-  for (; column < columns; column += kLanes) {
-    multiply_rows<kAdd, 1>(a, rows, depth, b + column, columns, product + column);
-  }
 }
 
 /// Transforms the 6x6 pixels that a tile depends on; point p goes to `to` + p * step.
@@ -230,37 +159,6 @@ void finish_tile(const ConvShape& shape, const ConvForward& job, const Tile& til
       }
     }
   });
-}
-
-/// A y: the adjoint of transform_output().
-HWY_INLINE void spread_output(const FloatVec (&y)[kTileSize], FloatVec (&m)[kWinogradPoints]) {
-  const FloatTag d;
-  const auto even_a = hn::MulAdd(hn::Set(d, kA * kA), y[2], y[0]);
-  const auto odd_a = hn::MulAdd(hn::Set(d, kA * kA * kA), y[3], hn::Mul(hn::Set(d, kA), y[1]));
-  const auto even_b = hn::MulAdd(hn::Set(d, kB * kB), y[2], y[0]);
-  const auto odd_b = hn::MulAdd(hn::Set(d, kB * kB * kB), y[3], hn::Mul(hn::Set(d, kB), y[1]));
-  m[0] = y[0];
-  m[1] = hn::Add(even_a, odd_a);
-  m[2] = hn::Sub(even_a, odd_a);
-  m[3] = hn::Add(even_b, odd_b);
-  m[4] = hn::Sub(even_b, odd_b);
-  m[5] = y[3];
-}
-
-/// B v: the adjoint of transform_input().
-HWY_INLINE void spread_input(const FloatVec (&v)[kWinogradPoints], FloatVec (&x)[kWinogradPoints]) {
-  const FloatTag d;
-  const auto a2 = hn::Set(d, kA * kA), b2 = hn::Set(d, kB * kB);
-  const auto a2b2 = hn::Set(d, kA * kA * kB * kB), a2_plus_b2 = hn::Set(d, kA * kA + kB * kB);
-  const auto even_a = hn::Add(v[1], v[2]), even_b = hn::Add(v[3], v[4]);
-  const auto odd_a = hn::Mul(hn::Set(d, kA), hn::Sub(v[1], v[2]));
-  const auto odd_b = hn::Mul(hn::Set(d, kB), hn::Sub(v[3], v[4]));
-  x[0] = hn::Mul(a2b2, v[0]);
-  x[1] = hn::NegMulAdd(b2, odd_a, hn::NegMulAdd(a2, odd_b, hn::Mul(a2b2, v[5])));
-  x[2] = hn::NegMulAdd(b2, even_a, hn::NegMulAdd(a2, even_b, hn::Neg(hn::Mul(a2_plus_b2, v[0]))));
-  x[3] = hn::NegMulAdd(a2_plus_b2, v[5], hn::Add(odd_a, odd_b));
-  x[4] = hn::Add(v[0], hn::Add(even_a, even_b));
-  x[5] = v[5];
 }
 
 /// Spreads the gradient of a tile's outputs over its points, and adds it to the bias's.
@@ -327,37 +225,6 @@ void collect_tile(const ConvShape& shape, float* dx, const Tile& tile, const flo
       }
     }
   });
-}
-
-// What a matrix of the weights is of the taps, at the points in order: (g0 + point g1 + point^2 g2) * scale.
-constexpr float kScaleZero = 1.0F / (kA * kA * kB * kB);
-constexpr float kScaleA = 1.0F / (2.0F * kA * kA * (kA * kA - kB * kB));
-constexpr float kScaleB = 1.0F / (2.0F * kB * kB * (kB * kB - kA * kA));
-
-/// G g.
-HWY_INLINE void transform_taps(const FloatVec (&g)[kTaps], FloatVec (&u)[kWinogradPoints]) {
-  const FloatTag d;
-  const auto pair = [&](float point, float scale, FloatVec& plus, FloatVec& minus) HWY_ATTR {
-    const auto even = hn::Mul(hn::Set(d, scale), hn::MulAdd(hn::Set(d, point * point), g[2], g[0]));
-    const auto odd = hn::Mul(hn::Set(d, scale * point), g[1]);
-    plus = hn::Add(even, odd);
-    minus = hn::Sub(even, odd);
-  };
-  u[0] = hn::Mul(hn::Set(d, kScaleZero), g[0]);
-  pair(kA, kScaleA, u[1], u[2]);
-  pair(kB, kScaleB, u[3], u[4]);
-  u[5] = g[2];
-}
-
-/// G^T u: its adjoint.
-HWY_INLINE void collect_taps(const FloatVec (&u)[kWinogradPoints], FloatVec (&g)[kTaps]) {
-  const FloatTag d;
-  const auto even_a = hn::Mul(hn::Set(d, kScaleA), hn::Add(u[1], u[2]));
-  const auto even_b = hn::Mul(hn::Set(d, kScaleB), hn::Add(u[3], u[4]));
-  g[0] = hn::MulAdd(hn::Set(d, kScaleZero), u[0], hn::Add(even_a, even_b));
-  g[1] =
-      hn::MulAdd(hn::Set(d, kScaleA * kA), hn::Sub(u[1], u[2]), hn::Mul(hn::Set(d, kScaleB * kB), hn::Sub(u[3], u[4])));
-  g[2] = hn::MulAdd(hn::Set(d, kA * kA), even_a, hn::MulAdd(hn::Set(d, kB * kB), even_b, u[5]));
 }
 
 void TapsToMatrices(const float* taps, size_t rows, size_t columns, float* matrices) {
