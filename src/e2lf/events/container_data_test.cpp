@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <numeric>
 
@@ -102,6 +103,25 @@ TEST(ContainerData, Aedat4FilesHaveTheirEvents) {
     auto reader = open_recording(path);
     EXPECT_EQ((*reader)->info().width, width);
     EXPECT_EQ((*reader)->info().format, "aedat4");
+  }
+}
+
+TEST(ContainerData, SeekingGivesTheRest) {
+  for (const char* name : {"sample.aedat4", "davis.aedat4", "evt3_gen41_cd.dat", "evt3_gen41_metavision_ecf.hdf5"}) {
+    const auto path = data_file(std::string("events/other/") + name);
+    E2LF_SKIP_WITHOUT(path);
+    const EventBatch all = read_file_of(path);
+    for (const double part : {0.01, 0.5, 0.95}) {
+      const auto event = static_cast<size_t>(part * static_cast<double>(all.events.size()));
+      const int64_t from_us = all.events.t[event];
+      const EventBatch rest = read_file_of(path, {.from_us = from_us});
+      const auto begin = std::lower_bound(all.events.t.begin(), all.events.t.end(), from_us) - all.events.t.begin();
+      EventColumns expected;
+      expected.append(all.events, static_cast<size_t>(begin), all.events.size());
+      EXPECT_TRUE(rest.events == expected) << name << " " << part;
+      const auto is_late = [from_us](const Trigger& trigger) { return trigger.t >= from_us; };
+      EXPECT_EQ(std::ssize(rest.triggers), std::count_if(all.triggers.begin(), all.triggers.end(), is_late)) << name;
+    }
   }
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <iterator>
+#include <optional>
 
 #include "e2lf/base/text.h"
 #include "e2lf/events/aedat4/aedat4.h"
@@ -8,11 +10,15 @@
 #include "e2lf/events/batch_check.h"
 #include "e2lf/events/event_blocks.h"
 #include "e2lf/events/little_endian.h"
+#include "e2lf/events/time_search.h"
 
 namespace e2lf::events::aedat4 {
 namespace {
 
 constexpr size_t kPacketHeader = 8;
+
+/// Packets that are noted for seeking; those behind them are found by reading on.
+constexpr size_t kMaxNoted = size_t{1} << 20;
 
 enum class Use : uint8_t { kEvents, kTriggers, kNone };
 
@@ -36,30 +42,105 @@ class Aedat4Blocks final : public EventBlocks {
     E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
     if (bytes.empty()) return false;
     if (bytes.size() < kPacketHeader) return give_up(Violation::kTruncated, summary);
-    const auto id = load_le<int32_t>(bytes.data()), size = load_le<int32_t>(bytes.data() + 4);
-    const Use* const use = use_of(id);
-    if (use == nullptr || size < 0 || static_cast<size_t>(size) > kMaxPacketBytes) {
-      // Without a file table, a foreign packet is where a proper end would be; nothing tells where the next begins.
-      return give_up(Violation::kMisaligned, summary);
-    }
-    const size_t whole = kPacketHeader + static_cast<size_t>(size);
-    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(whole));
-    if (bytes.size() < whole) return give_up(Violation::kTruncated, summary);
-    if (*use != Use::kNone && !append_packet(bytes.subspan(kPacketHeader, whole - kPacketHeader), *use, block)) {
+    const auto packet = parse_packet(bytes);
+    // Without a file table, a foreign packet is where a proper end would be; nothing tells where the next begins.
+    if (!packet) return give_up(Violation::kMisaligned, summary);
+    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
+    if (bytes.size() < packet->bytes) return give_up(Violation::kTruncated, summary);
+    const auto packed = bytes.subspan(kPacketHeader, packet->bytes - kPacketHeader);
+    if (packet->use != Use::kNone && !append_packet(packed, packet->use, block)) {
       summary.add(Violation::kBadRecord, position);
       ++summary.dropped_words;
     }
-    source_->consume(whole);
+    source_->consume(packet->bytes);
     return true;
   }
 
-  Result<void> seek_before(int64_t) override {
+  /// Goes from packet header to packet header once, unpacking nothing, then bisects the packets of events.
+  Result<void> seek_before(int64_t t_us) override {
     has_given_up_ = false;
+    if (!has_noted_) E2LF_RETURN_IF_ERROR(note_packets());
+    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
+      E2LF_ASSIGN_OR_RETURN(const EventBatch packet, read_packet(event_packets_[i], Use::kEvents));
+      const auto& times = packet.events.t;
+      // What cannot be read counts as late: the search then ends in front of it.
+      if (times.empty()) return INT64_MAX;
+      return median_time({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
+    };
+    uint64_t position = header_.bytes;
+    if (!event_packets_.empty()) {
+      E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(event_packets_.size(), t_us, time_at));
+      // The first place stands for the start: packets of triggers may come before it.
+      if (place > 0) position = event_packets_[place];
+    }
+    E2LF_ASSIGN_OR_RETURN(position, before_late_triggers(position, t_us));
     last_trigger_us_ = INT64_MIN;
-    return source_->seek(header_.bytes);
+    return source_->seek(position);
   }
 
  private:
+  struct Packet {
+    Use use = Use::kNone;
+    size_t bytes = 0;  ///< with its header
+  };
+
+  /// The packet that begins with these bytes; nothing when it is none of this file.
+  std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) const {
+    const auto id = load_le<int32_t>(bytes.data()), size = load_le<int32_t>(bytes.data() + 4);
+    const Use* const use = use_of(id);
+    if (use == nullptr || size < 0 || static_cast<size_t>(size) > kMaxPacketBytes) return std::nullopt;
+    return Packet{*use, kPacketHeader + static_cast<size_t>(size)};
+  }
+
+  /// Notes where packets of events and triggers begin.
+  Result<void> note_packets() {
+    event_packets_.clear();
+    trigger_packets_.clear();
+    E2LF_RETURN_IF_ERROR(source_->seek(header_.bytes));
+    while (event_packets_.size() + trigger_packets_.size() < kMaxNoted) {
+      const uint64_t position = source_->position();
+      if (header_.table_position != 0 && position >= header_.table_position) break;
+      E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kPacketHeader));
+      const auto packet = bytes.size() < kPacketHeader ? std::nullopt : parse_packet(bytes);
+      if (!packet) break;
+      if (packet->use == Use::kEvents) event_packets_.push_back(position);
+      if (packet->use == Use::kTriggers) trigger_packets_.push_back(position);
+      if (packet->bytes <= bytes.size()) {
+        source_->consume(packet->bytes);
+      } else {
+        E2LF_RETURN_IF_ERROR(source_->seek(position + packet->bytes));
+      }
+    }
+    has_noted_ = true;
+    return {};
+  }
+
+  /// What is in a packet; nothing where it is damaged.
+  Result<EventBatch> read_packet(uint64_t position, Use use) {
+    E2LF_RETURN_IF_ERROR(source_->seek(position));
+    E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
+    EventBatch contents;
+    const auto packet = bytes.size() < kPacketHeader ? std::nullopt : parse_packet(bytes);
+    if (!packet) return contents;
+    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
+    if (bytes.size() < packet->bytes) return contents;
+    last_trigger_us_ = INT64_MIN;
+    const bool is_whole = append_packet(bytes.subspan(kPacketHeader, packet->bytes - kPacketHeader), use, contents);
+    return is_whole ? contents : EventBatch();
+  }
+
+  /// Goes back over packets of triggers in front of `position` that reach to t_us.
+  Result<uint64_t> before_late_triggers(uint64_t position, int64_t t_us) {
+    auto after = std::lower_bound(trigger_packets_.begin(), trigger_packets_.end(), position);
+    for (; after != trigger_packets_.begin(); --after) {
+      E2LF_ASSIGN_OR_RETURN(const EventBatch packet, read_packet(*std::prev(after), Use::kTriggers));
+      if (packet.triggers.empty()) continue;
+      if (packet.triggers.back().t < t_us) break;
+      position = *std::prev(after);
+    }
+    return position;
+  }
+
   const Use* use_of(int32_t id) const {
     for (const auto& [known, use] : uses_) {
       if (known == id) return &use;
@@ -91,6 +172,8 @@ class Aedat4Blocks final : public EventBlocks {
   std::unique_ptr<Decompressor> decompressor_;
   std::vector<std::pair<int32_t, Use>> uses_;
   std::vector<uint8_t> unpacked_;
+  std::vector<uint64_t> event_packets_, trigger_packets_;  ///< where they begin, once has_noted_
+  bool has_noted_ = false;
   bool has_given_up_ = false;
   int64_t last_trigger_us_ = INT64_MIN;
 };
