@@ -79,8 +79,10 @@ void print_line(const char* what, const DecodeRates& rates, const DecodeRates& r
 }
 
 void print_table(const std::vector<DecodeBenchmarkRow>& rows) {
-  std::printf("decoding from memory, M events/s; %d threads, %s; ratios to the scalar reference in this run\n",
-              num_threads(), current_isa().c_str());
+  std::printf(
+      "decoding from memory, M events/s; %d threads, %s; ratios to the scalar reference in this run; one thread by its "
+      "processor time\n",
+      num_threads(), current_isa().c_str());
   std::printf("\n%-26s %9s %7s %9s %7s\n", "", "columns", "ratio", "images", "ratio");
   for (const DecodeBenchmarkRow& row : rows) {
     std::printf("%s: %s, %.1f M events, %.2f bytes per event\n", row.shape.c_str(), row.source.c_str(),

@@ -18,7 +18,7 @@ struct DecodeBenchmarkOptions {
   bool with_reference = true;    ///< measure the scalar reference too
 };
 
-/// Millions of events per second, the fastest run; 0 = not measured.
+/// Millions of events per second, the fastest run; 0 = not measured. One thread is measured by its processor time.
 struct DecodeRates {
   double columns = 0;  ///< to columns in batches of the default size
   double images = 0;   ///< straight to event images, about a million events each
