@@ -44,10 +44,18 @@ Handle make_memory_file() {
   return {H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose};
 }
 
+/// The time of day is left out, so that one input is one file.
+Handle dataset_properties() {
+  Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(properties.get(), false);
+  return properties;
+}
+
 template <typename T>
 void write_column(hid_t parent, const char* name, hid_t type, const T* values, hsize_t count) {
   const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  const Handle set(H5Dcreate2(parent, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  const Handle properties = dataset_properties();
+  const Handle set(H5Dcreate2(parent, name, type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
   H5Dwrite(set.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
 }
 
@@ -76,7 +84,7 @@ std::vector<uint8_t> make_chunk_file(std::span<const uint8_t> input) {
   const LibraryLock lock;
   const Handle file = make_memory_file();
   const Handle group(H5Gcreate2(file.get(), "CD", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const Handle properties = dataset_properties();
   H5Pset_chunk(properties.get(), 1, &chunk_length);
   if ((input[0] & 4) == 0) H5Pset_filter(properties.get(), kEcfFilter, H5Z_FLAG_OPTIONAL, 0, nullptr);
   if ((input[0] & 8) != 0) H5Pset_deflate(properties.get(), 1);

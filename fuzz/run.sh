@@ -47,7 +47,9 @@ run_target() {
     hdf5 | dsec) malloc_limit=0 sanitizer=allocator_may_return_null=1:max_allocation_size_mb=256 ;;
   esac
   if [ -n "${FUZZ_FIXED:-}" ]; then
-    inputs=(-seed=1 "-runs=$(fixed_runs "$target")")
+    # What is compared with what holds addresses and process ids: no guide to the same inputs. (What the HDF5 library does
+    # with damaged metadata differs a little from run to run all the same.)
+    inputs=(-seed=1 -use_cmp=0 "-runs=$(fixed_runs "$target")")
     found=$SEEDS/found_$target
   fi
   mkdir -p "$found" "$build/logs"
