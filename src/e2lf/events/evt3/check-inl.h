@@ -69,7 +69,8 @@ HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
 
 #endif
 
-/// The least and the largest lane of some words; is_wide when they are far apart within a group of eight lanes.
+/// The least and the largest lane of some words; is_wide when they are far apart within a group of eight lanes, or a
+/// group lies far below the one in front of it.
 struct Range {
   int least, largest;
   bool is_wide;
@@ -82,7 +83,8 @@ HWY_INLINE Range range_of(D d, hn::Vec<D> word, hn::Vec<D> chosen) {
     const hn::Half<D> half;
     const Range a = range_of(half, hn::LowerHalf(half, word), hn::LowerHalf(half, chosen));
     const Range b = range_of(half, hn::UpperHalf(half, word), hn::UpperHalf(half, chosen));
-    return {std::min(a.least, b.least), std::max(a.largest, b.largest), a.is_wide || b.is_wide};
+    const bool goes_back = b.least + kJitterUs < a.largest;  // from one half to the next
+    return {std::min(a.least, b.least), std::max(a.largest, b.largest), a.is_wide || b.is_wide || goes_back};
   } else {
     const int least = hn::GetLane(hn::MinOfLanes(d, hn::Or(word, hn::Not(chosen))));
     const int largest = 0xFFFF - hn::GetLane(hn::MinOfLanes(d, hn::Not(hn::And(word, chosen))));
@@ -137,9 +139,17 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
   const auto coordinate = hn::Set(d, static_cast<uint16_t>(kCoordinateMask));
   const auto byte = hn::Set(d, uint16_t{0xFF});
   // Words that are all zero are looked at anyway, so that they serve where no time is known.
-  const auto time_high = hn::Set(d, check.time_high == 0xFFFF ? uint16_t{0} : check.time_high);
+  const auto known_time_high = [&]() HWY_ATTR {
+    return hn::Set(d, check.time_high == 0xFFFF ? uint16_t{0} : check.time_high);
+  };
+  auto time_high = known_time_high();
   size_t i = 0;
   size_t heartbeats = 0;
+  const auto note_heartbeats = [&] {
+    check.heartbeat += static_cast<int64_t>(heartbeats);
+    if (heartbeats > 0) check.num_rejected = 0;
+    heartbeats = 0;
+  };
   bool stopped = false;
   while (!stopped && i + lanes <= count) {
     const auto word = hn::LoadU(d, reinterpret_cast<const uint16_t*>(words + 2 * i));
@@ -152,7 +162,9 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
     const auto odd = hn::Or(hn::AndNot(is_heartbeat, hn::RebindMask(d, is_beyond)), hn::Eq(word, hn::Zero(d)));
     const auto is_low = hn::Eq(type, hn::Set(d, static_cast<uint16_t>(kTimeLow)));
     if (!hn::AllFalse(d, odd) || !check_group_lows(words + 2 * i, d, word, is_low, check.low)) {
+      note_heartbeats();
       const size_t good = check_scalar(words + 2 * i, lanes, check, limits);
+      time_high = known_time_high();
       stopped = good < lanes;
       i += good;
       continue;
@@ -161,8 +173,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
     heartbeats += hn::CountTrue(d, is_heartbeat);
     check.num_zeros = 0;
   }
-  check.heartbeat += static_cast<int64_t>(heartbeats);
-  if (heartbeats > 0) check.num_rejected = 0;
+  note_heartbeats();
   return stopped ? i : i + check_scalar(words + 2 * i, count - i, check, limits);
 }
 

@@ -175,5 +175,27 @@ TEST(Evt3Kernels, CheckStopsWhereTheScalarReferenceStops) {
   ASSERT_TRUE(set_max_isa(""));
 }
 
+TEST(Evt3Kernels, CheckSeesTimesThatStepBackFromOneGroupToTheNext) {
+  std::vector<uint8_t> words;
+  for (int i = 0; i < 64; ++i) {
+    const int low = i % 16 < 8 ? 1100 : 1020;
+    const auto word = static_cast<uint16_t>((kTimeLow << 12) | static_cast<uint32_t>(low));
+    words.push_back(static_cast<uint8_t>(word & 0xFF));
+    words.push_back(static_cast<uint8_t>(word >> 8));
+  }
+  for (const std::string& isa : available_isas()) {
+    ASSERT_TRUE(set_max_isa(isa));
+    Check check, expected;
+    check.time_high = expected.time_high = settled_state().time_high;
+    check.low = expected.low = 1000;
+    const SensorLimits limits{kWidth, kHeight};
+    const size_t good = Codec::check(words.data(), 64, check, limits);
+    EXPECT_EQ(good, check_scalar(words.data(), 64, expected, limits)) << isa;
+    EXPECT_EQ(check, expected) << isa;
+    EXPECT_LT(good, 64U) << isa;
+  }
+  ASSERT_TRUE(set_max_isa(""));
+}
+
 }  // namespace
 }  // namespace e2lf::events::evt3
