@@ -30,7 +30,8 @@ for input in recording.raw a.hdf5 a.npz a.dat a.csv a.npy; do
   "$E2LF" info "$input" --from-us "$from" --to-us "$to" --json >other.json
   [ "$(json other.json "(j['events'], j['triggers'])")" = "$(json slice.json "(j['events'], j['triggers'])")" ] || fail "slice of $input"
 done
-cat recording.raw | "$E2LF" convert - slice.npy --from-us "$from" --to-us "$to" --quiet 2>warnings.txt
+# The slice ends before the recording does, and so may the pipe.
+{ cat recording.raw || true; } | "$E2LF" convert - slice.npy --from-us "$from" --to-us "$to" --quiet 2>warnings.txt
 [ "$("$E2LF" info slice.npy --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
 fails 1 "give --overwrite" "$E2LF" convert recording.raw a.csv
 fails 1 "check the path" "$E2LF" convert nothing.raw x.csv
