@@ -151,14 +151,15 @@ class Aedat4Blocks final : public EventBlocks {
   bool append_packet(std::span<const uint8_t> packed, Use use, EventBatch& block) {
     if (!decompressor_->unpack(packed, unpacked_)) return false;
     if (use == Use::kEvents) return append_events(unpacked_, block.events);
-    if (!append_triggers(unpacked_, block.triggers)) return false;
-    // Several trigger streams may overlap in time; one that lies before what was handed out is damaged.
+    const bool is_whole = append_triggers(unpacked_, block.triggers);
+    // Several trigger streams may overlap in time; one that lies before what was handed out is damaged. Those in front
+    // of damage are looked at like all others.
     std::erase_if(block.triggers, [this](const Trigger& trigger) {
       if (trigger.t < last_trigger_us_ || !is_time(trigger.t)) return true;
       last_trigger_us_ = trigger.t;
       return false;
     });
-    return true;
+    return is_whole;
   }
 
   /// The packets end here.

@@ -124,6 +124,19 @@ TEST(Aedat4, FlippedBitsNeverTurnTimeBack) {
   }
 }
 
+TEST(Aedat4, TriggersInFrontOfDamageAreInOrderToo) {
+  const EventBatch events = random_stream({.events = 100});
+  const int64_t t1 = events.events.t[50], t2 = events.events.t[60];
+  Bytes triggers = trigger_packet({{1, t2}, {2, t1}, {1, t2 + 1}});
+  constexpr size_t kTableBytes = 24;
+  store_le(&triggers[triggers.size() - 3 * kTableBytes - 4], 0x7FFFFFFFU);  // where the third one is
+  DecodeSummary summary;
+  const auto batch = read(make_file({{3, triggers}, {0, event_packet(events.events)}}, Compression::kNone), &summary);
+  ASSERT_TRUE(batch.ok()) << batch.error().text();
+  EXPECT_EQ(batch->triggers, (std::vector<Trigger>{{t2, 0, 1}}));
+  EXPECT_EQ(summary.num_violations(), 1U);
+}
+
 TEST(Aedat4, PacketThatClaimsTooMuchIsNotAllocated) {
   Bytes bytes = example(Compression::kNone).first;
   put<int32_t>(bytes, 0);
