@@ -51,8 +51,9 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
     auto weight = torch::randn({transposed ? in : out, transposed ? out : in, kernel, kernel}) *
                   std::sqrt((layer.relu ? 2.0 : 1.0) / fan_in);
     if (!layer.residual.empty()) weight.zero_();
-    // In memory as the kernels for CPUs read it and give its gradient: [kernel, kernel, in, out].
-    if (device.is_cpu() && !transposed) weight = weight.permute({2, 3, 1, 0}).contiguous().permute({3, 2, 0, 1});
+    // In memory as our kernels read it and give its gradient: [kernel, kernel, in, out].
+    if (device.is_cpu() && layer.op == Op::kConv && kernel == 3)
+      weight = weight.permute({2, 3, 1, 0}).contiguous().permute({3, 2, 0, 1});
     parameters_[layer.name + ".weight"] = weight.to(device).set_requires_grad(true);
     parameters_[layer.name + ".bias"] = torch::zeros({out}, torch::device(device)).set_requires_grad(true);
   }
