@@ -2,12 +2,12 @@
 #include "e2lf/events/recording.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/events/count_on.h"
 
 namespace e2lf::events {
 namespace {
@@ -73,12 +73,7 @@ void RecordingReader::count(const EventColumns& events, size_t begin, size_t end
   if (begin == end) return;
   if (summary_.events() == 0) summary_.first_t_us = events.t[begin];
   summary_.last_t_us = events.t[end - 1];
-  uint64_t on = 0;
-  // 32-bit sums of a block are what compilers add many of at once.
-  constexpr size_t kBlock = size_t{1} << 16;
-  for (size_t block = begin; block < end; block += kBlock) {
-    on += std::accumulate(&events.p[block], events.p.data() + std::min(end, block + kBlock), uint32_t{0});
-  }
+  const uint64_t on = count_on({events.p.data() + begin, end - begin});
   summary_.events_on += on;
   summary_.events_off += end - begin - on;
 }

@@ -44,7 +44,7 @@ struct OpenOptions {
   TimeOrigin time = TimeOrigin::kAbsolute;
   size_t width = 0;  ///< sensor size for files that do not say; a file that says otherwise is kInvalidValue
   size_t height = 0;
-  int threads = 1;  ///< for one read() call; 0 = all cores
+  int threads = 1;  ///< for one read() or accumulate() call; 0 = all cores
 
   /// read() hands out from_us <= t < to_us only, in times as it hands them out. A file is sought, a stream is skipped.
   int64_t from_us = INT64_MIN;
@@ -76,8 +76,8 @@ class RecordingReader {
   /// first violation.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
-  /// Adds the signed events of each slice to one image: images.image(i) += slice i, saturating at int16. Slices ascend
-  /// and do not overlap; images has slices.size() transitions and the sensor's size (events outside are dropped).
+  /// Adds the signed events of each slice to one image: images.image(i) += slice i, saturating at int16 (with
+  /// several threads maybe after a part of the slice and not at every event). Slices ascend and do not overlap; images has slices.size() transitions and the sensor's size (events outside are dropped).
   /// Stops before the first event at or after the last slice's end, which the next call begins with; triggers met go
   /// to `triggers` when given. False when the recording ended before that. Fails like read().
   [[nodiscard]] Result<bool> accumulate(std::span<const TimeSlice> slices, EventImages& images,

@@ -7,6 +7,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/events/pending_batch.h"
 #include "e2lf/events/raw/raw_stream.h"
+#include "e2lf/events/raw/stream_guess.h"
 
 namespace e2lf::events {
 
@@ -57,14 +58,11 @@ class PartDecoder {
 
  private:
   /// A part is to have about so many events: few enough to stay in the cache until they are used.
-  static constexpr size_t kPartEvents = size_t{1} << 17;
+  static constexpr size_t kPartEvents = size_t{1} << 16;
   static constexpr size_t kMaxPartEvents = 4 * kPartEvents;
   static constexpr size_t kMinPartBytes = size_t{1} << 16;
   static constexpr size_t kMaxPartBytes = size_t{1} << 21;
-  /// Words in front of a part to guess its state from: a few, or more where these do not tell.
-  static constexpr size_t kWarmUpWords[] = {1024, 16384};
-  /// What a part may look at behind its end.
-  static constexpr size_t kBytesBehind = 2 * kJudgeWords * Codec::kWordBytes;
+  static constexpr size_t kBytesBehind = kBytesBehindPart<Codec>;
 
   static ColumnSink open_sink(EventBatch& batch) {
     batch.events.resize(kMaxPartEvents + kSinkSlack);
@@ -85,7 +83,7 @@ class PartDecoder {
     ColumnSink sink = open_sink(batch);
     const size_t begin = i * part_bytes_;
     part.guess = stream;
-    part.is_guessed = i == 0 || guess(bytes, begin, stream, sink, part.guess);
+    part.is_guessed = i == 0 || StreamGuess<Codec>::at(bytes, begin, limits_, stream, sink, part.guess);
     part.is_whole = false;
     if (part.is_guessed) {
       part.stream = part.guess;
@@ -96,32 +94,6 @@ class PartDecoder {
       part.latest_us = sink.latest();
     }
     batch.events.resize(sink.count);
-  }
-
-  /// Sets `guess` to the stream at byte `begin` as the words in front of it suggest.
-  bool guess(std::span<const uint8_t> bytes, size_t begin, const Stream& stream, ColumnSink& sink, Stream& guess) {
-    for (const size_t words : kWarmUpWords) {
-      const size_t from = begin - std::min(begin, words * Codec::kWordBytes);
-      if (!warm_up(bytes.subspan(from), begin - from, sink, guess) || !guess.is_steady()) continue;
-      guess.go_on_from(stream);
-      return true;
-    }
-    return false;
-  }
-
-  /// Sets `stream` to what decoding the first `size` of the bytes makes of a new one; false when it stops elsewhere.
-  bool warm_up(std::span<const uint8_t> bytes, size_t size, ColumnSink& sink, Stream& stream) {
-    stream = Stream(limits_);
-    DecodeSummary ignored;
-    for (size_t at = 0; at != size;) {
-      const auto progress = stream.process(bytes.subspan(at), false, at, sink, ignored, size - at);
-      at += progress.used;
-      sink.count = 0;
-      sink.triggers->clear();
-      sink.set_latest(INT64_MIN);
-      if (progress.wanted > 0 || progress.used == 0 || at > size) return false;
-    }
-    return true;
   }
 
   /// Whether a part goes on from the one before it; fits it to that if so.

@@ -180,6 +180,28 @@ class ImageSink {
   }
   void set_latest(int64_t t_us) { latest_ = t_us; }
 
+  /// Takes over what another sink has counted behind this one, but for its images; times before latest() are raised.
+  void append(ImageSink& later) {
+    const int64_t before_us = latest();
+    later.settle();
+    if (later.settled_ > 0) {
+      if (settled_ == 0) first_t_us = std::max(before_us, later.first_t_us);
+      last_t_us = std::max(before_us, later.last_t_us);
+    }
+    on += later.on;
+    off += later.off;
+    settled_ = on + off;
+    num_triggers += later.num_triggers;
+    latest_ = std::max(before_us, later.latest_);
+    if (triggers_ == nullptr || later.triggers_ == nullptr) return;
+    for (const Trigger& trigger : *later.triggers_) {
+      triggers_->push_back({std::max(before_us, trigger.t), trigger.id, trigger.p});
+    }
+  }
+
+  /// No image from this one on has been counted into.
+  [[nodiscard]] size_t images_end() const { return images_end_; }
+
   uint64_t on = 0;
   uint64_t off = 0;
   uint64_t num_triggers = 0;
@@ -195,7 +217,9 @@ class ImageSink {
     const bool inside = t_us >= slice->begin_us;
     begin_ = inside ? slice->begin_us : t_us;
     end_ = inside ? slice->end_us : t_us;
-    image_ = inside ? images_->image(static_cast<size_t>(slice - slices_.begin())).data() : nullptr;
+    const auto index = static_cast<size_t>(slice - slices_.begin());
+    image_ = inside ? images_->image(index).data() : nullptr;
+    if (inside) images_end_ = index + 1;
     return true;
   }
 
@@ -209,6 +233,7 @@ class ImageSink {
   bool is_open_ = false;
   int64_t latest_ = INT64_MIN;  ///< of the last event or trigger given out
   uint64_t settled_ = 0;
+  size_t images_end_ = 0;
 };
 
 }  // namespace e2lf::events
