@@ -76,10 +76,10 @@ class RecordingReader {
   /// first violation.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
-  /// Adds the signed events of each slice to one image: images.image(i) += slice i, saturating at int16 (with
-  /// several threads maybe after a part of the slice and not at every event). Slices ascend and do not overlap; images has slices.size() transitions and the sensor's size (events outside are dropped).
-  /// Stops before the first event at or after the last slice's end, which the next call begins with; triggers met go
-  /// to `triggers` when given. False when the recording ended before that. Fails like read().
+  /// Adds the signed events of each slice to one image: images.image(i) += slice i, saturating at int16 (several
+  /// threads: part by part). Slices ascend and do not overlap; images has slices.size() transitions, the sensor's size
+  /// (events outside are dropped). Stops before the first event at or after the last slice's end: the next call begins
+  /// with it. Triggers go to `triggers` when given. False when the recording ended before that. Fails like read().
   [[nodiscard]] Result<bool> accumulate(std::span<const TimeSlice> slices, EventImages& images,
                                         std::vector<Trigger>* triggers = nullptr);
 
