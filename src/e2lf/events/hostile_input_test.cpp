@@ -145,6 +145,17 @@ TEST(HostileText, ALineThatNeverEndsIsOneBadLineFromAnySource) {
   }
 }
 
+TEST(HostileText, NamesThatBreakOffAreNoOrderOfColumns) {
+  const std::string text = "640 480\nx 1 1 0\n";
+  const std::vector<uint8_t> bytes(text.begin(), text.end());
+  OpenOptions options;
+  options.format = "txt";
+  options.policy = DecodePolicy::kSkip;
+  const auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
+  EXPECT_TRUE(read_all(*reader).value().empty());
+  EXPECT_EQ(reader->summary().num_violations(), 2u);
+}
+
 TEST(RawWriter, RefusesTriggersThatTheEncodingWouldRename) {
   for (const auto& [format, last_id] : {std::pair("evt3", 15), {"evt2", 31}, {"evt2.1", 31}}) {
     for (const int id : {last_id, last_id + 1}) {

@@ -38,14 +38,16 @@ bool parse_size(std::string_view word, size_t& value) {
 /// "x", "y", "p" or "polarity", "t" or "timestamp" in some order.
 bool parse_names(const std::vector<std::string_view>& words, Layout& layout) {
   if (words.size() != 4) return false;
+  auto order = layout.order;
   std::array<bool, 4> seen{};
   for (size_t i = 0; i < 4; ++i) {
     const char first = static_cast<char>(words[i][0] | 0x20);
     const size_t field = std::string_view("xypt").find(first);
     if (field == std::string_view::npos || seen[field]) return false;
     seen[field] = true;
-    layout.order[i] = static_cast<Field>(field);
+    order[i] = static_cast<Field>(field);
   }
+  layout.order = order;
   return true;
 }
 
