@@ -41,6 +41,7 @@ Result<void> Trainer::save_checkpoint(const std::filesystem::path& path) const {
   Safetensors file;
   add_tensors(file, "weights/", network_.parameters());
   add_tensors(file, "average/", average_);
+  add_tensors(file, "momentum/", muon_.momenta());
   add_tensors(file, "first/", adam_.first_moments());
   add_tensors(file, "second/", adam_.second_moments());
   add_tensors(file, "", pattern_parameters_);
@@ -59,6 +60,7 @@ Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
   const std::string location = path.string();
   E2LF_RETURN_IF_ERROR(take_tensors(file, "weights/", network_.parameters(), location));
   E2LF_RETURN_IF_ERROR(take_tensors(file, "average/", average_, location));
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "momentum/", muon_.momenta(), location));
   E2LF_RETURN_IF_ERROR(take_tensors(file, "first/", adam_.first_moments(), location));
   E2LF_RETURN_IF_ERROR(take_tensors(file, "second/", adam_.second_moments(), location));
   E2LF_RETURN_IF_ERROR(take_tensors(file, "", pattern_parameters_, location));

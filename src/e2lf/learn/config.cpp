@@ -99,6 +99,7 @@ Result<void> read_network(OptionReader reader, const std::string& location, Netw
 
 Result<void> read_train(OptionReader reader, const std::string& location, TrainConfig& train) {
   reader.read("patch", train.patch).read("batch", train.batch).read("steps", train.steps);
+  reader.read("optimiser", train.optimiser);
   reader.read("learning_rate", train.learning_rate).read("warmup_steps", train.warmup_steps);
   reader.read("hold_steps", train.hold_steps).read("clip_norm", train.clip_norm).read("ema", train.ema);
   reader.read("gain_weight_power", train.gain_weight_power).read("error_power", train.error_power);
@@ -108,6 +109,9 @@ Result<void> read_train(OptionReader reader, const std::string& location, TrainC
   if (train.batch == 0 || train.steps == 0 || train.patch == 0 || train.log_steps == 0 || train.evaluate_steps == 0 ||
       train.checkpoint_steps == 0) {
     return invalid("patch, batch, steps and the intervals must be positive; raise them", location);
+  }
+  if (train.optimiser != "muon" && train.optimiser != "adam") {
+    return invalid(cat("unknown optimiser \"", train.optimiser, "\"; use muon or adam"), location);
   }
   if (!(train.error_power > 0.0)) return invalid("error_power must be positive; 1 is the squared error", location);
   return {};
@@ -210,6 +214,7 @@ Json to_json(const Config& config) {
            {{"patch", train.patch},
             {"batch", train.batch},
             {"steps", train.steps},
+            {"optimiser", train.optimiser},
             {"learning_rate", train.learning_rate},
             {"warmup_steps", train.warmup_steps},
             {"hold_steps", train.hold_steps},

@@ -60,6 +60,7 @@ struct NetworkConfig {
 
 struct TrainConfig {
   uint64_t patch = 64, batch = 16, steps = 20000;
+  std::string optimiser = "muon";  ///< or "adam" for all weights; see muon.h
   double learning_rate = 1e-3;
   uint64_t warmup_steps = 200;
   uint64_t hold_steps = 0;  ///< the rate stays at its peak until here, then follows a cosine to zero

@@ -20,6 +20,7 @@ TEST(Config, ComesBackFromItsOwnJson) {
   config.sensor.gain = {0.5, 0.75};
   config.network.widths = {8};
   config.network.blocks = {3};
+  config.train.optimiser = "adam";
   const auto again = config_from_json(to_json(config), "test");
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_EQ(to_json(*again), to_json(config));
@@ -51,6 +52,7 @@ TEST(Config, RefusesValuesThatCannotWork) {
   EXPECT_EQ(error_of(R"({"network": {"type": "transformer"}})").location, "test.network");
   EXPECT_EQ(error_of(R"({"network": {"widths": [8]}})").location, "test.network");
   EXPECT_EQ(error_of(R"({"train": {"batch": 0}})").location, "test.train");
+  EXPECT_EQ(error_of(R"({"train": {"optimiser": "sgd"}})").location, "test.train");
   EXPECT_EQ(error_of(R"({"train": {"patch": 128}})").location, "test.train.patch");
 }
 

@@ -25,6 +25,11 @@ PatternTie tie_of(const PatternConfig& patterns) {
   return patterns.black_first ? PatternTie::kBlackFirst : PatternTie::kNone;
 }
 
+NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
+  std::erase_if(tensors, [&](const auto& entry) { return left_out.contains(entry.first); });
+  return tensors;
+}
+
 /// The codes [N, views] of a model file.
 Result<torch::Tensor> read_codes(const std::string& path, const PatternConfig& patterns, torch::Device device) {
   E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
@@ -74,7 +79,10 @@ Trainer::Trainer(Config config, Batches batches, NetworkModule network, torch::D
       network_(std::move(network)),
       patterns_(config_.patterns.num_patterns, tie_of(config_.patterns), device),
       pattern_parameters_{{"patterns", patterns_.parameters()}},
-      adam_(network_.parameters()),
+      by_muon_(config_.train.optimiser == "muon" ? muon_weights(network_) : NamedTensors{}),
+      by_adam_(without(network_.parameters(), by_muon_)),
+      muon_(by_muon_),
+      adam_(by_adam_),
       pattern_adam_(pattern_parameters_),
       average_(clone(network_.parameters())),
       exchange_(peers, in_backward_order(network_, pattern_parameters_)) {}
@@ -123,8 +131,8 @@ torch::Tensor Trainer::current_codes() const {
 std::vector<torch::Tensor> Trainer::state() const {
   std::vector<torch::Tensor> tensors;
   for (const NamedTensors* part :
-       {&network_.parameters(), &average_, &adam_.first_moments(), &adam_.second_moments(), &pattern_parameters_,
-        &pattern_adam_.first_moments(), &pattern_adam_.second_moments()}) {
+       {&network_.parameters(), &average_, &muon_.momenta(), &adam_.first_moments(), &adam_.second_moments(),
+        &pattern_parameters_, &pattern_adam_.first_moments(), &pattern_adam_.second_moments()}) {
     for (const auto& [name, tensor] : *part) tensors.push_back(tensor.detach());
   }
   return tensors;
@@ -172,7 +180,8 @@ Result<StepReport> Trainer::train_step() {
   if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) return report;
 
   const double rate = learning_rate(config_.train, step_);
-  adam_.update(network_.parameters(), rate, step_ + 1);
+  muon_.update(by_muon_, rate);
+  adam_.update(by_adam_, rate, step_ + 1);
   if (learning_patterns() && step_ >= config_.patterns.begin_step) {
     pattern_adam_.update(pattern_parameters_, config_.patterns.learning_rate, step_ + 1 - config_.patterns.begin_step);
   }

@@ -13,6 +13,7 @@
 #include "e2lf/learn/config.h"
 #include "e2lf/learn/evaluate.h"
 #include "e2lf/learn/gradient_exchange.h"
+#include "e2lf/learn/muon.h"
 #include "e2lf/learn/peers.h"
 #include "e2lf/learn/run_log.h"
 
@@ -81,6 +82,8 @@ class Trainer {
   Patterns patterns_;
   torch::Tensor fixed_codes_;  // undefined while patterns come from patterns_
   NamedTensors pattern_parameters_;
+  NamedTensors by_muon_, by_adam_;  ///< the network's parameters, by who moves them
+  Muon muon_;
   Adam adam_, pattern_adam_;
   NamedTensors average_;
   GradientExchange exchange_;
