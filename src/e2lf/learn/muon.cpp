@@ -8,7 +8,8 @@ namespace e2lf::learn {
 namespace {
 
 constexpr double kMomentum = 0.95;
-constexpr double kSize = 0.2;  // root mean square of Adam's usual steps, in learning rates
+constexpr double kSize = 0.2;      // root mean square of Adam's usual steps, in learning rates
+constexpr double kEpsilon = 1e-8;  // as in Adam: what has hardly any gradient hardly moves
 constexpr int kIterations = 5;
 constexpr double kLinear = 3.4445, kCubic = -4.7750, kQuintic = 2.0315;
 
@@ -59,8 +60,7 @@ NamedTensors muon_weights(const NetworkModule& network) {
 torch::Tensor orthogonalise(const torch::Tensor& matrix) {
   const bool is_wide = matrix.size(0) < matrix.size(1);
   auto tall = is_wide ? matrix.t() : matrix;
-  constexpr double kTiny = 1e-30;
-  tall = tall / tall.norm().clamp_min(kTiny);
+  tall = tall / (tall.norm() + kEpsilon);
   auto gram = torch::mm(tall.t(), tall);
   torch::Tensor product;
   for (int i = 0; i < kIterations; ++i) {

@@ -25,9 +25,9 @@ class Muon {
 /// The weights of a network that Muon is for: of all convolutions larger than 1x1 but the last, which gives the views.
 [[nodiscard]] NamedTensors muon_weights(const NetworkModule& network);
 
-/// A matrix with the same singular vectors whose singular values s (divided by the Frobenius norm) become
-/// f(f(f(f(f(s))))) with f(s) = 3.4445 s - 4.775 s^3 + 2.0315 s^5: between 0.65 and 1.25 where s > 0.01. A matrix of
-/// zeros stays.
+/// A matrix with the same singular vectors whose singular values s (divided by the Frobenius norm + 1e-8) become
+/// f(f(f(f(f(s))))) with f(s) = 3.4445 s - 4.775 s^3 + 2.0315 s^5: between 0.65 and 1.25 where s > 0.01. Gradients far
+/// below 1e-8, as of layers whose units are all off, become almost zero.
 [[nodiscard]] torch::Tensor orthogonalise(const torch::Tensor& matrix);
 
 }  // namespace e2lf::learn
