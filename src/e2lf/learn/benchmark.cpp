@@ -78,7 +78,6 @@ Result<std::vector<BenchmarkRow>> benchmark_training(const BenchmarkOptions& opt
         config.input = {{model::InputKind::kCounts, 0.125F}};
         config.train.optimiser = "adam";  // as in the plain loop
       }
-      if (!paper) config.network.blocks = {1, 2, 3};
       E2LF_ASSIGN_OR_RETURN(auto row, run_trainer(options, paper ? "paper's network, e2lf" : "U-Net, e2lf", config));
       rows.push_back(std::move(row));
       if (progress) progress(++done, loops);
