@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/learn/relu.h"
 #include "e2lf/learn/winograd_conv.h"
 
 namespace e2lf::learn {
@@ -83,7 +82,7 @@ class Conv3x3 : public torch::autograd::Function<Conv3x3> {
       const auto row = static_cast<int64_t>(share);
       conv_backward(shape,
                     {x.data_ptr<float>(), matrices.data_ptr<float>(), y.defined() ? y.data_ptr<float>() : nullptr,
-                     kOffGradient, dy.data_ptr<float>(), dx.defined() ? dx.data_ptr<float>() : nullptr,
+                     dy.data_ptr<float>(), dx.defined() ? dx.data_ptr<float>() : nullptr,
                      dmatrices[row].data_ptr<float>(), dbias[row].data_ptr<float>()},
                     first, end);
     });

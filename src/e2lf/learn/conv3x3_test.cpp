@@ -5,7 +5,6 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
-#include "e2lf/learn/relu.h"
 
 namespace e2lf::learn {
 namespace {
@@ -49,7 +48,7 @@ TEST_F(Conv3x3Test, EqualsPlainConvolutionInDoubleForEveryInstructionSetForwardA
         run(c, torch::kDouble, [&](const auto& x, const auto& weight, const auto& bias, const auto& residual) {
           auto y = at::conv2d(x, weight, bias, 1, 1);
           if (residual.defined()) y = y + residual;
-          return c.relu ? rectify(y) : y;
+          return c.relu ? torch::relu(y) : y;
         });
     for (const std::string& isa : available_isas()) {
       set_max_isa(isa).value();
@@ -68,14 +67,6 @@ TEST_F(Conv3x3Test, EqualsPlainConvolutionInDoubleForEveryInstructionSetForwardA
       }
     }
   }
-}
-
-TEST(Relu, KeepsItsValuesAndLetsSomeGradientThroughWhereItIsOff) {
-  const auto x = torch::tensor({-2.0F, 0.5F, 3.0F}).set_requires_grad(true);
-  const auto y = rectify(x);
-  EXPECT_TRUE(torch::equal(y.detach(), torch::tensor({0.0F, 0.5F, 3.0F})));
-  (y * torch::tensor({1.0F, 2.0F, 3.0F})).sum().backward();
-  EXPECT_TRUE(torch::allclose(x.grad(), torch::tensor({kOffGradient, 2.0F, 3.0F})));
 }
 
 TEST_F(Conv3x3Test, TheGradientOfItsInputIsLeftOutWhereNobodyNeedsIt) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/convolve.h"
 
-#include "e2lf/learn/relu.h"
-
 #if E2LF_HAVE_WINOGRAD
 #include "e2lf/learn/conv3x3.h"
 #endif
@@ -26,7 +24,7 @@ torch::Tensor pointwise(const torch::Tensor& x, const torch::Tensor& weight) {
 torch::Tensor finish(const Layer& layer, torch::Tensor x, const torch::Tensor& bias, const torch::Tensor& residual) {
   x = x + bias.reshape({1, -1, 1, 1});
   if (residual.defined()) x = x + residual;
-  return layer.relu ? rectify(x) : x;
+  return layer.relu ? torch::relu(x) : x;
 }
 
 /// Convolutions whose windows do not overlap are products of a pixel's channels, shuffled.
@@ -58,12 +56,12 @@ torch::Tensor convolve(const Layer& layer, const torch::Tensor& input, const tor
     if (on_cpu_in_float(input) && layer.kernel == 3 && layer.stride == 1) {
       const bool fused = !(residual.defined() && layer.relu);
       if (fused) return conv3x3(input, weight, bias, residual, layer.relu);
-      return rectify(conv3x3(input, weight, bias, residual, false));
+      return torch::relu(conv3x3(input, weight, bias, residual, false));
     }
 #endif
     result = convolve_plainly(layer, input, weight, bias);
     if (residual.defined()) result = result + residual;
-    if (layer.relu) result = rectify(result);
+    if (layer.relu) result = torch::relu(result);
   }
   return result.contiguous(at::MemoryFormat::ChannelsLast);
 }

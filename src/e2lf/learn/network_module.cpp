@@ -5,7 +5,6 @@
 #include <map>
 
 #include "e2lf/learn/convolve.h"
-#include "e2lf/learn/relu.h"
 
 namespace e2lf::learn {
 namespace {
@@ -96,7 +95,7 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
     }
     const bool done = layer.op == Op::kConv || layer.op == Op::kConvTransposed;
     if (!done && !layer.residual.empty()) x = x + values.at(layer.residual);
-    if (!done && layer.relu) x = rectify(x);
+    if (!done && layer.relu) x = torch::relu(x);
     values[layer.name] = x;
   }
   return x.to(input.scalar_type());

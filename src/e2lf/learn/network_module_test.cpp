@@ -83,11 +83,9 @@ TEST(NetworkModule, RunsTheUnetForwardAndBackwardInBothPrecisions) {
 
 TEST(NetworkModule, GradientMatchesDifferencesAlongARandomDirection) {
   torch::manual_seed(4);
-  auto network =
-      model::unet({.input_channels = 4, .output_channels = 8, .widths = {6, 8}, .blocks = {1, 1}, .head_width = 4});
-  // Where a ReLU is off, the gradient is on purpose not that of the loss (relu.h).
-  for (auto& layer : network.layers) layer.relu = false;
-  const NetworkModule module(network, torch::kCPU);
+  const NetworkModule module(
+      model::unet({.input_channels = 4, .output_channels = 8, .widths = {6, 8}, .blocks = {1, 1}, .head_width = 4}),
+      torch::kCPU);
   const auto input = torch::rand({1, 4, 8, 8}, torch::kDouble);
   NamedTensors weights, direction;
   for (const auto& [name, tensor] : module.parameters()) {

@@ -177,9 +177,7 @@ void spread_tile(const ConvShape& shape, const ConvBackward& job, const Tile& ti
         column[i] = load_pixel(gradients.at[i][j], channel, access);
         if (outputs.at[i][j] != nullptr) {
           const auto output = access.load(outputs.at[i][j] + channel);
-          const auto share =
-              hn::IfThenElse(hn::Gt(output, hn::Zero(d)), hn::Set(d, 1.0F), hn::Set(d, job.off_gradient));
-          column[i] = hn::Mul(share, column[i]);
+          column[i] = hn::IfThenElseZero(hn::Gt(output, hn::Zero(d)), column[i]);
         }
         sum = hn::Add(sum, column[i]);
       }

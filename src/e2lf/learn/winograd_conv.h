@@ -41,7 +41,6 @@ struct ConvBackward {
   const float* x;
   const float* matrices;  ///< [out, in]
   const float* y;         ///< the output, of a convolution with ReLU; else null
-  float off_gradient;     ///< the share of dy that counts where y is 0
   const float* dy;
   float* dx;         ///< added to; null where not needed
   float* dmatrices;  ///< [in, out], added to
