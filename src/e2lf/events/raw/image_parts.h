@@ -135,14 +135,7 @@ class ImageParts {
   }
 
   bool guess(std::span<const uint8_t> bytes, size_t begin, const Stream& start, Part& part) {
-    part.scratch.resize(kGuessEvents + kSinkSlack);
-    ColumnSink sink;
-    sink.x = part.scratch.x.data();
-    sink.y = part.scratch.y.data();
-    sink.p = part.scratch.p.data();
-    sink.t = part.scratch.t.data();
-    sink.capacity = sink.max_triggers = kGuessEvents;
-    sink.triggers = &part.triggers;
+    ColumnSink sink(part.scratch, 0, kGuessEvents, part.triggers);
     return StreamGuess<Codec>::at(bytes, begin, limits_, start, sink, part.guess);
   }
 

@@ -64,23 +64,11 @@ class PartDecoder {
   static constexpr size_t kMaxPartBytes = size_t{1} << 21;
   static constexpr size_t kBytesBehind = kBytesBehindPart<Codec>;
 
-  static ColumnSink open_sink(EventBatch& batch) {
-    batch.events.resize(kMaxPartEvents + kSinkSlack);
-    ColumnSink sink;
-    sink.x = batch.events.x.data();
-    sink.y = batch.events.y.data();
-    sink.p = batch.events.p.data();
-    sink.t = batch.events.t.data();
-    sink.capacity = sink.max_triggers = kMaxPartEvents;
-    sink.triggers = &batch.triggers;
-    return sink;
-  }
-
   void decode_part(std::span<const uint8_t> bytes, uint64_t first_byte, const Stream& stream, size_t i) {
     Part& part = parts_[i];
     EventBatch& batch = part.batch.refill();
     part.summary = {};
-    ColumnSink sink = open_sink(batch);
+    ColumnSink sink(batch, kMaxPartEvents);
     const size_t begin = i * part_bytes_;
     part.guess = stream;
     part.is_guessed = i == 0 || StreamGuess<Codec>::at(bytes, begin, limits_, stream, sink, part.guess);

@@ -157,16 +157,8 @@ class RawReader final : public RecordingReader {
   Result<bool> read_directly(EventBatch& batch, size_t max_events) {
     EventColumns& events = batch.events;
     const size_t known = events.size();
-    events.resize(known + max_events + kSinkSlack);
-    ColumnSink sink;
-    sink.x = events.x.data() + known;
-    sink.y = events.y.data() + known;
-    sink.p = events.p.data() + known;
-    sink.t = events.t.data() + known;
-    sink.capacity = max_events;
+    ColumnSink sink(batch, max_events);
     sink.set_latest(latest_us_);
-    sink.triggers = &batch.triggers;
-    sink.max_triggers = batch.triggers.size() + max_events;
     Result<bool> more = true;
     bool full = false;
     while (more && *more && !full && (source_->seekable() || sink.count == 0)) more = step(sink, full);

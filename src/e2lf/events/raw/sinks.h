@@ -31,6 +31,23 @@ struct SensorLimits {
 ///   add(x, y, p) one event; add_mask(x, y, p, mask) one event at x + i for each set bit i, all inside the sensor
 class ColumnSink {
  public:
+  ColumnSink() = default;
+
+  /// Makes room in a batch and fills it behind what it holds, up to so many more events and as many triggers. The
+  /// events are to be cut to what was filled in the end.
+  ColumnSink(EventBatch& batch, size_t max_events)
+      : ColumnSink(batch.events, batch.events.size(), max_events, batch.triggers) {}
+
+  /// The same for columns and triggers apart, from event `begin` on.
+  ColumnSink(EventColumns& events, size_t begin, size_t max_events, std::vector<Trigger>& to_triggers)
+      : capacity(max_events), max_triggers(to_triggers.size() + max_events), triggers(&to_triggers) {
+    events.resize(begin + max_events + kSinkSlack);
+    x = events.x.data() + begin;
+    y = events.y.data() + begin;
+    p = events.p.data() + begin;
+    t = events.t.data() + begin;
+  }
+
   uint16_t* x = nullptr;
   uint16_t* y = nullptr;
   uint8_t* p = nullptr;
