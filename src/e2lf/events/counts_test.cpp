@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// The kernels that count ON events and add event images, on every instruction set against plain loops.
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <random>
+#include <vector>
+
+#include "e2lf/base/isa.h"
+#include "e2lf/events/count_on.h"
+#include "e2lf/events/move_counts.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr size_t kLengths[] = {0, 1, 15, 16, 63, 64, 65, 127, 128, 129, 1000, 100'003};
+
+class Counts : public ::testing::Test {
+ protected:
+  void TearDown() override { set_max_isa("").value(); }
+};
+
+TEST_F(Counts, OnEventsAreCountedWhateverTheLength) {
+  std::mt19937 random(1);
+  for (const std::string& isa : available_isas()) {
+    ASSERT_TRUE(set_max_isa(isa));
+    for (const size_t length : kLengths) {
+      std::vector<uint8_t> p(length);
+      for (uint8_t& value : p) value = static_cast<uint8_t>(random() & 1);
+      EXPECT_EQ(count_on(p), static_cast<uint64_t>(std::count(p.begin(), p.end(), 1))) << isa << " " << length;
+      std::fill(p.begin(), p.end(), uint8_t{1});
+      EXPECT_EQ(count_on(p), length) << isa;
+    }
+  }
+}
+
+TEST_F(Counts, MovedImagesAreSumsThatStopAtTheEndsAndLeaveZeros) {
+  std::mt19937 random(2);
+  for (const std::string& isa : available_isas()) {
+    ASSERT_TRUE(set_max_isa(isa));
+    for (const size_t length : kLengths) {
+      std::vector<int16_t> from(length), to(length), expected(length);
+      for (size_t i = 0; i < length; ++i) {
+        from[i] = static_cast<int16_t>(random());
+        to[i] = static_cast<int16_t>(random());
+        expected[i] = static_cast<int16_t>(std::clamp(int{from[i]} + to[i], INT16_MIN, INT16_MAX));
+      }
+      move_counts(from, to);
+      EXPECT_EQ(to, expected) << isa << " " << length;
+      EXPECT_EQ(from, std::vector<int16_t>(length)) << isa << " " << length;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace e2lf::events
