@@ -53,7 +53,6 @@ TEST(Muon, MovesWeightsAgainstTheirGradientByStepsOfTheSizeOfAdams) {
     const auto step = (weights.at("w").detach() - start) / 0.01;
     EXPECT_LT((step * gradient).sum().item<double>(), 0.0);
     EXPECT_NEAR(step.square().mean().sqrt().item<double>(), 0.2, 0.06);
-    // The size of a gradient does not matter, only its direction.
     EXPECT_TRUE(torch::allclose(muon.momenta().at("w"), 0.05 * gradient, 1e-4, 0.0));
   }
 }
