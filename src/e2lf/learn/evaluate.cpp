@@ -10,7 +10,7 @@ Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_
   const auto intensities = coded_intensities(light_field, pipeline.codes);
   const auto events = simulate_events(intensities, constants, noise, pipeline.event_model);
   const auto inputs = form_inputs(events, pipeline.input, constants);
-  return {events, pipeline.network->forward(inputs, pipeline.compute, *pipeline.weights)};
+  return {events, pipeline.network->forward(inputs, pipeline.compute, *pipeline.weights, pipeline.input_means)};
 }
 
 SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const aperture::SensorConstants& constants,

@@ -17,6 +17,7 @@ struct Pipeline {
   EventModel event_model = EventModel::kReferenceAware;
   std::vector<model::InputGroup> input;
   torch::ScalarType compute = torch::kFloat;
+  NamedTensors* input_means = nullptr;  ///< see NetworkModule::forward
 };
 
 /// Events of light fields [batch, 64, y, x] and what the network makes of them, of the same shape.

@@ -59,14 +59,17 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
   }
 }
 
-torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarType compute,
-                                     const NamedTensors& weights) const {
+torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarType compute, const NamedTensors& weights,
+                                     NamedTensors* input_means) const {
   std::map<std::string, torch::Tensor> values = {
       {"input", input.to(compute).contiguous(at::MemoryFormat::ChannelsLast)}};
   torch::Tensor x;
   for (const Layer& layer : network_.layers) {
     x = values.at(layer.inputs.front());
     const auto stride = static_cast<int64_t>(layer.stride);
+    if (input_means != nullptr && layer.op == Op::kConv) {
+      (*input_means)[layer.name] = x.detach().mean({0, 2, 3}, false, torch::kFloat);
+    }
     switch (layer.op) {
       case Op::kConv:
       case Op::kConvTransposed:

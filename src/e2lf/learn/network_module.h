@@ -28,9 +28,10 @@ class NetworkModule {
     return forward(input, compute, parameters_);
   }
 
-  /// The same with other weights of the same names and shapes, e.g. their moving average.
+  /// The same with other weights of the same names and shapes, e.g. their moving average. `input_means`, where given,
+  /// gets the mean [in] over pixels and batch of what goes into each convolution (transposed ones left out), by layer.
   [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute,
-                                      const NamedTensors& weights) const;
+                                      const NamedTensors& weights, NamedTensors* input_means = nullptr) const;
 
   /// "<layer>.weight", "<layer>.bias": leaves that require gradients.
   [[nodiscard]] const NamedTensors& parameters() const { return parameters_; }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "e2lf/base/file.h"
+#include "e2lf/learn/centring.h"
 #include "e2lf/learn/draws.h"
 #include "e2lf/learn/input_form.h"
 
@@ -158,6 +159,22 @@ Result<StepReport> Trainer::average_over_peers(const StepReport& report) const {
   return StepReport{sums[0].item<double>() / peers_.size(), sums[1].item<double>() / peers_.size(), 0.0};
 }
 
+/// In one message for all.
+Result<void> Trainer::replace_by_peers_mean(const NamedTensors& tensors) const {
+  if (peers_.size() == 1) return {};
+  std::vector<torch::Tensor> parts;
+  for (const auto& [name, tensor] : tensors) parts.push_back(tensor.flatten());
+  const auto sums = torch::cat(parts);
+  E2LF_RETURN_IF_ERROR(peers_.sum(sums));
+  int64_t offset = 0;
+  for (const auto& [name, tensor] : tensors) {
+    auto target = tensor;
+    target.copy_(sums.slice(0, offset, offset + tensor.numel()).reshape(tensor.sizes()) / peers_.size());
+    offset += tensor.numel();
+  }
+  return {};
+}
+
 Result<void> Trainer::backward(const torch::Tensor& loss) {
   zero_gradients(network_.parameters());
   zero_gradients(pattern_parameters_);
@@ -168,20 +185,25 @@ Result<void> Trainer::backward(const torch::Tensor& loss) {
 
 Result<StepReport> Trainer::train_step() {
   const Batch batch = batches_.at(step_, {peers_.rank(), peers_.size()});
+  NamedTensors input_means;
   const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
-                          config_.input, compute_type()};
+                          config_.input, compute_type(),         &input_means};
   const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise);
   const auto errors = (result.light_field - batch.light_field).square().mean({1, 2, 3});
   const auto loss = sample_losses(config_.train, errors, batch.gain).mean();
 
   E2LF_RETURN_IF_ERROR(backward(loss));
   E2LF_ASSIGN_OR_RETURN(StepReport report, average_over_peers({loss.item<double>(), errors.mean().item<double>()}));
+  E2LF_RETURN_IF_ERROR(replace_by_peers_mean(input_means));
+  centre_gradients(network_.parameters(), input_means);
   report.gradient_norm = clip_gradients(network_.parameters(), config_.train.clip_norm);
   if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) return report;
 
   const double rate = learning_rate(config_.train, step_);
+  const auto before = clone(network_.parameters());
   muon_.update(by_muon_, rate);
   adam_.update(by_adam_, rate, step_ + 1);
+  keep_mean_outputs(network_.parameters(), before, input_means);
   if (learning_patterns() && step_ >= config_.patterns.begin_step) {
     pattern_adam_.update(pattern_parameters_, config_.patterns.learning_rate, step_ + 1 - config_.patterns.begin_step);
   }

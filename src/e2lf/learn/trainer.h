@@ -66,6 +66,7 @@ class Trainer {
   [[nodiscard]] Result<bool> any_peer(bool value) const;
   [[nodiscard]] Result<void> backward(const torch::Tensor& loss);
   [[nodiscard]] Result<StepReport> average_over_peers(const StepReport& report) const;
+  [[nodiscard]] Result<void> replace_by_peers_mean(const NamedTensors& tensors) const;
   [[nodiscard]] bool learning_patterns() const {
     return !fixed_codes_.defined() && step_ < config_.patterns.learn_steps;
   }
