@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "e2lf/hdf5/library.h"
+#include "e2lf/hdf5/object_header.h"
 
 namespace e2lf::hdf5 {
 namespace {
@@ -87,8 +88,10 @@ herr_t close_file(H5FD_t* file) {
   return 0;
 }
 
-herr_t read_file(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t begin, size_t count, void* out) {
-  return of(file).contents->read(begin, count, static_cast<uint8_t*>(out)) ? 0 : -1;
+herr_t read_file(H5FD_t* file, H5FD_mem_t kind, hid_t, haddr_t begin, size_t count, void* out) {
+  auto* const bytes = static_cast<uint8_t*>(out);
+  if (!of(file).contents->read(begin, count, bytes)) return -1;
+  return kind != H5FD_MEM_OHDR || chunks_have_dimensions({bytes, count}) ? 0 : -1;
 }
 
 herr_t refuse_to_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, size_t, const void*) {
