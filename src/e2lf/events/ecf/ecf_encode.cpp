@@ -104,6 +104,15 @@ uint8_t* put_x_groups(std::span<const uint16_t> x, uint8_t* out) {
   return out;
 }
 
+/// What put_x_groups() and put_p_runs() write at least: a step that no group holds begins the next one.
+size_t min_size_of_runs(const ChunkColumns& e) {
+  const size_t n = e.x.size();
+  uint32_t groups = 1, runs = 1;
+  for (size_t i = 1; i < n; ++i) groups += static_cast<uint16_t>(e.x[i] - e.x[i - 1] - 1) > 4 ? 1 : 0;
+  for (size_t i = 1; i < n; ++i) runs += e.p[i] != e.p[i - 1] ? 1 : 0;
+  return size_t{2} * groups + runs;
+}
+
 uint8_t* put_xp_packed(const ChunkColumns& e, uint8_t* out) {
   const size_t n = e.x.size();
   const auto value = [&](size_t i) { return i < n ? static_cast<uint32_t>(e.x[i]) << 1 | e.p[i] : 0u; };
@@ -155,7 +164,8 @@ size_t encode(const ChunkColumns& e, std::span<uint8_t> out) {
   uint8_t* const places = put_times(e.t, out.data() + 4);
   const size_t quads = (n + 3) / 4;
 
-  // Runs of y, then x groups with runs of p; each is given up as soon as its packed form is smaller.
+  // Runs of y, then x groups with runs of p; each is given up when its packed form is smaller. Where that can be told
+  // beforehand, groups are not made: no processor foresees where they end.
   uint32_t layout = 0;
   uint8_t* const after_y = put_y_runs(e.y, places);
   uint8_t* end = nullptr;
@@ -163,8 +173,9 @@ size_t encode(const ChunkColumns& e, std::span<uint8_t> out) {
     layout = 2;
     end = put_yxp_packed(e, places);
   } else {
-    end = put_p_runs(e.p, put_x_groups(e.x, after_y));
-    if (end > after_y + quads * 6) {
+    const bool may_group = min_size_of_runs(e) <= quads * 6;
+    if (may_group) end = put_p_runs(e.p, put_x_groups(e.x, after_y));
+    if (!may_group || end > after_y + quads * 6) {
       layout = 1;
       end = put_xp_packed(e, after_y);
     }
