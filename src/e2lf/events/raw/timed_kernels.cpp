@@ -172,13 +172,13 @@ size_t decode_columns(const uint8_t* words, size_t count, State& state, const Se
   return count;
 }
 
-/// Whether an event word has any event; a damaged EVT2.1 word may have none.
+/// Whether an event word has any event inside the sensor; a damaged EVT2.1 word may have none.
 template <typename Layout>
-HWY_INLINE bool has_events(const uint8_t* word) {
+HWY_INLINE bool has_events(const uint8_t* word, const SensorLimits& limits) {
   if constexpr (Layout::kWordBytes == 4) {
     return true;
   } else {
-    return Layout::mask(word) != 0;
+    return Words<Layout>::inside(word, limits) != 0;
   }
 }
 
@@ -217,7 +217,7 @@ HWY_INLINE size_t add_events(const uint8_t* words, size_t count, const State& st
       all += events;
       on += events * p;
     }
-    if (has_events<Layout>(word)) last_low = std::max(last_low, low_of(head));
+    if (has_events<Layout>(word, limits)) last_low = std::max(last_low, low_of(head));
   }
   if (all > 0) sink.note_events(on, all - on, sink.time(), state.high_us | last_low);
   return i;
@@ -230,8 +230,9 @@ size_t decode_images(const uint8_t* words, size_t count, State& state, const Sen
     const uint8_t* word = words + i * Layout::kWordBytes;
     const uint32_t head = Layout::head(word);
     size_t used = 0;
-    if (fits && type_of(head) <= kOn && has_events<Layout>(word) && sink.set_time(state.high_us | low_of(head)) &&
-        sink.image() != nullptr && state.high_us + 64 <= sink.slice_end_us()) {
+    if (fits && type_of(head) <= kOn && has_events<Layout>(word, limits) &&
+        sink.set_time(state.high_us | low_of(head)) && sink.image() != nullptr &&
+        state.high_us + 64 <= sink.slice_end_us()) {
       used = add_events<Layout>(word, count - i, state, limits, sink);
     }
     if (used == 0) used = Words<Layout>::decode_scalar(word, 1, state, limits, sink);

@@ -219,11 +219,9 @@ struct Words {
   static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us >> kLoopBits); }
 
   /// The part of a vector's mask that lies inside the sensor.
-  static uint32_t clip(uint32_t x, uint32_t mask, State& state, const SensorLimits& limits) {
-    if (x + 32 <= limits.width) return mask;
-    const uint32_t inside = mask & ((1u << (limits.width - x)) - 1);
-    state.num_outside += static_cast<uint64_t>(std::popcount(mask ^ inside));
-    return inside;
+  static uint32_t inside(const uint8_t* word, const SensorLimits& limits) {
+    const uint32_t x = x_of(Layout::head(word)), mask = Layout::mask(word);
+    return x + 32 <= limits.width ? mask : mask & ((1u << (limits.width - x)) - 1);
   }
 
   template <typename Sink>
@@ -235,11 +233,15 @@ struct Words {
       switch (type_of(head)) {
         case kOff:
         case kOn:
-          if (!sink.set_time(state.high_us | low_of(head))) return i;
           if constexpr (kMaxEventsPerWord == 1) {
+            if (!sink.set_time(state.high_us | low_of(head))) return i;
             sink.add(x_of(head), y_of(head), type_of(head));
           } else {
-            sink.add_mask(x_of(head), y_of(head), type_of(head), clip(x_of(head), Layout::mask(word), state, limits));
+            // The time of a vector without events is nobody's: no slice ends at it.
+            const uint32_t mask = inside(word, limits);
+            if (mask != 0 && !sink.set_time(state.high_us | low_of(head))) return i;
+            state.num_outside += static_cast<uint64_t>(std::popcount(Layout::mask(word) ^ mask));
+            sink.add_mask(x_of(head), y_of(head), type_of(head), mask);
           }
           break;
         case kTimeHigh:
