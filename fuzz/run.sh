@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # fuzz/run.sh SECONDS JOBS [TARGET...]: runs the fuzz targets of build/fuzz for so long each, so many at a time; all by default.
-# With FUZZ_FIXED set, each tries its seeds and a fixed number of new inputs, the same ones each time, SECONDS at most.
+# With FUZZ_FIXED set, each tries its seeds and a fixed number of new inputs, nearly the same ones each time, SECONDS at most.
 # Seeds: what e2lf_fuzz_seeds writes, fuzz/corpus/<target>/ (inputs that broke something once), what earlier runs found
 # (build/fuzz/found/<target>/), and where E2LF_DATA is set the beginnings of its recordings, for this run only.
 set -euo pipefail
@@ -49,6 +49,7 @@ run_target() {
   esac
   if [ -n "${FUZZ_FIXED:-}" ]; then
     # What is compared with what holds addresses and process ids: no guide to the same inputs.
+    # Which code a run reaches still varies a little with threads, so a run may find what the one before did not.
     inputs=(-seed=1 -use_cmp=0 "-runs=$(fixed_runs "$target")")
     found=$SEEDS/found_$target
   fi
