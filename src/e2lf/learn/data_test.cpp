@@ -6,6 +6,7 @@
 
 #include "e2lf/base/safetensors.h"
 #include "e2lf/learn/batches.h"
+#include "e2lf/learn/surfaces.h"
 #include "e2lf/learn/synthesiser.h"
 #include "e2lf/learn/test_data.h"
 
@@ -64,6 +65,20 @@ TEST(Synthesise, DependsOnTheSeedAlone) {
   EXPECT_EQ(first.sizes(), (std::vector<int64_t>{64, 32, 32}));
   EXPECT_TRUE(torch::equal(first, synthesise({}, options, 5, torch::kCPU)));
   EXPECT_FALSE(torch::equal(first, synthesise({}, options, 6, torch::kCPU)));
+}
+
+TEST(ViewsOf, AgreesWithTorchsSampling) {
+  torch::manual_seed(4);
+  const auto map = [] { return torch::rand({60, 60}); };
+  // The last plane looks far beyond the border of its map.
+  const std::vector<Surface> surfaces = {{{.centre = 2.5, .slope_y = 0.02, .slope_x = -0.01}, map(), {}},
+                                         {{.centre = -0.3}, map(), map().round()},
+                                         {{.centre = -1.7, .slope_x = 0.025}, map(), map()},
+                                         {{.centre = -9.0}, map(), 0.5 * map()}};
+  const auto views = views_of(surfaces, 40), reference = views_of_reference(surfaces, 40);
+  ASSERT_EQ(views.sizes(), (std::vector<int64_t>{64, 40, 40}));
+  EXPECT_LT((views - reference).abs().max().item<float>(), 2e-3F);
+  EXPECT_LT((views - reference).abs().mean().item<float>(), 1e-4F);
 }
 
 TEST(Synthesise, WithoutDisparityAllViewsAreEqual) {
