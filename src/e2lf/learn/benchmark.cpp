@@ -5,6 +5,7 @@
 #include <chrono>
 #include <dlfcn.h>
 
+#include "e2lf/learn/surfaces.h"
 #include "e2lf/learn/trainer.h"
 #include "peers/torch_training.h"
 
@@ -22,10 +23,28 @@ bool has_bfloat16() {
 #endif
 }
 
-double samples_per_s(const BenchmarkOptions& options, std::vector<double> seconds) {
+/// From the seconds that each step took.
+double samples_per_s(uint64_t batch, std::vector<double> seconds) {
   seconds.erase(seconds.begin(), seconds.begin() + kWarmUpSteps);
   std::sort(seconds.begin(), seconds.end());
-  return static_cast<double>(options.batch) / seconds[seconds.size() / 2];
+  return static_cast<double>(batch) / seconds[seconds.size() / 2];
+}
+
+/// Seconds of each step, those that warm up included.
+template <typename Step>
+Result<std::vector<double>> time_steps(uint64_t steps, const Step& step) {
+  std::vector<double> seconds;
+  for (uint64_t i = 0; i < steps + kWarmUpSteps; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    E2LF_RETURN_IF_ERROR(step());
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  return seconds;
+}
+
+/// Ratios to the first row from `first` on.
+void compare(std::vector<BenchmarkRow>& rows, size_t first) {
+  for (size_t i = first; i < rows.size(); ++i) rows[i].ratio = rows[i].samples_per_s / rows[first].samples_per_s;
 }
 
 /// The peer beside this program; nothing where it was not built.
@@ -41,18 +60,35 @@ Result<std::vector<BenchmarkRow>> run_peer(const BenchmarkOptions& options) {
   if (const char* problem = train == nullptr ? "it is of another version" : train(&job)) {
     return Error{ErrorCode::kInternal, cat("the peer failed: ", problem, "; rebuild it"), path};
   }
-  return std::vector<BenchmarkRow>{{"paper's network, plain libtorch", "float32", samples_per_s(options, seconds)}};
+  return std::vector<BenchmarkRow>{
+      {"paper's network, plain libtorch", "float32", samples_per_s(options.batch, seconds)}};
 }
 
 Result<BenchmarkRow> run_trainer(const BenchmarkOptions& options, const std::string& name, const Config& config) {
   E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config));
-  std::vector<double> seconds;
-  for (uint64_t step = 0; step < options.steps + kWarmUpSteps; ++step) {
-    const auto begin = std::chrono::steady_clock::now();
-    E2LF_RETURN_IF_ERROR(trainer.train_step());
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  E2LF_ASSIGN_OR_RETURN(const auto seconds, time_steps(options.steps, [&] { return trainer.train_step(); }));
+  return BenchmarkRow{name, config.precision, samples_per_s(options.batch, seconds)};
+}
+
+Result<void> append_synthesis(const BenchmarkOptions& options, std::vector<BenchmarkRow>& rows) {
+  constexpr int64_t kSize = 96, kSide = 118;
+  torch::manual_seed(1);
+  std::vector<Surface> surfaces;
+  for (const double disparity : {2.0, 0.7, -0.3, -1.5}) {
+    surfaces.push_back({{.centre = disparity, .slope_x = 0.01}, torch::rand({kSide, kSide}), {}});
+    if (surfaces.size() > 1) surfaces.back().coverage = torch::rand({kSide, kSide}).round();
   }
-  return BenchmarkRow{name, config.precision, samples_per_s(options, seconds)};
+  const size_t first = rows.size();
+  for (const auto& [name, render] : {std::pair{"views of surfaces, torch's sampling", &views_of_reference},
+                                     {"views of surfaces, e2lf", &views_of}}) {
+    E2LF_ASSIGN_OR_RETURN(const auto seconds, time_steps(options.steps, [&, render = render]() -> Result<void> {
+                            (void)render(surfaces, kSize);
+                            return {};
+                          }));
+    rows.push_back({name, "float32", samples_per_s(1, seconds)});
+  }
+  compare(rows, first);
+  return {};
 }
 
 }  // namespace
@@ -60,7 +96,7 @@ Result<BenchmarkRow> run_trainer(const BenchmarkOptions& options, const std::str
 Result<std::vector<BenchmarkRow>> benchmark_training(const BenchmarkOptions& options, const ProgressFn& progress) {
   std::vector<const char*> precisions = {"float32"};
   if (has_bfloat16()) precisions.push_back("bfloat16");
-  const uint64_t loops = 1 + 2 * precisions.size();
+  const uint64_t loops = 2 + 2 * precisions.size();
   E2LF_ASSIGN_OR_RETURN(auto rows, run_peer(options));
   if (progress) progress(1, loops);
   uint64_t done = 1;
@@ -83,6 +119,9 @@ Result<std::vector<BenchmarkRow>> benchmark_training(const BenchmarkOptions& opt
       if (progress) progress(++done, loops);
     }
   }
+  compare(rows, 0);
+  E2LF_RETURN_IF_ERROR(append_synthesis(options, rows));
+  if (progress) progress(++done, loops);
   return rows;
 }
 

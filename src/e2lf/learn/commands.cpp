@@ -135,15 +135,14 @@ Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const P
     Json list = Json::array();
     std::string table = cat("samples of 64x64x8x8, batch ", batch, ", ", at::get_num_threads(), " threads\n");
     for (const BenchmarkRow& row : rows) {
-      const double ratio = row.samples_per_s / rows.front().samples_per_s;
       char line[128];
-      std::snprintf(line, sizeof line, "%-34s %-9s %8.2f samples/s  %5.2f x\n", row.name.c_str(), row.precision.c_str(),
-                    row.samples_per_s, ratio);
+      std::snprintf(line, sizeof line, "%-36s %-9s %8.2f samples/s  %5.2f x\n", row.name.c_str(), row.precision.c_str(),
+                    row.samples_per_s, row.ratio);
       table += line;
       list.push_back({{"loop", row.name},
                       {"precision", row.precision},
                       {"samples_per_s", row.samples_per_s},
-                      {"ratio_to_first", ratio}});
+                      {"ratio", row.ratio}});
     }
     return json ? list.dump(2) + "\n" : table;
   });
