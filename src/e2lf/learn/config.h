@@ -20,7 +20,7 @@ struct DataConfig {
   double synthetic_share = 0.5;         ///< share of samples from the synthesiser
   uint64_t patch_stride = 0;            ///< patches of light fields lie on a grid from the top left; 0 = anywhere
   uint64_t pool = 256;                  ///< synthesised light fields kept; each gives several crops
-  double pool_per_step = 0.5;           ///< new ones made per step
+  double pool_per_step = 1.0;           ///< new ones made per step
   SynthesiserOptions synthesiser;
 };
 
