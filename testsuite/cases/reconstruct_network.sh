@@ -28,3 +28,6 @@ exists cycles/cycle_00000/00_00.png cycles/cycle_00002/07_07.png cycles/run.json
 echo '{"gain": "2", "format": "npy", "precision": "float32"}' >config.json
 "$E2LF" reconstruct events.npz -m model.safetensors -o configured --config config.json
 cmp configured/lightfield.npy twice/lightfield.npy
+# The paper's network has no grid of pixels: more passes are one.
+"$E2LF" reconstruct events.npz -m model.safetensors -o passes --format npy --gain 1 --precision float32 --passes 3
+cmp passes/lightfield.npy plain/lightfield.npy

@@ -31,6 +31,7 @@ struct ReconstructArguments {
   fs::path input, output;
   CodesSource codes;
   std::string method = "network", precision = "auto", gain = "auto", format = "png";
+  size_t passes = 1;
   CycleFlags cycles;
 };
 
@@ -48,9 +49,10 @@ Result<Method> network_method(const ReconstructArguments& arguments, RunRecord& 
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
   const auto reconstructor = std::make_shared<recon::Reconstructor>(std::move(made));
   record.note("precision", engine::precision_name(reconstructor->engine().precision()));
-  return Method([reconstructor](const events::EventImages& images, const ProgressFn& progress) {
-    return reconstructor->reconstruct(images, progress);
-  });
+  return Method(
+      [reconstructor, passes = arguments.passes](const events::EventImages& images, const ProgressFn& progress) {
+        return reconstructor->reconstruct(images, progress, passes);
+      });
 }
 
 Result<Method> inversion_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
@@ -274,6 +276,12 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   app.add_option("--precision", reconstruction.precision, "arithmetic of the network: auto, float32 or bfloat16")
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
+      ->capture_default_str();
+  app.add_option(
+         "--passes", reconstruction.passes,
+         "average the network over so many positions on its pixel grid: finer, and so many times slower; networks "
+         "without a grid (the paper's) make one")
+      ->check(CLI::Range(size_t{1}, size_t{64}))
       ->capture_default_str();
   app.add_option("--gain", reconstruction.gain,
                  "brightness of the output: auto (estimated on the first cycle) or a number; 1 = as computed")

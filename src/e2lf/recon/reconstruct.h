@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
@@ -20,15 +21,20 @@ class Reconstructor {
   [[nodiscard]] static Result<Reconstructor> create(model::Model model, const engine::EngineOptions& options = {});
 
   /// The network's plain output, not clamped and without gain: [view_y, view_x, y, x]. Images whose size the network
-  /// does not take are extended as network_input() says and the result is cropped. Fails with kShape when the number of
-  /// event images is not N - 1 or they are empty, and as Engine::run does.
+  /// does not take are extended as network_input() says and the result is cropped. A network that works at reduced
+  /// resolution errs differently where pixels fall differently on its grid: with `passes` > 1 the result is the mean
+  /// over so many grid_shifts(), at so many times the cost; networks without a grid make one pass. Fails with kShape
+  /// when the number of event images is not N - 1 or they are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const events::EventImages& images,
-                                                           const ProgressFn& progress = {}) const;
+                                                           const ProgressFn& progress = {}, size_t passes = 1) const;
 
   [[nodiscard]] const model::Model& model() const { return model_; }
   [[nodiscard]] const engine::Engine& engine() const { return engine_; }
 
  private:
+  /// The network's output for images of any size: [view, y, x] of their size.
+  [[nodiscard]] Result<std::vector<float>> run(const events::EventImages& images, const ProgressFn& progress) const;
+
   Reconstructor(model::Model model, engine::Engine engine) : model_(std::move(model)), engine_(std::move(engine)) {}
   model::Model model_;
   engine::Engine engine_;

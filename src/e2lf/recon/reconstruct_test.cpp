@@ -4,6 +4,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
+#include <set>
+
+#include "e2lf/recon/grid_shift.h"
 
 namespace e2lf::recon {
 namespace {
@@ -37,6 +40,54 @@ TEST(Reconstructor, OddSizesAreExtendedAndCropped) {
       ASSERT_NEAR(light_field->view(view / 8, view % 8)[i], static_cast<float>(view) * images.counts[i], 1e-3);
     }
   }
+}
+
+/// Every view is the count times 1, 2, 3 or 4, by where the pixel falls on the network's grid of 2x2.
+model::Model uneven_model() {
+  model::Model model = toy_model();
+  auto& layers = model.network.layers;
+  layers[1].inputs = {"weigh"};
+  layers.insert(layers.begin() + 1,
+                {.name = "weigh", .op = model::Op::kConv, .inputs = {"down"}, .out_channels = 4, .residual = ""});
+  for (size_t i = 0; i < 16; ++i) model.weights["weigh.weight"].push_back(i % 5 == 0 ? 1.0F + i / 5 : 0.0F);
+  model.weights["weigh.bias"] = std::vector<float>(4);
+  model.weights["views.weight"].assign(64, 2.0F);
+  return model;
+}
+
+TEST(Reconstructor, PassesAverageOverTheGrid) {
+  const auto reconstructor = Reconstructor::create(uneven_model(), {engine::Precision::kFloat32});
+  ASSERT_TRUE(reconstructor) << reconstructor.error().text();
+  events::EventImages images(1, 5, 7);
+  for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i) - 9;
+  const auto once = reconstructor->reconstruct(images);
+  size_t last = 0;
+  // More than the four there are make four.
+  const auto mean = reconstructor->reconstruct(
+      images, [&](size_t done, size_t total) { last = done == total ? done : 0; }, 9);
+  ASSERT_TRUE(once && mean);
+  EXPECT_GT(last, 0U);
+  ASSERT_EQ(mean->shape(), (lightfield::Shape{8, 8, 5, 7}));
+  for (size_t i = 0; i < 35; ++i) {
+    const auto factor = static_cast<float>(1 + 2 * (i / 7 % 2) + i % 7 % 2);
+    ASSERT_NEAR(once->view(3, 5)[i], factor * images.counts[i], 1e-4);
+    ASSERT_NEAR(mean->view(3, 5)[i], 2.5F * images.counts[i], 1e-4);
+  }
+}
+
+TEST(GridShifts, AreDistinctAndBeginWithNone) {
+  for (const size_t side : {1, 2, 4, 8, 16}) {
+    const auto shifts = grid_shifts(1000, side);
+    ASSERT_EQ(shifts.size(), side * side);
+    EXPECT_EQ(shifts.front(), GridShift());
+    std::set<std::pair<size_t, size_t>> distinct;
+    for (const GridShift& shift : shifts) {
+      EXPECT_LT(std::max(shift.y, shift.x), side);
+      distinct.insert({shift.y, shift.x});
+    }
+    EXPECT_EQ(distinct.size(), shifts.size());
+  }
+  EXPECT_EQ(grid_shifts(2, 8).size(), 2U);
 }
 
 TEST(Reconstructor, EventImagesMustFitTheModel) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "e2lf/events/event_images.h"
+
+namespace e2lf::recon {
+
+/// Where the upper left pixel of an image lies on a network's grid.
+struct GridShift {
+  size_t y = 0, x = 0;
+  bool operator==(const GridShift&) const = default;
+};
+
+/// The first `count` of the shifts that a network with `size_multiple` tells apart, spread over its grid, none twice;
+/// all size_multiple^2 of them when `count` is more. The first is no shift. size_multiple: a power of two.
+[[nodiscard]] std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple);
+
+/// Images extended at the top and on the left by repeating their first rows and columns.
+[[nodiscard]] events::EventImages extend(const events::EventImages& images, const GridShift& shift);
+
+}  // namespace e2lf::recon
