@@ -91,7 +91,7 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
 }
 
 int run_bench_train(const std::vector<std::string>& arguments) {
-  Verb verb("bench train", "Measure training against a plain libtorch loop of the paper's networks, in the same run.",
+  Verb verb("bench train", "Measure training and the synthesis of its data against plain libtorch, in the same run.",
             "e2lf bench train --batch 8 --json");
   uint64_t batch = 4, steps = 5;
   verb.app().add_option("--batch", batch, "samples of 64x64x8x8 for each step")->check(CLI::PositiveNumber);
@@ -110,7 +110,7 @@ int run_bench(const std::vector<std::string>& arguments) {
                      {{"decode", "RAW recordings, against the scalar reference", run_bench_decode},
                       {"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
                       {"simulate", "the event simulation, against the scalar reference", run_bench_simulate},
-                      {"train", "training steps, against a plain libtorch loop", run_bench_train}},
+                      {"train", "training steps and the synthesis of data, against plain libtorch", run_bench_train}},
                      arguments);
 }
 

@@ -49,6 +49,7 @@ Result<Method> network_method(const ReconstructArguments& arguments, RunRecord& 
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
   const auto reconstructor = std::make_shared<recon::Reconstructor>(std::move(made));
   record.note("precision", engine::precision_name(reconstructor->engine().precision()));
+  record.note("passes", reconstructor->num_passes(arguments.passes));
   return Method(
       [reconstructor, passes = arguments.passes](const events::EventImages& images, const ProgressFn& progress) {
         return reconstructor->reconstruct(images, progress, passes);

@@ -18,15 +18,15 @@ struct BenchmarkOptions {
 
 /// One way to do a job, and how fast it goes.
 struct BenchmarkRow {
-  std::string name, precision;
+  std::string job, name, precision;
   double samples_per_s = 0;
   double ratio = 1;  ///< to the first row of the same job
 };
 
-/// Training throughput: a plain libtorch loop of the paper's networks (the peer; left out where its module is not
-/// beside the program), this trainer with the same networks, and with the network of the default configuration; whole
-/// steps, here with synthesised data; bfloat16 where the CPU has it. Then the views of four surfaces of 96x96 px, as
-/// data is synthesised: with torch's sampling (the peer), and as e2lf does it. Fails as Trainer::create does.
+/// Two jobs. Training: a plain libtorch loop of the paper's networks (the peer; left out where its module is not beside
+/// the program), this trainer with the same networks, and with the network of the default configuration; whole steps on
+/// samples of 64x64x8x8, here synthesised; bfloat16 where the CPU has it. Synthesis: the views (96x96x8x8) of
+/// procedural surfaces with torch's sampling (the peer), and as e2lf renders them. Fails as Trainer::create does.
 [[nodiscard]] Result<std::vector<BenchmarkRow>> benchmark_training(const BenchmarkOptions& options,
                                                                    const ProgressFn& progress = {});
 

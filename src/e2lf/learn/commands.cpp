@@ -133,13 +133,15 @@ Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const P
   return guarded("bench train", [&]() -> Result<std::string> {
     E2LF_ASSIGN_OR_RETURN(const auto rows, benchmark_training({.batch = batch, .steps = steps}, progress));
     Json list = Json::array();
-    std::string table = cat("samples of 64x64x8x8, batch ", batch, ", ", at::get_num_threads(), " threads\n");
+    std::string table = cat("training: samples of 64x64x8x8, batch ", batch, "; synthesis: light fields of 96x96x8x8; ",
+                            at::get_num_threads(), " threads\n");
     for (const BenchmarkRow& row : rows) {
       char line[128];
-      std::snprintf(line, sizeof line, "%-36s %-9s %8.2f samples/s  %5.2f x\n", row.name.c_str(), row.precision.c_str(),
-                    row.samples_per_s, row.ratio);
+      std::snprintf(line, sizeof line, "%-9s %-32s %-9s %8.2f /s  %5.2f x\n", row.job.c_str(), row.name.c_str(),
+                    row.precision.c_str(), row.samples_per_s, row.ratio);
       table += line;
-      list.push_back({{"loop", row.name},
+      list.push_back({{"job", row.job},
+                      {"name", row.name},
                       {"precision", row.precision},
                       {"samples_per_s", row.samples_per_s},
                       {"ratio", row.ratio}});

@@ -32,7 +32,7 @@ namespace e2lf::learn {
 [[nodiscard]] Result<std::string> evaluate_run(const std::filesystem::path& run, const std::vector<std::string>& scenes,
                                                const std::vector<std::string>& overrides = {});
 
-/// Training throughput as a table (text), or as JSON.
+/// What benchmark_training() measures as a table (text), or as JSON.
 [[nodiscard]] Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress = {});
 
 }  // namespace e2lf::learn

@@ -53,8 +53,8 @@ struct SensorConfig {
 
 struct NetworkConfig {
   std::string type = "unet";  ///< "unet" or "recnet"
-  std::vector<uint64_t> widths = {48, 96, 128};
-  std::vector<uint64_t> blocks = {2, 2, 3};
+  std::vector<uint64_t> widths = {80, 96, 128};
+  std::vector<uint64_t> blocks = {2, 2, 2};
   uint64_t head_width = 32;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/convolve.h"
 
-#if E2LF_HAVE_WINOGRAD
+#if E2LF_LEARN_KERNELS
 #include "e2lf/learn/conv3x3.h"
 #endif
 
@@ -52,7 +52,7 @@ torch::Tensor convolve(const Layer& layer, const torch::Tensor& input, const tor
   if (layer.op == Op::kConvTransposed || (layer.kernel == layer.stride && on_cpu_in_float(input))) {
     result = finish(layer, convolve_windows(layer, input, weight), bias, residual);
   } else {
-#if E2LF_HAVE_WINOGRAD
+#if E2LF_LEARN_KERNELS
     if (on_cpu_in_float(input) && layer.kernel == 3 && layer.stride == 1) {
       const bool fused = !(residual.defined() && layer.relu);
       if (fused) return conv3x3(input, weight, bias, residual, layer.relu);

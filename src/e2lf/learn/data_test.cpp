@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
+#include "e2lf/base/contract.h"
+#include "e2lf/base/isa.h"
 #include "e2lf/base/safetensors.h"
 #include "e2lf/learn/batches.h"
 #include "e2lf/learn/surfaces.h"
@@ -75,10 +77,23 @@ TEST(ViewsOf, AgreesWithTorchsSampling) {
                                          {{.centre = -0.3}, map(), map().round()},
                                          {{.centre = -1.7, .slope_x = 0.025}, map(), map()},
                                          {{.centre = -9.0}, map(), 0.5 * map()}};
-  const auto views = views_of(surfaces, 40), reference = views_of_reference(surfaces, 40);
-  ASSERT_EQ(views.sizes(), (std::vector<int64_t>{64, 40, 40}));
-  EXPECT_LT((views - reference).abs().max().item<float>(), 2e-3F);
-  EXPECT_LT((views - reference).abs().mean().item<float>(), 1e-4F);
+  const auto reference = views_of_reference(surfaces, 40);
+  for (const std::string& isa : available_isas()) {
+    set_max_isa(isa).value();
+    const auto views = views_of(surfaces, 40);
+    ASSERT_EQ(views.sizes(), (std::vector<int64_t>{64, 40, 40}));
+    EXPECT_LT((views - reference).abs().max().item<float>(), 2e-3F) << isa;
+    EXPECT_LT((views - reference).abs().mean().item<float>(), 1e-4F) << isa;
+  }
+  set_max_isa("").value();
+}
+
+TEST(ViewsOf, SurfacesBesideTheContractAreRefused) {
+  const auto map = torch::rand({20, 20});
+  EXPECT_THROW((void)views_of({}, 8), ContractError);
+  EXPECT_THROW((void)views_of({{{}, map, map}}, 8), ContractError);
+  EXPECT_THROW((void)views_of({{{}, map, {}}, {{}, map, {}}}, 8), ContractError);
+  EXPECT_THROW((void)views_of({{{}, map, {}}, {{}, torch::rand({21, 21}), torch::rand({21, 21})}}, 8), ContractError);
 }
 
 TEST(Synthesise, WithoutDisparityAllViewsAreEqual) {

@@ -2,19 +2,17 @@
 #include "e2lf/learn/surfaces.h"
 
 #include <ATen/Parallel.h>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
+
+#include "e2lf/base/contract.h"
+#if E2LF_LEARN_KERNELS
+#include "e2lf/learn/view_renderer.h"
+#endif
 
 namespace e2lf::learn {
 namespace {
 
 constexpr int64_t kViewsPerSide = 8;
 constexpr double kCentralView = 3.5;
-constexpr int64_t kBorder = 3;          // px that maps are continued by, for the taps of the interpolation
-constexpr uint32_t kSteps = 1024;       // positions between two pixels that are told apart
-constexpr float kHidden = 1.0F / 1024;  // less light than this from behind makes no grey level
 
 /// Where each ray meets a plane: sampling positions [64, size, size, 2] (x, y) for grid_sample into a map of `side`.
 torch::Tensor ray_positions(const Plane& plane, int64_t size, int64_t side, torch::Device device) {
@@ -39,107 +37,49 @@ torch::Tensor project(const torch::Tensor& maps, const torch::Tensor& positions)
                              /*interpolation_mode=bicubic*/ 2, /*padding_mode=border*/ 1, /*align_corners=*/false);
 }
 
-/// A surface's two maps side by side, continued over the border: [side + 2 border, side + 2 border, 2].
+void require_surfaces(const std::vector<Surface>& surfaces) {
+  E2LF_REQUIRE(!surfaces.empty() && !surfaces.front().coverage.defined(), "the surface behind all has no coverage");
+  const auto shape = surfaces.front().brightness.sizes();
+  E2LF_REQUIRE(shape.size() == 2 && shape[0] == shape[1], "maps are square");
+  for (size_t i = 1; i < surfaces.size(); ++i) {
+    E2LF_REQUIRE(surfaces[i].coverage.defined(), "every surface but the one behind all has a coverage");
+    E2LF_REQUIRE(surfaces[i].brightness.sizes() == shape && surfaces[i].coverage.sizes() == shape,
+                 "maps have one size");
+  }
+}
+
+#if E2LF_LEARN_KERNELS
+/// A surface's two maps side by side, continued over the border, as render_view() takes them.
 torch::Tensor interleave(const Surface& surface) {
   const auto coverage = surface.coverage.defined() ? surface.coverage : torch::ones_like(surface.brightness);
   const auto maps = torch::stack({surface.brightness, coverage}).unsqueeze(0);
-  return at::replication_pad2d(maps, {kBorder, kBorder, kBorder, kBorder})[0].permute({1, 2, 0}).contiguous();
+  constexpr auto border = static_cast<int64_t>(kMapBorder);
+  return at::replication_pad2d(maps, {border, border, border, border})[0].permute({1, 2, 0}).contiguous();
 }
 
-/// Weights of four neighbours at `t` in [0, 1] behind the second: Keys' cubic with a = -0.75, as torch has it.
-std::array<float, 4> cubic_weights(float t) {
-  constexpr float a = -0.75F;
-  const auto near = [](float x) { return ((a + 2.0F) * x - (a + 3.0F)) * x * x + 1.0F; };
-  const auto far = [](float x) { return ((a * x - 5.0F * a) * x + 8.0F * a) * x - 4.0F * a; };
-  return {far(t + 1.0F), near(t), near(1.0F - t), far(2.0F - t)};
-}
-
-/// Four neighbours of two maps side by side.
-using Eight [[gnu::vector_size(32)]] = float;
-
-using WeightTable = std::array<Eight, kSteps>;
-
-const WeightTable& weight_table() {
-  static const WeightTable table = [] {
-    WeightTable weights;
-    for (size_t i = 0; i < kSteps; ++i) {
-      const auto [a, b, c, d] = cubic_weights(static_cast<float>(i) / kSteps);
-      weights[i] = Eight{a, a, b, b, c, c, d, d};
-    }
-    return weights;
-  }();
-  return table;
-}
-
-struct Sample {
-  float brightness, coverage;
-};
-
-/// (y, x) in steps of 1 / kSteps px.
-inline Sample sample(const float* map, int32_t side, const WeightTable& table, float y, float x) {
-  const auto in_steps = [side](float at) {  // from one px before the map, where the border has begun
-    return static_cast<uint32_t>((std::clamp(at, -1.0F, static_cast<float>(side)) + 1.0F) * kSteps + 0.5F);
-  };
-  const uint32_t from_top = in_steps(y), from_left = in_steps(x);
-  const auto &weights_y = table[from_top % kSteps], &weights_x = table[from_left % kSteps];
-  const size_t stride = 2 * (static_cast<size_t>(side) + 2 * kBorder);
-  const float* tap = map + (from_top / kSteps + kBorder - 2) * stride + 2 * (from_left / kSteps + kBorder - 2);
-  Eight sum = {};
-  for (int i = 0; i < 8; i += 2, tap += stride) {
-    Eight row;
-    std::memcpy(&row, tap, sizeof(row));
-    sum += weights_y[i] * row;
+torch::Tensor render_views(const std::vector<Surface>& surfaces, int64_t size) {
+  std::vector<torch::Tensor> maps;
+  std::vector<MappedPlane> planes;
+  for (const Surface& surface : surfaces) {
+    planes.push_back({surface.plane, maps.emplace_back(interleave(surface)).data_ptr<float>()});
   }
-  sum *= weights_x;
-  return {(sum[0] + sum[2]) + (sum[4] + sum[6]), (sum[1] + sum[3]) + (sum[5] + sum[7])};
+  const auto side = static_cast<size_t>(surfaces.front().brightness.size(0)), pixels = static_cast<size_t>(size);
+  auto views = torch::empty({kViewsPerSide * kViewsPerSide, size, size});
+  at::parallel_for(0, views.size(0), 1, [&](int64_t begin, int64_t end) {
+    for (int64_t view = begin; view < end; ++view) {
+      const ViewPoint from{static_cast<double>(view / kViewsPerSide) - kCentralView,
+                           static_cast<double>(view % kViewsPerSide) - kCentralView};
+      render_view(planes, side, from, pixels, views.data_ptr<float>() + view * size * size);
+    }
+  });
+  return views;
 }
-
-/// A plane along one row of one view: positions in its map go in equal steps.
-struct RowOfRays {
-  float y, x, step_y, step_x;
-};
-
-RowOfRays row_of_rays(const Plane& plane, double view_y, double view_x, int64_t row, int64_t size, int64_t side) {
-  const double first = -0.5 * static_cast<double>(size - 1), y = static_cast<double>(row) + first;
-  const double middle = 0.5 * static_cast<double>(side - 1);
-  const double shrink = 1.0 / (1.0 + plane.slope_y * view_y + plane.slope_x * view_x);
-  const double disparity = (plane.centre + plane.slope_y * y + plane.slope_x * first) * shrink;
-  const double step = plane.slope_x * shrink;
-  return {static_cast<float>(y - view_y * disparity + middle), static_cast<float>(first - view_x * disparity + middle),
-          static_cast<float>(-view_y * step), static_cast<float>(1.0 - view_x * step)};
-}
-
-/// One view, front to back until nothing behind can be seen.
-#if defined(__x86_64__)
-[[gnu::target_clones("avx2", "default")]]
 #endif
-void render_view(const std::vector<Surface>& surfaces, const std::vector<const float*>& maps, double view_y,
-                 double view_x, int64_t size, float* out) {
-  const int64_t side = surfaces.front().brightness.size(0);
-  const WeightTable& table = weight_table();
-  std::vector<RowOfRays> rays(surfaces.size());
-  for (int64_t row = 0; row < size; ++row) {
-    for (size_t i = 0; i < rays.size(); ++i) {
-      rays[i] = row_of_rays(surfaces[i].plane, view_y, view_x, row, size, side);
-    }
-    for (int64_t column = 0; column < size; ++column) {
-      const auto at = static_cast<float>(column);
-      float light = 0, through = 1;
-      for (size_t i = surfaces.size(); i-- > 0 && through > kHidden;) {
-        const auto seen = sample(maps[i], static_cast<int32_t>(side), table, rays[i].y + at * rays[i].step_y,
-                                 rays[i].x + at * rays[i].step_x);
-        const float coverage = std::clamp(seen.coverage, 0.0F, 1.0F);
-        light += through * coverage * seen.brightness;
-        through *= 1.0F - coverage;
-      }
-      *out++ = light;
-    }
-  }
-}
 
 }  // namespace
 
 torch::Tensor views_of_reference(const std::vector<Surface>& surfaces, int64_t size) {
+  require_surfaces(surfaces);
   torch::Tensor picture;
   for (const Surface& surface : surfaces) {
     const auto& brightness = surface.brightness;
@@ -155,21 +95,11 @@ torch::Tensor views_of_reference(const std::vector<Surface>& surfaces, int64_t s
 }
 
 torch::Tensor views_of(const std::vector<Surface>& surfaces, int64_t size) {
-  if (!surfaces.front().brightness.device().is_cpu()) return views_of_reference(surfaces, size);
-  std::vector<torch::Tensor> interleaved;
-  std::vector<const float*> maps;
-  for (const Surface& surface : surfaces) {
-    maps.push_back(interleaved.emplace_back(interleave(surface)).data_ptr<float>());
-  }
-  auto views = torch::empty({kViewsPerSide * kViewsPerSide, size, size});
-  at::parallel_for(0, views.size(0), 1, [&](int64_t begin, int64_t end) {
-    for (int64_t view = begin; view < end; ++view) {
-      render_view(surfaces, maps, static_cast<double>(view / kViewsPerSide) - kCentralView,
-                  static_cast<double>(view % kViewsPerSide) - kCentralView, size,
-                  views.data_ptr<float>() + view * size * size);
-    }
-  });
-  return views;
+  require_surfaces(surfaces);
+#if E2LF_LEARN_KERNELS
+  if (surfaces.front().brightness.device().is_cpu()) return render_views(surfaces, size);
+#endif
+  return views_of_reference(surfaces, size);
 }
 
 }  // namespace e2lf::learn

@@ -12,8 +12,8 @@ namespace e2lf::model {
 struct UnetOptions {
   size_t input_channels = 9;
   size_t output_channels = 64;
-  std::vector<size_t> widths = {48, 96, 128};
-  std::vector<size_t> blocks = {2, 2, 3};  ///< residual blocks on each side; the last level has one side
+  std::vector<size_t> widths = {80, 96, 128};
+  std::vector<size_t> blocks = {2, 2, 2};  ///< residual blocks on each side; the last level has one side
   size_t head_width = 32;                  ///< channels at full resolution before the last 3x3 convolution
 };
 

@@ -8,17 +8,22 @@
 #include "e2lf/recon/input.h"
 
 namespace e2lf::recon {
+/// Views over more than the image: float32 [view, height, width].
+struct Reconstructor::Planes {
+  size_t height = 0, width = 0;
+  std::vector<float> values;
+};
+
 namespace {
 
-/// `cropped` [channel, height, width] += weight * the part of `planes` [channel, full_height, full_width] from `from`
-/// on.
-void add_crop(const std::vector<float>& planes, size_t full_height, size_t full_width, const GridShift& from,
-              size_t height, size_t width, float weight, std::vector<float>& cropped) {
-  const size_t rows = cropped.size() / width;
-  for (size_t row = 0; row < rows; ++row) {
-    const size_t channel = row / height, y = row % height + from.y;
-    const float* source = planes.data() + (channel * full_height + y) * full_width + from.x;
-    for (size_t x = 0; x < width; ++x) cropped[row * width + x] += weight * source[x];
+/// Calls use(from, to, count) for every row of `field` and the part of `planes` it comes from: `shift` and on.
+template <class Planes, class Use>
+void for_rows(const Planes& planes, const GridShift& shift, lightfield::LightField& field, const Use& use) {
+  const lightfield::Shape& shape = field.shape();
+  for (size_t row = 0; row < shape.num_views() * shape.height; ++row) {
+    const size_t view = row / shape.height, y = row % shape.height + shift.y;
+    use(planes.values.data() + (view * planes.height + y) * planes.width + shift.x,
+        field.data().data() + row * shape.width, shape.width);
   }
 }
 
@@ -36,16 +41,18 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
   return Reconstructor(std::move(model), std::move(engine));
 }
 
-Result<std::vector<float>> Reconstructor::run(const events::EventImages& images, const ProgressFn& progress) const {
+Result<Reconstructor::Planes> Reconstructor::run(const events::EventImages& images, const ProgressFn& progress) const {
   E2LF_ASSIGN_OR_RETURN(const InputPlanes input,
                         network_input(images, model_.input, model_.constants, model::size_multiple(model_.network)));
-  const size_t num_views = model_.views_y * model_.views_x;
-  std::vector<float> views(num_views * input.height * input.width);
-  E2LF_RETURN_IF_ERROR(engine_.run(input.values, input.height, input.width, views, progress));
-  if (input.height == images.height && input.width == images.width) return views;
-  std::vector<float> cropped(num_views * images.image_size());
-  add_crop(views, input.height, input.width, {}, images.height, images.width, 1.0F, cropped);
-  return cropped;
+  Planes planes{input.height, input.width, {}};
+  planes.values.resize(model_.views_y * model_.views_x * input.height * input.width);
+  E2LF_RETURN_IF_ERROR(engine_.run(input.values, input.height, input.width, planes.values, progress));
+  return planes;
+}
+
+size_t Reconstructor::num_passes(size_t wanted) const {
+  const size_t side = model::size_multiple(model_.network);
+  return std::clamp<size_t>(wanted, 1, side * side);
 }
 
 Result<lightfield::LightField> Reconstructor::reconstruct(const events::EventImages& images, const ProgressFn& progress,
@@ -58,19 +65,28 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const events::EventIma
                  ""};
   }
   const lightfield::Shape shape{model_.views_y, model_.views_x, images.height, images.width};
-  const auto shifts = grid_shifts(passes, model::size_multiple(model_.network));
-  if (shifts.size() <= 1) {
-    E2LF_ASSIGN_OR_RETURN(auto views, run(images, progress));
-    return lightfield::LightField(shape, std::move(views));
-  }
-  std::vector<float> mean(shape.size());
+  const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
+  lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
-    const events::EventImages shifted = extend(images, shifts[pass]);
-    E2LF_ASSIGN_OR_RETURN(const auto views, run(shifted, part_of(progress, pass, shifts.size())));
-    add_crop(views, shifted.height, shifted.width, shifts[pass], images.height, images.width,
-             1.0F / static_cast<float>(shifts.size()), mean);
+    const GridShift& shift = shifts[pass];
+    const ProgressFn part = part_of(progress, pass, shifts.size());
+    E2LF_ASSIGN_OR_RETURN(Planes planes, pass == 0 ? run(images, part) : run(extend(images, shift), part));
+    if (shifts.size() == 1 && planes.height == images.height && planes.width == images.width) {
+      return lightfield::LightField(shape, std::move(planes.values));
+    }
+    if (pass == 0) {
+      mean = lightfield::LightField(shape);
+      for_rows(planes, shift, mean, [](const float* from, float* to, size_t count) { std::copy_n(from, count, to); });
+    } else {
+      for_rows(planes, shift, mean, [](const float* from, float* to, size_t count) {
+        for (size_t x = 0; x < count; ++x) to[x] += from[x];
+      });
+    }
   }
-  return lightfield::LightField(shape, std::move(mean));
+  if (shifts.size() > 1) {
+    for (float& value : mean.data()) value /= static_cast<float>(shifts.size());
+  }
+  return mean;
 }
 
 }  // namespace e2lf::recon

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
@@ -22,18 +21,22 @@ class Reconstructor {
 
   /// The network's plain output, not clamped and without gain: [view_y, view_x, y, x]. Images whose size the network
   /// does not take are extended as network_input() says and the result is cropped. A network that works at reduced
-  /// resolution errs differently where pixels fall differently on its grid: with `passes` > 1 the result is the mean
-  /// over so many grid_shifts(), at so many times the cost; networks without a grid make one pass. Fails with kShape
-  /// when the number of event images is not N - 1 or they are empty, and as Engine::run does.
+  /// resolution errs differently where pixels fall differently on its grid: the result is the mean over the first
+  /// num_passes(passes) of grid_shifts(), at so many times the cost and, from two on, with room for a second light
+  /// field. Fails with kShape when the number of event images is not N - 1 or they are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const events::EventImages& images,
                                                            const ProgressFn& progress = {}, size_t passes = 1) const;
+
+  /// How many passes are made when `wanted` are: at least one, at most model::size_multiple() squared.
+  [[nodiscard]] size_t num_passes(size_t wanted) const;
 
   [[nodiscard]] const model::Model& model() const { return model_; }
   [[nodiscard]] const engine::Engine& engine() const { return engine_; }
 
  private:
-  /// The network's output for images of any size: [view, y, x] of their size.
-  [[nodiscard]] Result<std::vector<float>> run(const events::EventImages& images, const ProgressFn& progress) const;
+  struct Planes;
+  /// The network's output, not cropped.
+  [[nodiscard]] Result<Planes> run(const events::EventImages& images, const ProgressFn& progress) const;
 
   Reconstructor(model::Model model, engine::Engine engine) : model_(std::move(model)), engine_(std::move(engine)) {}
   model::Model model_;

@@ -61,6 +61,8 @@ TEST(Reconstructor, PassesAverageOverTheGrid) {
   events::EventImages images(1, 5, 7);
   for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i) - 9;
   const auto once = reconstructor->reconstruct(images);
+  EXPECT_EQ(reconstructor->num_passes(9), 4U);
+  EXPECT_EQ(reconstructor->num_passes(3), 3U);
   size_t last = 0;
   // More than the four there are make four.
   const auto mean = reconstructor->reconstruct(
@@ -76,7 +78,7 @@ TEST(Reconstructor, PassesAverageOverTheGrid) {
 }
 
 TEST(GridShifts, AreDistinctAndBeginWithNone) {
-  for (const size_t side : {1, 2, 4, 8, 16}) {
+  for (const size_t side : {1, 2, 3, 4, 5, 6, 8, 16}) {
     const auto shifts = grid_shifts(1000, side);
     ASSERT_EQ(shifts.size(), side * side);
     EXPECT_EQ(shifts.front(), GridShift());
@@ -88,6 +90,14 @@ TEST(GridShifts, AreDistinctAndBeginWithNone) {
     EXPECT_EQ(distinct.size(), shifts.size());
   }
   EXPECT_EQ(grid_shifts(2, 8).size(), 2U);
+}
+
+TEST(GridShifts, FourCoverTheFinestGrid) {
+  for (const size_t side : {2, 4, 8, 16}) {
+    std::set<std::pair<size_t, size_t>> phases;
+    for (const GridShift& shift : grid_shifts(4, side)) phases.insert({shift.y % 2, shift.x % 2});
+    EXPECT_EQ(phases.size(), 4U) << side;
+  }
 }
 
 TEST(Reconstructor, EventImagesMustFitTheModel) {
