@@ -99,7 +99,7 @@ int run_bench_train(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&] {
     std::vector<std::string> call = {"bench", "--batch", std::to_string(batch), "--steps", std::to_string(steps)};
     if (verb.common().json) call.emplace_back("--json");
-    return become_trainer(std::move(call));
+    return become_trainer(std::move(call), verb.common().threads);
   });
 }
 

@@ -21,7 +21,7 @@ int run_train(const std::vector<std::string>& arguments) {
   verb.app().add_option("config", config, "configuration (.json)")->required()->check(CLI::ExistingFile);
   verb.app().add_option("-o,--output", run, "folder for logs, checkpoint and model")->required();
   return verb.run(arguments, [&] {
-    return become_trainer(with_overrides({"train", config, "-o", run}, verb.overrides()));
+    return become_trainer(with_overrides({"train", config, "-o", run}, verb.overrides()), verb.common().threads);
   });
 }
 
@@ -31,7 +31,9 @@ int run_resume(const std::vector<std::string>& arguments) {
   std::string run;
   verb.keep_overrides();
   verb.app().add_option("run", run, "folder of the run")->required()->check(CLI::ExistingDirectory);
-  return verb.run(arguments, [&] { return become_trainer(with_overrides({"resume", run}, verb.overrides())); });
+  return verb.run(arguments, [&] {
+    return become_trainer(with_overrides({"resume", run}, verb.overrides()), verb.common().threads);
+  });
 }
 
 }  // namespace e2lf::cli

@@ -2,6 +2,7 @@
 #include "e2lf/cli/trainer_program.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <unistd.h>
@@ -10,7 +11,9 @@
 
 namespace e2lf::cli {
 
-Result<void> become_trainer(std::vector<std::string> arguments) {
+Result<void> become_trainer(std::vector<std::string> arguments, int threads) {
+  // What torch and its BLAS read; without it the trainer takes all cores.
+  if (threads > 0) ::setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
   std::error_code status;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", status);
   const std::string program = (self.parent_path() / "e2lf-train").string();

@@ -8,8 +8,8 @@
 
 namespace e2lf::cli {
 
-/// Becomes e2lf-train, the program beside this one that holds training: torch is loaded for it alone. Returns only
-/// with kMissingDependency, when it is not there.
-[[nodiscard]] Result<void> become_trainer(std::vector<std::string> arguments);
+/// Becomes e2lf-train, the program beside this one that holds training: torch is loaded for it alone. `threads` as in
+/// CommonOptions. Returns only with kMissingDependency, when it is not there.
+[[nodiscard]] Result<void> become_trainer(std::vector<std::string> arguments, int threads);
 
 }  // namespace e2lf::cli
