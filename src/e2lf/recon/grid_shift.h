@@ -15,11 +15,11 @@ struct GridShift {
 };
 
 /// The first `count` of the shifts that a network with `size_multiple` tells apart, none twice; all size_multiple^2 of
-/// them when `count` is more. The first is no shift; of an even multiple, four are all that the grid of 2x2 has.
+/// them when `count` is more. The first is no shift; where the multiple is even, the first four fall on a grid of
+/// 2x2 in all four ways.
 [[nodiscard]] std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple);
 
-/// Images extended at the top and on the left by repeating their first rows and columns; they must
-/// not be empty.
+/// Images extended at the top and on the left by repeating their first rows and columns; they must not be empty.
 [[nodiscard]] events::EventImages extend(const events::EventImages& images, const GridShift& shift);
 
 }  // namespace e2lf::recon

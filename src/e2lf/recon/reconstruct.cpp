@@ -8,6 +8,7 @@
 #include "e2lf/recon/input.h"
 
 namespace e2lf::recon {
+
 /// Views over more than the image: float32 [view, height, width].
 struct Reconstructor::Planes {
   size_t height = 0, width = 0;
@@ -16,14 +17,15 @@ struct Reconstructor::Planes {
 
 namespace {
 
-/// Calls use(from, to, count) for every row of `field` and the part of `planes` it comes from: `shift` and on.
-template <class Planes, class Use>
-void for_rows(const Planes& planes, const GridShift& shift, lightfield::LightField& field, const Use& use) {
+/// Adds to `field` the part of `planes` that begins at `shift`.
+template <class Planes>
+void add_crop(const Planes& planes, const GridShift& shift, lightfield::LightField& field) {
   const lightfield::Shape& shape = field.shape();
   for (size_t row = 0; row < shape.num_views() * shape.height; ++row) {
     const size_t view = row / shape.height, y = row % shape.height + shift.y;
-    use(planes.values.data() + (view * planes.height + y) * planes.width + shift.x,
-        field.data().data() + row * shape.width, shape.width);
+    const float* from = planes.values.data() + (view * planes.height + y) * planes.width + shift.x;
+    float* to = field.data().data() + row * shape.width;
+    for (size_t x = 0; x < shape.width; ++x) to[x] += from[x];
   }
 }
 
@@ -68,24 +70,15 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const events::EventIma
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
-    const GridShift& shift = shifts[pass];
-    const ProgressFn part = part_of(progress, pass, shifts.size());
-    E2LF_ASSIGN_OR_RETURN(Planes planes, pass == 0 ? run(images, part) : run(extend(images, shift), part));
+    const events::EventImages extended = extend(images, shifts[pass]);
+    E2LF_ASSIGN_OR_RETURN(Planes planes, run(extended, part_of(progress, pass, shifts.size())));
     if (shifts.size() == 1 && planes.height == images.height && planes.width == images.width) {
       return lightfield::LightField(shape, std::move(planes.values));
     }
-    if (pass == 0) {
-      mean = lightfield::LightField(shape);
-      for_rows(planes, shift, mean, [](const float* from, float* to, size_t count) { std::copy_n(from, count, to); });
-    } else {
-      for_rows(planes, shift, mean, [](const float* from, float* to, size_t count) {
-        for (size_t x = 0; x < count; ++x) to[x] += from[x];
-      });
-    }
+    if (pass == 0) mean = lightfield::LightField(shape);  // not before: the one that is whole needs no second
+    add_crop(planes, shifts[pass], mean);
   }
-  if (shifts.size() > 1) {
-    for (float& value : mean.data()) value /= static_cast<float>(shifts.size());
-  }
+  for (float& value : mean.data()) value /= static_cast<float>(shifts.size());
   return mean;
 }
 
