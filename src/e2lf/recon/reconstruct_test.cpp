@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
+#include <numeric>
 #include <set>
 
 #include "e2lf/recon/grid_shift.h"
@@ -27,11 +28,17 @@ model::Model toy_model() {
   return model;
 }
 
+/// One image of 5x7 whose counts are -9, -8, ...
+events::EventImages numbered_images() {
+  events::EventImages images(1, 5, 7);
+  std::iota(images.counts.begin(), images.counts.end(), int16_t{-9});
+  return images;
+}
+
 TEST(Reconstructor, OddSizesAreExtendedAndCropped) {
   const auto reconstructor = Reconstructor::create(toy_model(), {engine::Precision::kFloat32});
   ASSERT_TRUE(reconstructor) << reconstructor.error().text();
-  events::EventImages images(1, 5, 7);
-  for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i) - 9;
+  const events::EventImages images = numbered_images();
   const auto light_field = reconstructor->reconstruct(images);
   ASSERT_TRUE(light_field) << light_field.error().text();
   ASSERT_EQ(light_field->shape(), (lightfield::Shape{8, 8, 5, 7}));
@@ -58,8 +65,7 @@ model::Model uneven_model() {
 TEST(Reconstructor, PassesAverageOverTheGrid) {
   const auto reconstructor = Reconstructor::create(uneven_model(), {engine::Precision::kFloat32});
   ASSERT_TRUE(reconstructor) << reconstructor.error().text();
-  events::EventImages images(1, 5, 7);
-  for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i) - 9;
+  const events::EventImages images = numbered_images();
   const auto once = reconstructor->reconstruct(images);
   EXPECT_EQ(reconstructor->num_passes(9), 4U);
   EXPECT_EQ(reconstructor->num_passes(3), 3U);
@@ -93,7 +99,7 @@ TEST(GridShifts, AreDistinctAndBeginWithNone) {
 }
 
 TEST(GridShifts, FourCoverTheFinestGrid) {
-  for (const size_t side : {2, 4, 8, 16}) {
+  for (const size_t side : {2, 4, 6, 8, 10, 16}) {
     std::set<std::pair<size_t, size_t>> phases;
     for (const GridShift& shift : grid_shifts(4, side)) phases.insert({shift.y % 2, shift.x % 2});
     EXPECT_EQ(phases.size(), 4U) << side;
