@@ -86,7 +86,7 @@ bool is_intensity(const model::InputGroup& group) {
 
 Result<void> read_network(OptionReader reader, const std::string& location, NetworkConfig& network) {
   reader.read("type", network.type).read("widths", network.widths).read("blocks", network.blocks);
-  reader.read("head_width", network.head_width);
+  reader.read("head_width", network.head_width).read("head_blocks", network.head_blocks);
   E2LF_RETURN_IF_ERROR(reader.finish());
   if (network.type != "unet" && network.type != "recnet") {
     return invalid(cat("unknown network type \"", network.type, "\"; use unet or recnet"), location);
@@ -209,7 +209,8 @@ Json to_json(const Config& config) {
            {{"type", config.network.type},
             {"widths", config.network.widths},
             {"blocks", config.network.blocks},
-            {"head_width", config.network.head_width}}},
+            {"head_width", config.network.head_width},
+            {"head_blocks", config.network.head_blocks}}},
           {"train",
            {{"patch", train.patch},
             {"batch", train.batch},
@@ -233,7 +234,8 @@ model::Network make_network(const Config& config) {
   return model::unet({.input_channels = channels,
                       .widths = {config.network.widths.begin(), config.network.widths.end()},
                       .blocks = {config.network.blocks.begin(), config.network.blocks.end()},
-                      .head_width = config.network.head_width});
+                      .head_width = config.network.head_width,
+                      .head_blocks = config.network.head_blocks});
 }
 
 }  // namespace e2lf::learn

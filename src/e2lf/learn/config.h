@@ -55,7 +55,7 @@ struct NetworkConfig {
   std::string type = "unet";  ///< "unet" or "recnet"
   std::vector<uint64_t> widths = {80, 96, 128};
   std::vector<uint64_t> blocks = {2, 2, 2};
-  uint64_t head_width = 32;
+  uint64_t head_width = 32, head_blocks = 0;
 };
 
 struct TrainConfig {

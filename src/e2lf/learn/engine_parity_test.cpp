@@ -38,6 +38,11 @@ TEST(EngineParity, TheUnetGivesTheSameLightField) {
                 56);
 }
 
+TEST(EngineParity, BlocksAtFullResolutionGiveTheSameLightField) {
+  expect_parity(model::unet({.input_channels = 9, .widths = {16}, .blocks = {1}, .head_width = 8, .head_blocks = 2}),
+                26, 34);
+}
+
 TEST(EngineParity, ThePapersNetworkGivesTheSameLightField) {
   expect_parity(model::recnet(3, 64, 16), 21, 35);
 }

@@ -78,6 +78,11 @@ Network unet(const UnetOptions& options) {
   x = build.conv("head", x, 4 * options.head_width);
   network.layers.back().relu = true;
   x = build.add({.name = "shuffle", .op = Op::kPixelShuffle, .inputs = {x}, .stride = 2, .residual = {}});
+  if (options.head_blocks > 0) {
+    const std::string detail = build.conv("detail", "input", options.head_width);
+    x = build.add({.name = "head_join", .op = Op::kAdd, .inputs = {x, detail}, .residual = {}});
+    x = build.residual_blocks("full", x, options.head_width, options.head_blocks);
+  }
   const std::string skip = build.conv("skip", "input", options.output_channels, 1);
   build.conv("output", x, options.output_channels);
   network.layers.back().residual = skip;

@@ -27,8 +27,18 @@ TEST(Unet, CostsWhatItsConvolutionsAddUpTo) {
   EXPECT_DOUBLE_EQ(macs_per_pixel(network), per_pixel);
 }
 
-TEST(Unet, BundledSizeIsAtMostAQuarterOfThePapersNetwork) {
-  const Network network = unet({.input_channels = 9, .widths = {48, 96, 128}, .blocks = {2, 2, 3}, .head_width = 32});
+TEST(Unet, BlocksAtFullResolutionCostTheirConvolutions) {
+  const UnetOptions without{.input_channels = 3, .output_channels = 5, .widths = {4}, .blocks = {1}, .head_width = 2};
+  UnetOptions with = without;
+  with.head_blocks = 2;
+  const size_t detail = 3 * 2 * 9, blocks = 2 * 2 * 2 * 2 * 9, biases = 2 + 4 * 2;
+  EXPECT_EQ(num_parameters(unet(with)), num_parameters(unet(without)) + detail + blocks + biases);
+  EXPECT_DOUBLE_EQ(macs_per_pixel(unet(with)), macs_per_pixel(unet(without)) + detail + blocks);
+  EXPECT_EQ(size_multiple(unet(with)), size_multiple(unet(without)));
+}
+
+TEST(Unet, UsualSizeIsAtMostAQuarterOfThePapersNetwork) {
+  const Network network = unet({.input_channels = 9});
   EXPECT_LT(macs_per_pixel(network), 0.25 * macs_per_pixel(recnet(3)));
   EXPECT_LT(num_parameters(network) * sizeof(float), size_t{8} << 20U);
 }
