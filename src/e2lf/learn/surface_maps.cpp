@@ -45,9 +45,7 @@ torch::Tensor in_px(const torch::Tensor& field) {
 }
 
 torch::Tensor random_tone(const torch::Tensor& texture, Draws& draws) {
-  auto toned = texture.clamp(0.0, 1.0).pow(draws.log_uniform(0.6, 1.7));
-  if (draws.chance(0.25)) toned = toned.mean() + draws.uniform(0.1, 0.6) * (toned - toned.mean());
-  return toned * draws.uniform(0.5, 1.0);
+  return texture.clamp(0.0, 1.0).pow(draws.log_uniform(0.7, 2.0));
 }
 
 /// A tone that changes slowly over the surface. Without noise such surfaces give bands of equal counts, whose edges
