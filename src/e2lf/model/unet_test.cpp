@@ -37,6 +37,14 @@ TEST(Unet, BlocksAtFullResolutionCostTheirConvolutions) {
   EXPECT_EQ(size_multiple(unet(with)), size_multiple(unet(without)));
 }
 
+TEST(Unet, BundledSizesFitTheirFilesAndCost) {
+  for (const size_t head_blocks : {0, 2}) {
+    const Network network = unet({.input_channels = 9, .head_blocks = head_blocks});
+    EXPECT_LT(macs_per_pixel(network), 0.28 * macs_per_pixel(recnet(3)));
+    EXPECT_LT(num_parameters(network) * sizeof(float), size_t{8} << 20U);
+  }
+}
+
 TEST(Unet, UsualSizeIsAtMostAQuarterOfThePapersNetwork) {
   const Network network = unet({.input_channels = 9});
   EXPECT_LT(macs_per_pixel(network), 0.25 * macs_per_pixel(recnet(3)));
