@@ -23,7 +23,7 @@ struct SimulateArguments {
   CodesSource codes;
   std::string event_model;
   std::optional<float> eps, tau, sigma_w, sigma_z;
-  float scene_gain = 1.0F;
+  float scene_gain = 1.0F, residue = 0.0F;
   size_t cycles = 1;
   bool no_triggers = false;
 };
@@ -39,6 +39,7 @@ sensor::EventModelOptions event_model_options(const SimulateArguments& arguments
   options.constants.sigma_w = arguments.sigma_w.value_or(options.constants.sigma_w);
   options.constants.sigma_z = arguments.sigma_z.value_or(options.constants.sigma_z);
   options.gain = arguments.scene_gain;
+  options.residue = arguments.residue;
   return options;
 }
 
@@ -127,6 +128,12 @@ int run_simulate(const std::vector<std::string>& arguments) {
   app.add_option("--tau", simulation.tau, "contrast threshold; default: the model's, or 0.30");
   app.add_option("--sigma-w", simulation.sigma_w, "noise of the log intensity; default: the model's, or 0.175");
   app.add_option("--sigma-z", simulation.sigma_z, "noise of the threshold; default: the model's, or 0.04");
+  app.add_option(
+         "--residue", simulation.residue,
+         "start each pixel's reference at random up to this many thresholds (0 to 1) too high, as a real sensor "
+         "is left by the change to black")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--scene-gain", simulation.scene_gain, "brightness of the scene relative to the light field")
       ->capture_default_str();
   app.add_option("--cycles", simulation.cycles, "number of pattern cycles, each with noise of its own")

@@ -86,11 +86,17 @@ Words PixelWords(uint32_t first_pixel, uint64_t stream, uint64_t seed) {
 
 #endif
 
+/// The words as uniform numbers over 0..1.
+HWY_INLINE V Uniform(V32 word) {
+  const D d;
+  return hn::Mul(hn::Add(FloatFromWord(d, word), hn::Set(d, 0.5F)), hn::Set(d, 0x1p-32F));
+}
+
 /// Two standard normal draws per lane by Box-Muller.
 HWY_INLINE void Normals(V32 word0, V32 word1, V& w, V& z) {
   const D d;
-  const V unit = hn::Mul(hn::Add(FloatFromWord(d, word0), hn::Set(d, 0.5F)), hn::Set(d, 0x1p-32F));
-  const V radius = hn::Sqrt(hn::Mul(hn::Set(d, -2.0F), Log(d, hn::Min(unit, hn::Set(d, 1.0F)))));
+  const V unit = hn::Min(Uniform(word0), hn::Set(d, 1.0F));
+  const V radius = hn::Sqrt(hn::Mul(hn::Set(d, -2.0F), Log(d, unit)));
   V cosine, sine;
   CosSinOfTurn(d, word1, cosine, sine);
   w = hn::Mul(radius, cosine);
@@ -103,7 +109,7 @@ bool Simulate(const EventBlock& block, size_t num_pixels, const EventModelOption
   const hn::Rebind<int16_t, D> d16;
   const hn::RebindToSigned<D> di;
   const V zero = hn::Zero(d), gain = hn::Set(d, options.gain), eps = hn::Set(d, options.constants.eps);
-  const V tau = hn::Set(d, options.constants.tau);
+  const V tau = hn::Set(d, options.constants.tau), residue = hn::Set(d, options.residue);
   const V sigma_w = hn::Set(d, options.constants.sigma_w), sigma_z = hn::Set(d, options.constants.sigma_z);
   const V min_threshold = hn::Set(d, kMinThreshold);
   const V lowest = hn::Set(d, -32768.0F), highest = hn::Set(d, 32767.0F);
@@ -116,15 +122,20 @@ bool Simulate(const EventBlock& block, size_t num_pixels, const EventModelOption
       const V light = hn::Mul(hn::LoadU(d, intensity + n * kBlockPixels), gain);
       return Log(d, hn::Add(hn::Max(light, zero), eps));
     };
+    const uint32_t first_pixel = block.first_pixel + static_cast<uint32_t>(i);
     Words words = {};
     V reference = log_intensity(0);
+    if (options.residue != 0.0F) {
+      const V thresholds = hn::Mul(residue, Uniform(PixelWords(first_pixel, kResidueStream, options.seed).word[0]));
+      reference = hn::Add(reference, hn::Mul(tau, thresholds));
+    }
     for (size_t step = 0; step + 1 < block.num_patterns; ++step) {
       const V now = log_intensity(step + 1);
       V change = hn::Sub(now, reference);
       V threshold = hn::Max(tau, min_threshold);
       if constexpr (kNoisy) {
         V w, z;
-        if (step % 2 == 0) words = PixelWords(block.first_pixel + static_cast<uint32_t>(i), step / 2, options.seed);
+        if (step % 2 == 0) words = PixelWords(first_pixel, step / 2, options.seed);
         Normals(words.word[2 * (step % 2)], words.word[2 * (step % 2) + 1], w, z);
         change = hn::Add(change, hn::Mul(sigma_w, w));
         threshold = hn::Max(hn::Add(tau, hn::Mul(sigma_z, z)), min_threshold);

@@ -78,7 +78,9 @@ Result<void> validate(const EventModelOptions& options) {
   E2LF_RETURN_IF_ERROR(check("tau", options.constants.tau, true));
   E2LF_RETURN_IF_ERROR(check("sigma_w", options.constants.sigma_w, false));
   E2LF_RETURN_IF_ERROR(check("sigma_z", options.constants.sigma_z, false));
-  return check("gain", options.gain, false);
+  E2LF_RETURN_IF_ERROR(check("gain", options.gain, false));
+  if (options.residue >= 0.0F && options.residue <= 1.0F) return {};
+  return Error{ErrorCode::kInvalidValue, cat("residue is ", options.residue, "; use a number from 0 to 1"), ""};
 }
 
 Result<events::EventImages> simulate_events(const CodedIntensities& intensities, const EventModelOptions& options) {

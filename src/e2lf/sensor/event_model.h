@@ -27,23 +27,31 @@ struct EventModelOptions {
   EventModel model = EventModel::kReferenceAware;
   aperture::SensorConstants constants = {};
   float gain = 1.0F;  ///< scene brightness: multiplies every intensity
+  /// Each pixel's reference starts up to this many thresholds, 0 to 1, above the first log intensity, where the last
+  /// event on the way down to it leaves it. The paper's model has none.
+  float residue = 0.0F;
   uint64_t seed = 0;  ///< of the noise; give each cycle its own
 };
 
 /// The smallest threshold that noise can lead to.
 inline constexpr float kMinThreshold = 0.01F;
+/// Of the generator, for the residue: beyond those of any transition.
+inline constexpr uint64_t kResidueStream = uint64_t{1} << 32;
 
 /// Event images of one cycle, transition k = 1..N-1 leading from pattern k-1 to pattern k:
 ///   E_k = trunc((ln(gain * I_k + eps) - V + sigma_w * w) / max(tau + sigma_z * z, kMinThreshold)), toward zero,
 /// then V += tau * E_k (reference-aware: the nominal threshold) or V = ln(gain * I_k + eps) (quantised). V starts at
-/// ln(gain * I_0 + eps), which is ln(eps) when the sequence begins with black. Negative and NaN intensities count as 0.
+/// ln(gain * I_0 + eps) + tau * residue * u, the first of which is ln(eps) when the sequence begins with black; u is
+/// uniform over 0..1, from the first word of CounterRng(seed, kResidueStream).bits(p). Negative and NaN intensities
+/// count as 0.
 ///
 /// Noise of pixel p = width * y + x in transition k (from 1), t = k - 1: w, z = {r cos, r sin} as in
 /// CounterRng::normal2, from the words 2 (t % 2) and 2 (t % 2) + 1 of CounterRng(seed, t / 2).bits(p).
 /// The events are the same bit for bit for any thread count and any instruction set.
 /// Counts beyond int16 are saturated and reported as a warning.
 ///
-/// Fails with kInvalidValue (a constant that is not finite, eps or tau not positive, a negative sigma or gain) and
+/// Fails with kInvalidValue (a constant that is not finite, eps or tau not positive, a negative sigma or gain, a
+/// residue outside 0..1) and
 /// kShape (fewer than two patterns, 2^32 pixels or more, codes that do not fit the light field).
 [[nodiscard]] Result<events::EventImages> simulate_events(const CodedIntensities& intensities,
                                                           const EventModelOptions& options);

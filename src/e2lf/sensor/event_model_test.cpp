@@ -101,6 +101,23 @@ TEST(EventModel, WithoutBlackFirstTheReferenceIsTheFirstIntensity) {
   EXPECT_EQ(images.counts, (std::vector<int16_t>{-3, 3}));
 }
 
+TEST(EventModel, ResidueTakesItsShareOfTheFirstCountsOnly) {
+  // 3.4 thresholds above black: 3 events for the two fifths of the pixels whose residue is below 0.4, else 2.
+  CodedIntensities intensities(3, 200, 200);
+  for (float& value : intensities.image(1)) value = std::exp(std::log(0.01F) + 3.4F * 0.3F) - 0.01F;
+  for (float& value : intensities.image(2)) value = std::exp(std::log(0.01F) + 4.4F * 0.3F) - 0.01F;
+  EventModelOptions options = noise_free();
+  options.residue = 1.0F;
+  const auto images = simulate(intensities, options);
+  size_t three = 0;
+  for (const int16_t count : images.image(0)) {
+    EXPECT_TRUE(count == 2 || count == 3) << count;
+    if (count == 3) ++three;
+  }
+  EXPECT_NEAR(static_cast<double>(three) / 40000, 0.4, 0.01);
+  for (const int16_t count : images.image(1)) EXPECT_EQ(count, 1);
+}
+
 TEST(EventModel, GainScalesTheScene) {
   const CodedIntensities dark = random_intensities(4, 13, 17);
   CodedIntensities bright = dark;
@@ -187,6 +204,7 @@ TEST(EventModel, EveryInstructionSetAndThreadCountGivesTheSameEvents) {
     EventModelOptions options;
     options.model = model;
     options.seed = 77;
+    options.residue = 0.9F;
     const auto expected = simulate(intensities, options);
     for (const std::string& isa : available_isas()) {
       ASSERT_TRUE(set_max_isa(isa));
@@ -206,6 +224,7 @@ TEST(EventModel, AgreesWithTheReference) {
     EventModelOptions options;
     options.model = model;
     options.seed = 5;
+    options.residue = model == EventModel::kReferenceAware ? 0.9F : 0.0F;
     const auto images = simulate(intensities, options);
     const auto expected = reference_simulate_events(intensities, options);
     ASSERT_TRUE(expected);
@@ -249,12 +268,14 @@ TEST(EventModel, UnusableOptionsAreRefused) {
     const auto images = simulate_events(constant(num_patterns, 2, 2, 0.5F), options);
     return images ? ErrorCode::kInternal : images.error().code;
   };
-  EventModelOptions eps, tau, noise, gain;
+  EventModelOptions eps, tau, noise, gain, residue, no_residue;
   eps.constants.eps = 0;
   tau.constants.tau = std::numeric_limits<float>::quiet_NaN();
   noise.constants.sigma_w = -0.1F;
   gain.gain = std::numeric_limits<float>::infinity();
-  for (const EventModelOptions& options : {eps, tau, noise, gain}) {
+  residue.residue = 1.1F;
+  no_residue.residue = std::numeric_limits<float>::quiet_NaN();
+  for (const EventModelOptions& options : {eps, tau, noise, gain, residue, no_residue}) {
     EXPECT_EQ(code_of(options, 2), ErrorCode::kInvalidValue);
   }
   EXPECT_EQ(code_of({}, 1), ErrorCode::kShape);

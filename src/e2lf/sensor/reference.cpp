@@ -11,9 +11,13 @@
 namespace e2lf::sensor {
 namespace {
 
+float uniform(uint32_t word) {
+  return (static_cast<float>(word) + 0.5F) * 0x1p-32F;
+}
+
 /// As CounterRng::normal2, from any two words.
 std::array<float, 2> box_muller(uint32_t word0, uint32_t word1) {
-  const float u0 = std::min((static_cast<float>(word0) + 0.5F) * 0x1p-32F, 1.0F);
+  const float u0 = std::min(uniform(word0), 1.0F);
   const float radius = std::sqrt(-2.0F * std::log(u0));
   const float angle = static_cast<float>(word1) * (2.0F * std::numbers::pi_v<float> * 0x1p-32F);
   return {radius * std::cos(angle), radius * std::sin(angle)};
@@ -47,7 +51,8 @@ Result<events::EventImages> reference_simulate_events(const CodedIntensities& in
     const auto log_intensity = [&, eps = eps](size_t n) {
       return std::log(std::max(0.0F, intensities.image(n)[pixel] * options.gain) + eps);
     };
-    float reference = log_intensity(0);
+    const float thresholds = options.residue * uniform(CounterRng(options.seed, kResidueStream).bits(pixel)[0]);
+    float reference = log_intensity(0) + tau * thresholds;
     for (size_t step = 0; step < images.transitions; ++step) {
       const auto words = CounterRng(options.seed, step / 2).bits(pixel);
       const auto [w, z] = box_muller(words[2 * (step % 2)], words[2 * (step % 2) + 1]);
