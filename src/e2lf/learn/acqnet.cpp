@@ -102,6 +102,7 @@ torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleCons
   const auto log_intensity = torch::log(intensities + constants.eps.unsqueeze(1));
   const bool reference_aware = event_model == EventModel::kReferenceAware;
   auto reference = log_intensity.select(1, 0);
+  if (noise.residue.defined()) reference = reference + constants.tau * noise.residue;
   std::vector<torch::Tensor> events;
   for (int64_t n = 1; n < intensities.size(1); ++n) {
     const auto now = log_intensity.select(1, n);

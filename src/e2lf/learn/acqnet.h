@@ -61,13 +61,17 @@ class Patterns {
 /// [batch, N, y, x].
 [[nodiscard]] torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::Tensor& codes);
 
-/// Standard normal draws of the sensor, anew for each pixel and transition: float32 [batch, N - 1, y, x] each.
+/// What is random in the sensor: standard normal draws, anew for each pixel and transition, float32 [batch, N - 1, y,
+/// x].
 struct SensorNoise {
   torch::Tensor w;  ///< of the log intensity
   torch::Tensor z;  ///< of the threshold
+  /// Thresholds by which each pixel's reference is above the first log intensity, float32 [batch, y, x]; undefined:
+  /// none. When darkness falls, a pixel's last event leaves its reference anywhere within one.
+  torch::Tensor residue = {};
 };
 
-/// Draws from torch's generator.
+/// Draws w and z from torch's generator.
 [[nodiscard]] SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device);
 
 /// Event images [batch, N - 1, y, x] of whole numbers from coded intensities [batch, N, y, x]. Rounding toward zero has

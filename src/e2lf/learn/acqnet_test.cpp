@@ -97,6 +97,18 @@ TEST(SimulateEvents, PassesTheGradientOfTheUnroundedStepsThrough) {
   EXPECT_NEAR(gradient[2].item<double>(), 1 / (tau * 0.21), 1e-9);
 }
 
+TEST(SimulateEvents, CountsFromTheResidueOfEachPixelsReference) {
+  const float eps = 0.01F, tau = 0.3F;
+  // Two pixels go from black by 3.4 thresholds; the reference of the second is 0.7 too high. Then both go on by one.
+  const auto log_intensity = std::log(eps) + tau * torch::tensor({0.0F, 0.0F, 3.4F, 3.4F, 4.4F, 4.4F});
+  const auto intensities = (log_intensity.exp() - eps).reshape({1, 3, 1, 2});
+  const auto constants = repeat_constants({.eps = eps, .tau = tau, .sigma_w = 0.0F, .sigma_z = 0.0F}, 1, torch::kCPU);
+  auto noise = draw_noise_like(intensities);
+  noise.residue = torch::tensor({0.0F, 0.7F}).reshape({1, 1, 2});
+  const auto events = simulate_events(intensities, constants, noise, EventModel::kReferenceAware);
+  EXPECT_TRUE(torch::equal(events.flatten(), torch::tensor({3.0F, 2.0F, 1.0F, 1.0F})));
+}
+
 class SensorParity : public testing::TestWithParam<std::tuple<EventModel, bool>> {};
 
 TEST_P(SensorParity, CountsTheSameEventsAsTheSensorWithoutNoise) {

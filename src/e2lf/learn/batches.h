@@ -43,7 +43,12 @@ class Batches {
   void advance_pool(uint64_t step);
   [[nodiscard]] torch::Tensor random_crop(const torch::Tensor& views, int64_t stride, Draws& draws) const;
   [[nodiscard]] torch::Tensor random_patch(Draws& draws) const;
-  [[nodiscard]] std::pair<torch::Tensor, SampleConstants> random_conditions(Draws& draws) const;
+
+  struct Conditions {
+    torch::Tensor gain, has_residue;  // [batch]; 1 or 0
+    SampleConstants constants;
+  };
+  [[nodiscard]] Conditions random_conditions(Draws& draws) const;
 
   Config config_;
   Dataset dataset_;

@@ -54,7 +54,7 @@ Result<void> read_patterns(OptionReader reader, const std::string& location, Pat
 Result<void> read_sensor(OptionReader reader, SensorConfig& sensor) {
   reader.read("eps", sensor.nominal.eps).read("nominal_tau", sensor.nominal.tau);
   reader.read("nominal_sigma_w", sensor.nominal.sigma_w).read("nominal_sigma_z", sensor.nominal.sigma_z);
-  reader.read("noise_free_share", sensor.noise_free_share);
+  reader.read("noise_free_share", sensor.noise_free_share).read("residue_share", sensor.residue_share);
   reader.read("nominal_share", sensor.nominal_share).read("tau", sensor.tau).read("sigma_w", sensor.sigma_w);
   reader.read("sigma_z", sensor.sigma_z).read("full_gain_share", sensor.full_gain_share).read("gain", sensor.gain);
   return reader.finish();
@@ -199,6 +199,7 @@ Json to_json(const Config& config) {
             {"nominal_sigma_z", sensor.nominal.sigma_z},
             {"nominal_share", sensor.nominal_share},
             {"noise_free_share", sensor.noise_free_share},
+            {"residue_share", sensor.residue_share},
             {"tau", sensor.tau},
             {"sigma_w", sensor.sigma_w},
             {"sigma_z", sensor.sigma_z},

@@ -237,6 +237,23 @@ TEST(Batches, DrawConditionsFromTheirRanges) {
   EXPECT_GE(batch.gain.min().item<double>(), config.sensor.gain[0] - 1e-6);
   EXPECT_LE(batch.constants.tau.max().item<double>(), config.sensor.tau[1] + 1e-6);
   EXPECT_LT(batch.constants.sigma_w.min().item<double>(), 0.05);
+  EXPECT_EQ(batch.noise.residue.abs().max().item<double>(), 0.0);
+}
+
+TEST(Batches, GiveAShareOfTheSamplesThatAreNotNominalAResidue) {
+  const TestData data;
+  auto config = data.config();
+  config.train.batch = 200;
+  config.data.synthetic_share = 0.0;
+  config.sensor.residue_share = 0.5;
+  auto batches = Batches::create(config, read_dataset(data.path(), torch::kCPU).value(), torch::kCPU);
+  const auto batch = batches->at(0);
+  const auto widest = batch.noise.residue.flatten(1).amax(1);
+  const auto nominal = (batch.constants.sigma_w == config.sensor.nominal.sigma_w).flatten();
+  EXPECT_EQ(widest.masked_select(nominal).max().item<double>(), 0.0);
+  EXPECT_NEAR((widest > 0.0).to(torch::kFloat).mean().item<double>(), 0.5 * (1 - config.sensor.nominal_share), 0.12);
+  EXPECT_GT(widest.max().item<double>(), 0.95);
+  EXPECT_LT(widest.max().item<double>(), 1.0);
 }
 
 }  // namespace
