@@ -51,8 +51,11 @@ Result<events::EventImages> reference_simulate_events(const CodedIntensities& in
     const auto log_intensity = [&, eps = eps](size_t n) {
       return std::log(std::max(0.0F, intensities.image(n)[pixel] * options.gain) + eps);
     };
-    const float thresholds = options.residue * uniform(CounterRng(options.seed, kResidueStream).bits(pixel)[0]);
-    float reference = log_intensity(0) + tau * thresholds;
+    float reference = log_intensity(0);
+    if (options.residue != 0.0F) {
+      const float thresholds = options.residue * uniform(CounterRng(options.seed, kResidueStream).bits(pixel)[0]);
+      reference += tau * thresholds;
+    }
     for (size_t step = 0; step < images.transitions; ++step) {
       const auto words = CounterRng(options.seed, step / 2).bits(pixel);
       const auto [w, z] = box_muller(words[2 * (step % 2)], words[2 * (step % 2) + 1]);
