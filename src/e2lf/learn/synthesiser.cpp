@@ -2,6 +2,7 @@
 #include "e2lf/learn/synthesiser.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "e2lf/learn/surface_maps.h"
@@ -11,6 +12,8 @@ namespace e2lf::learn {
 namespace {
 
 constexpr double kFarthestView = 3.5;  // view steps from the centre of the 8x8 grid
+/// Shares of the largest disparity that a scene keeps to, equally often; the least is the depth of a plenoptic camera.
+constexpr std::array kDepths = {0.3, 0.65, 1.0};
 
 Plane random_plane(double low, double high, const SynthesiserOptions& options, Draws& draws) {
   Plane plane{.centre = draws.uniform(low, high)};
@@ -36,8 +39,7 @@ torch::Tensor synthesise(const std::vector<torch::Tensor>& textures, const Synth
     return photo ? photo_texture(textures, side, draws) : procedural_texture(side, draws, device);
   };
 
-  // A third of the scenes has the shallow depth of a plenoptic camera.
-  const double limit = options.max_disparity * (draws.chance(0.33) ? 0.3 : 1.0);
+  const double limit = options.max_disparity * kDepths[draws.below(kDepths.size())];
   const double high = draws.uniform(-0.5 * limit, limit), low = draws.uniform(-limit, high);
   const auto num_layers = 1 + draws.below(static_cast<uint64_t>(options.max_layers));
   std::vector<Plane> planes;
