@@ -61,11 +61,10 @@ class Patterns {
 /// [batch, N, y, x].
 [[nodiscard]] torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::Tensor& codes);
 
-/// What is random in the sensor: standard normal draws, anew for each pixel and transition, float32 [batch, N - 1, y,
-/// x].
+/// What is random in the sensor.
 struct SensorNoise {
-  torch::Tensor w;  ///< of the log intensity
-  torch::Tensor z;  ///< of the threshold
+  torch::Tensor w;  ///< of the log intensity: standard normal, float32 [batch, N - 1, y, x]
+  torch::Tensor z;  ///< of the threshold: likewise
   /// Thresholds by which each pixel's reference is above the first log intensity, float32 [batch, y, x]; undefined:
   /// none. When darkness falls, a pixel's last event leaves its reference anywhere within one.
   torch::Tensor residue = {};
