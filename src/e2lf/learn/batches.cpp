@@ -86,7 +86,7 @@ torch::Tensor Batches::random_patch(Draws& draws) const {
 
 Batches::Conditions Batches::random_conditions(Draws& draws) const {
   const SensorConfig& sensor = config_.sensor;
-  std::vector<float> gain, has_residue, tau, sigma_w, sigma_z;
+  std::vector<float> gain, residue, tau, sigma_w, sigma_z;
   for (uint64_t i = 0; i < config_.train.batch; ++i) {
     const bool nominal = draws.chance(sensor.nominal_share);
     const bool noise_free = draws.chance(sensor.noise_free_share) && !nominal;
@@ -101,13 +101,15 @@ Batches::Conditions Batches::random_conditions(Draws& draws) const {
     const bool full = draws.chance(sensor.full_gain_share);
     const auto drawn_gain = static_cast<float>(draws.log_uniform(sensor.gain[0], sensor.gain[1]));
     gain.push_back(full ? 1.0F : drawn_gain);
-    has_residue.push_back(draws.chance(sensor.residue_share) && !nominal ? 1.0F : 0.0F);
+    // Half of them whole thresholds, as the change to black leaves them, the others any part of one.
+    const double thresholds = std::min(1.0, draws.uniform(0.0, 2.0));
+    residue.push_back(draws.chance(sensor.residue_share) && !nominal ? static_cast<float>(thresholds) : 0.0F);
   }
   const auto on_device = [&](const std::vector<float>& values) {
     return torch::tensor(at::ArrayRef<float>(values)).reshape({-1, 1, 1}).to(device_);
   };
   return {on_device(gain).flatten(),
-          on_device(has_residue).flatten(),
+          on_device(residue).flatten(),
           {torch::full({static_cast<int64_t>(gain.size()), 1, 1}, sensor.nominal.eps, torch::device(device_)),
            on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
 }
@@ -119,11 +121,11 @@ Batch Batches::at(uint64_t step, Share share) {
   Draws draws(mix_seed(config_.seed, kSamples, step), 0);
   std::vector<torch::Tensor> patches;
   for (uint64_t i = 0; i < config_.train.batch; ++i) patches.push_back(random_patch(draws));
-  auto [gain, has_residue, constants] = random_conditions(draws);
+  auto [gain, most_residue, constants] = random_conditions(draws);
   torch::manual_seed(mix_seed(config_.seed, kNoise, step));
   const auto size = static_cast<int64_t>(config_.train.batch), patch = static_cast<int64_t>(config_.train.patch);
   const auto noise = draw_noise({size, static_cast<int64_t>(config_.patterns.num_patterns) - 1, patch, patch}, device_);
-  const auto residue = torch::rand({size, patch, patch}, torch::device(device_)) * has_residue.reshape({-1, 1, 1});
+  const auto residue = torch::rand({size, patch, patch}, torch::device(device_)) * most_residue.reshape({-1, 1, 1});
 
   const int64_t length = size / share.size, first = share.rank * length;
   const auto own = [&](const torch::Tensor& values) { return values.narrow(0, first, length); };

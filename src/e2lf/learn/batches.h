@@ -45,7 +45,7 @@ class Batches {
   [[nodiscard]] torch::Tensor random_patch(Draws& draws) const;
 
   struct Conditions {
-    torch::Tensor gain, has_residue;  // [batch]; 1 or 0
+    torch::Tensor gain, residue;  // [batch]; the latter in thresholds, at most
     SampleConstants constants;
   };
   [[nodiscard]] Conditions random_conditions(Draws& draws) const;

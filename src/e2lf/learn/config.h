@@ -42,9 +42,9 @@ struct PatternConfig {
 /// What varies between samples, so that one model serves many cameras and scenes.
 struct SensorConfig {
   aperture::SensorConstants nominal;
-  double nominal_share = 0.4;                ///< share of samples with exactly the nominal tau, sigma_w, sigma_z
-  double noise_free_share = 0.15;            ///< of the others: share with sigma_w = sigma_z = 0
-  double residue_share = 0.0;                ///< of the not nominal: share with references up to a threshold too high
+  double nominal_share = 0.4;      ///< share of samples with exactly the nominal tau, sigma_w, sigma_z
+  double noise_free_share = 0.15;  ///< of the others: share with sigma_w = sigma_z = 0
+  double residue_share = 0.0;      ///< of the not nominal: share with references a part of a threshold too high
   std::array<double, 2> tau = {0.27, 0.33};  ///< uniform; known to the network through its inputs
   std::array<double, 2> sigma_w = {0.0, 0.25};
   std::array<double, 2> sigma_z = {0.0, 0.06};
