@@ -51,8 +51,8 @@ inline constexpr uint64_t kResidueStream = uint64_t{1} << 32;
 /// Counts beyond int16 are saturated and reported as a warning.
 ///
 /// Fails with kInvalidValue (a constant that is not finite, eps or tau not positive, a negative sigma or gain, a
-/// residue outside 0..1) and
-/// kShape (fewer than two patterns, 2^32 pixels or more, codes that do not fit the light field).
+/// residue outside 0..1) and kShape (fewer than two patterns, 2^32 pixels or more, codes that do not fit the light
+/// field).
 [[nodiscard]] Result<events::EventImages> simulate_events(const CodedIntensities& intensities,
                                                           const EventModelOptions& options);
 

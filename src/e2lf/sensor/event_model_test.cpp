@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <vector>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
@@ -198,13 +199,18 @@ TEST(EventModel, SeedChoosesTheNoiseAndNothingElse) {
   EXPECT_EQ(simulate(intensities, one), simulate(intensities, two));
 }
 
+std::vector<EventModelOptions> every_model_without_and_with_residue() {
+  std::vector<EventModelOptions> all;
+  for (const EventModel model : {EventModel::kQuantised, EventModel::kReferenceAware}) {
+    for (const float residue : {0.0F, 0.9F}) all.push_back({.model = model, .residue = residue});
+  }
+  return all;
+}
+
 TEST(EventModel, EveryInstructionSetAndThreadCountGivesTheSameEvents) {
   const CodedIntensities intensities = random_intensities(6, 67, 71);
-  for (const EventModel model : {EventModel::kQuantised, EventModel::kReferenceAware}) {
-    EventModelOptions options;
-    options.model = model;
+  for (EventModelOptions options : every_model_without_and_with_residue()) {
     options.seed = 77;
-    options.residue = 0.9F;
     const auto expected = simulate(intensities, options);
     for (const std::string& isa : available_isas()) {
       ASSERT_TRUE(set_max_isa(isa));
@@ -220,11 +226,8 @@ TEST(EventModel, EveryInstructionSetAndThreadCountGivesTheSameEvents) {
 
 TEST(EventModel, AgreesWithTheReference) {
   const CodedIntensities intensities = random_intensities(5, 300, 301);
-  for (const EventModel model : {EventModel::kQuantised, EventModel::kReferenceAware}) {
-    EventModelOptions options;
-    options.model = model;
+  for (EventModelOptions options : every_model_without_and_with_residue()) {
     options.seed = 5;
-    options.residue = model == EventModel::kReferenceAware ? 0.9F : 0.0F;
     const auto images = simulate(intensities, options);
     const auto expected = reference_simulate_events(intensities, options);
     ASSERT_TRUE(expected);
