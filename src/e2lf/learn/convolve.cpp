@@ -27,11 +27,18 @@ torch::Tensor finish(const Layer& layer, torch::Tensor x, const torch::Tensor& b
   return layer.relu ? torch::relu(x) : x;
 }
 
-/// Convolutions whose windows do not overlap are products of a pixel's channels, shuffled.
+/// Lays windows of s x s pixels out, from channels in the order [s, s, c] so that whole pixels are copied.
+torch::Tensor lay_out(const torch::Tensor& windows, int64_t s) {
+  const auto b = windows.size(0), c = windows.size(1) / (s * s), h = windows.size(2), w = windows.size(3);
+  const auto pixels = windows.permute({0, 2, 3, 1}).reshape({b, h, w, s, s, c}).permute({0, 1, 3, 2, 4, 5});
+  return pixels.reshape({b, h * s, w * s, c}).permute({0, 3, 1, 2});
+}
+
+/// Convolutions whose windows do not overlap are products of a pixel's channels.
 torch::Tensor convolve_windows(const Layer& layer, const torch::Tensor& input, const torch::Tensor& weight) {
   const auto stride = static_cast<int64_t>(layer.stride);
   if (layer.op == Op::kConvTransposed) {
-    return shuffle(pointwise(input, weight.permute({1, 2, 3, 0}).reshape({-1, weight.size(0)})), stride);
+    return lay_out(pointwise(input, weight.permute({2, 3, 1, 0}).reshape({-1, weight.size(0)})), stride);
   }
   return pointwise(stride == 1 ? input : unshuffle(input, stride), weight.reshape({weight.size(0), -1}));
 }

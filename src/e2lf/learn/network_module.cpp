@@ -68,7 +68,7 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
     x = values.at(layer.inputs.front());
     const auto stride = static_cast<int64_t>(layer.stride);
     if (input_means != nullptr && layer.op == Op::kConv) {
-      (*input_means)[layer.name] = x.detach().mean({0, 2, 3}, false, torch::kFloat);
+      (*input_means)[layer.name] = x.detach().mean({0, 2, 3}).to(torch::kFloat);
     }
     switch (layer.op) {
       case Op::kConv:

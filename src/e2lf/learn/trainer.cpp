@@ -189,7 +189,9 @@ Result<StepReport> Trainer::train_step() {
   const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
                           config_.input, compute_type(),         &input_means};
   const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise);
-  const auto errors = (result.light_field - batch.light_field).square().mean({1, 2, 3});
+  // Views last, as they are in memory: so are the gradients then.
+  const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
+  const auto errors = difference.square().mean(1);
   const auto loss = sample_losses(config_.train, errors, batch.gain).mean();
 
   E2LF_RETURN_IF_ERROR(backward(loss));
