@@ -170,7 +170,9 @@ class CycleWriter {
     about["reconstruct_s"] = reconstruct_s;
     about["latency_s"] = cycle.behind_s + seconds(Clock::now() - cycle.ready);
     if (codes_) {
-      E2LF_ASSIGN_OR_RETURN(about["event_error"], event_error(*codes_, light_field, *gain_, cycle.images));
+      E2LF_ASSIGN_OR_RETURN(const EventError error, event_error(*codes_, light_field, *gain_, cycle.images));
+      about["event_error"] = error.at_first;
+      about["least_event_error"] = {{"value", error.least}, {"residue", error.residue}};
     }
     cycles_.push_back(std::move(about));
     return {};
@@ -217,6 +219,18 @@ Result<void> process_recording(CycleInput& input, CycleWriter& writer, const fs:
       folder.string()};
 }
 
+void print_event_error(const Json& cycle) {
+  std::printf("simulated again, it differs from the events by %.3f per pixel and transition",
+              cycle["event_error"].get<double>());
+  const Json& least = cycle["least_event_error"];
+  const double residue = least["residue"].get<double>();
+  if (residue > 0) {
+    std::printf(", by %.3f if references start %.2f thresholds above the first intensity", least["value"].get<double>(),
+                residue);
+  }
+  std::printf("\n");
+}
+
 void print_result(const ReconstructArguments& arguments, const CommonOptions& common, const Json& cycles) {
   if (common.json) {
     const Json result = {{"output", arguments.output.string()}, {"cycles", cycles}};
@@ -224,10 +238,7 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
   } else if (!common.quiet) {
     std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n", cycles.size(),
                 cycles.size() == 1 ? "" : "s", arguments.output.c_str(), cycles.front()["gain"].get<double>());
-    if (cycles.front().contains("event_error")) {
-      std::printf("simulated again, it differs from the events by %.3f per pixel and transition\n",
-                  cycles.front()["event_error"].get<double>());
-    }
+    if (cycles.front().contains("event_error")) print_event_error(cycles.front());
   }
 }
 
