@@ -140,5 +140,13 @@ TEST(Commands, StoppingLeavesACheckpointToResumeFrom) {
   EXPECT_TRUE(resumed) << resumed.error().text();
 }
 
+TEST(Commands, TakeDenormalsAsZeroSoThatMomentaCanFade) {
+  if (!at::globalContext().setFlushDenormal(false)) GTEST_SKIP() << "this CPU cannot";
+  const auto half = [] { return (torch::full({16}, 1e-39F) * 0.5).max().item<float>(); };
+  EXPECT_GT(half(), 0.0F);
+  EXPECT_FALSE(export_run("no such run", "no model"));
+  EXPECT_EQ(half(), 0.0F);
+}
+
 }  // namespace
 }  // namespace e2lf::learn
