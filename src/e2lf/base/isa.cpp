@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/base/isa.h"
 
+#include <atomic>
 #include <cstdint>
 #include <cstdlib>
+#include <string_view>
 
 #include <hwy/highway.h>
 #include <hwy/targets.h>
+
+#if defined(__x86_64__) && defined(__linux__)
+#include <cpuid.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
 
 #include "e2lf/base/text.h"
 
@@ -21,10 +29,32 @@ constexpr int64_t kScalar = HWY_SCALAR | HWY_EMU128;
 constexpr int64_t kSse4 = kScalar | HWY_SSSE3 | HWY_SSE4;
 constexpr int64_t kAvx2 = kSse4 | HWY_AVX2;
 constexpr int64_t kAvx512 = kAvx2 | HWY_AVX3 | HWY_AVX3_DL;
+constexpr const char* kAmx = "amx";  // no target of Highway
 
 const std::vector<Isa>& isas() {
-  static const std::vector<Isa> list = {{"scalar", kScalar}, {"sse4", kSse4}, {"avx2", kAvx2}, {"avx512", kAvx512}};
+  static const std::vector<Isa> list = {
+      {"scalar", kScalar}, {"sse4", kSse4}, {"avx2", kAvx2}, {"avx512", kAvx512}, {kAmx, kAvx512}};
   return list;
+}
+
+std::atomic<bool> g_amx_allowed = true;
+
+/// Whether the CPU has tiles and multiplies bfloat16 in them, and Linux lets this process use them when asked.
+bool ask_for_amx() {
+#if defined(__x86_64__) && defined(__linux__)
+  constexpr unsigned kFeatures = (1U << 24U) | (1U << 22U);   // AMX-TILE, AMX-BF16
+  constexpr int kRequestPermission = 0x1023, kTileData = 18;  // of arch_prctl(2)
+  unsigned eax = 0, ebx = 0, ecx = 0, edx = 0;
+  if (__get_cpuid_count(7, 0, &eax, &ebx, &ecx, &edx) == 0 || (edx & kFeatures) != kFeatures) return false;
+  return ::syscall(SYS_arch_prctl, kRequestPermission, kTileData) == 0;
+#else
+  return false;
+#endif
+}
+
+bool amx_usable(int64_t targets) {
+  static const bool granted = ask_for_amx();
+  return g_amx_allowed && (targets & kAvx512 & ~kAvx2) != 0 && granted;
 }
 
 }  // namespace
@@ -32,6 +62,7 @@ const std::vector<Isa>& isas() {
 Result<void> set_max_isa(const std::string& word) {
   // Not DisableTargets(): in Highway 1.0 every call of SupportedTargets() dispatches to the disabled ones again.
   hwy::SetSupportedTargetsForTest(0);
+  g_amx_allowed = word.empty() || word == kAmx;
   if (!word.empty()) {
     const Isa* chosen = nullptr;
     std::vector<std::string> names;
@@ -62,7 +93,9 @@ std::vector<std::string> available_isas() {
   std::vector<std::string> names;
   int64_t previous = 0;
   for (const Isa& isa : isas()) {
-    if (names.empty() || (usable & isa.targets) != (usable & previous)) names.emplace_back(isa.name);
+    const bool adds =
+        std::string_view(isa.name) == kAmx ? amx_usable(usable) : (usable & isa.targets) != (usable & previous);
+    if (names.empty() || adds) names.emplace_back(isa.name);
     previous = isa.targets;
   }
   return names;

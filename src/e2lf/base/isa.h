@@ -8,7 +8,7 @@
 
 namespace e2lf {
 
-/// Applies E2LF_MAX_ISA (scalar, sse4, avx2, avx512) from the environment to every kernel of this process.
+/// Applies E2LF_MAX_ISA (scalar, sse4, avx2, avx512, amx) from the environment to every kernel of this process.
 /// Without the variable nothing changes. Call once, before the first kernel runs.
 /// Fails with kInvalidValue on another word.
 [[nodiscard]] Result<void> apply_isa_cap();
@@ -16,7 +16,7 @@ namespace e2lf {
 /// The same from a word; "" lifts the cap.
 [[nodiscard]] Result<void> set_max_isa(const std::string& isa);
 
-/// What vector kernels run as now: "scalar", "sse4", "avx2" or "avx512".
+/// What kernels run as now: "scalar", "sse4", "avx2", "avx512", or "amx", which is avx512 with tiles of bfloat16.
 [[nodiscard]] std::string current_isa();
 
 /// The words this CPU can run under the present cap, slowest first; tests of kernels loop over them.

@@ -48,7 +48,7 @@ TEST_F(Isa, StartsAtScalarAndEndsWithWhatRunsNow) {
 }
 
 TEST_F(Isa, CapChangesWhatKernelsAreDispatchedTo) {
-  const std::map<std::string, size_t> lanes = {{"scalar", 1}, {"sse4", 4}, {"avx2", 8}, {"avx512", 16}};
+  const std::map<std::string, size_t> lanes = {{"scalar", 1}, {"sse4", 4}, {"avx2", 8}, {"avx512", 16}, {"amx", 16}};
   for (const std::string& isa : available_isas()) {
     ASSERT_TRUE(set_max_isa(isa).ok());
     EXPECT_EQ(current_isa(), isa);

@@ -93,15 +93,16 @@ double conv_cost(const ConvSpec& spec) {
 
 bool bfloat16_supported() {
 #if defined(__x86_64__)
-  return current_isa() == "avx512" && __builtin_cpu_supports("avx512bf16") != 0;
+  const std::string isa = current_isa();
+  return (isa == "avx512" || isa == "amx") && __builtin_cpu_supports("avx512bf16") != 0;
 #else
   return false;
 #endif
 }
 
 const std::vector<ConvMethod>& conv_methods() {
-  static const std::vector<ConvMethod> methods = {{"winograd", winograd_refusal, make_winograd},
-                                                  {"direct", never, make_direct}};
+  static const std::vector<ConvMethod> methods = {
+      {"amx", amx_refusal, make_amx}, {"winograd", winograd_refusal, make_winograd}, {"direct", never, make_direct}};
   return methods;
 }
 

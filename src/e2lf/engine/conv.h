@@ -52,6 +52,14 @@ struct ConvMethod {
 [[nodiscard]] std::string winograd_refusal(const ConvSpec& spec);
 [[nodiscard]] std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec);
 
+// Plain sums over the taps on AMX's tiles: bfloat16, any convolution of more than a few channels. make_amx() needs
+// that amx_refusal() has nothing against it.
+[[nodiscard]] std::string amx_refusal(const ConvSpec& spec);
+[[nodiscard]] std::unique_ptr<Kernel> make_amx(const ConvSpec& spec);
+
+/// Rounds of products in AMX's tiles alone, for their peak: the operations done (a multiply-add is two).
+double multiply_add_in_tiles(size_t rounds);
+
 // Plain sums over the kernel's taps: any convolution.
 [[nodiscard]] std::unique_ptr<Kernel> make_direct(const ConvSpec& spec);
 

@@ -43,6 +43,9 @@ class Grid {
   float& at(size_t y, size_t x, size_t c) {
     return rows().row<float>(static_cast<ptrdiff_t>(y))[x * pixel_bytes_ / 4 + c];
   }
+  Bfloat16& narrow_at(size_t y, size_t x, size_t c) {
+    return rows().row<Bfloat16>(static_cast<ptrdiff_t>(y))[x * pixel_bytes_ / 2 + c];
+  }
 
  private:
   size_t pixel_bytes_;
@@ -50,14 +53,21 @@ class Grid {
   mutable std::vector<std::byte*> pointers_;
 };
 
+/// As a kernel of the spec's type sees it.
+float rounded(const ConvSpec& spec, float value) {
+  return spec.compute == ElementType::kBfloat16 ? to_float(to_bfloat16(value)) : value;
+}
+
 /// The largest difference between a kernel's float32 result and sums in double precision.
 double error_of(const Kernel& kernel, const ConvSpec& spec, size_t height, size_t width) {
-  Grid input(height, width, spec.in_channels, ElementType::kFloat32);
+  Grid input(height, width, spec.in_channels, spec.compute);
   Grid output(height, width, spec.out_channels, ElementType::kFloat32);
-  const std::vector<float> values = random_values(height * width * spec.in_channels, 11);
+  std::vector<float> values = random_values(height * width * spec.in_channels, 11);
   for (size_t i = 0; i < values.size(); ++i) {
-    const size_t pixel = i / spec.in_channels;
-    input.at(pixel / width, pixel % width, i % spec.in_channels) = values[i];
+    const size_t y = i / spec.in_channels / width, x = i / spec.in_channels % width, c = i % spec.in_channels;
+    if (spec.compute == ElementType::kFloat32) input.at(y, x, c) = values[i];
+    if (spec.compute == ElementType::kBfloat16) input.narrow_at(y, x, c) = to_bfloat16(values[i]);
+    values[i] = rounded(spec, values[i]);
   }
   Strip strip;
   strip.inputs = {input.rows()};
@@ -77,7 +87,7 @@ double error_of(const Kernel& kernel, const ConvSpec& spec, size_t height, size_
           const size_t ix = x + tap % spec.kernel - radius;
           if (iy >= height || ix >= width) continue;
           for (size_t in = 0; in < spec.in_channels; ++in) {
-            sum += static_cast<double>(spec.tap(out, in, tap / spec.kernel, tap % spec.kernel)) *
+            sum += static_cast<double>(rounded(spec, spec.tap(out, in, tap / spec.kernel, tap % spec.kernel))) *
                    values[(iy * width + ix) * spec.in_channels + in];
           }
         }
@@ -107,6 +117,34 @@ TEST_F(ConvTest, EveryMethodEqualsPlainSumsForEveryInstructionSet) {
       }
     }
   }
+}
+
+TEST_F(ConvTest, SumsOfBfloat16ProductsAreThoseOfTheRoundedNumbers) {
+  if (!bfloat16_supported()) GTEST_SKIP() << "this CPU has no AVX512_BF16";
+  uint64_t seed = 0;
+  for (const size_t kernel : {1, 3, 5}) {
+    for (const auto& [in, out] : std::vector<std::pair<size_t, size_t>>{{3, 64}, {9, 16}, {33, 33}, {64, 80}}) {
+      ConvSpec spec = random_spec(in, out, kernel, ++seed);
+      spec.compute = ElementType::kBfloat16;
+      for (const size_t width : {1, 16, 23, 40, 101}) {
+        EXPECT_LT(error_of(*make_direct(spec), spec, 3, width), 1e-5) << "direct " << kernel << " " << in;
+        if (current_isa() != "amx") continue;
+        EXPECT_LT(error_of(*make_amx(spec), spec, 3, width), 1e-5) << "AMX " << kernel << " " << in << " " << width;
+      }
+    }
+  }
+}
+
+TEST_F(ConvTest, AmxIsForBfloat16OfMoreThanAFewChannelsWhereTheCpuHasIt) {
+  ConvSpec spec = random_spec(64, 64, 3, 1);
+  EXPECT_NE(amx_refusal(spec), "");
+  spec.compute = ElementType::kBfloat16;
+  EXPECT_EQ(amx_refusal(spec) == "", current_isa() == "amx");
+  spec.in_channels = 3;
+  EXPECT_NE(amx_refusal(spec), "");
+  spec.in_channels = 64;
+  set_max_isa("avx512").value();
+  EXPECT_NE(amx_refusal(spec), "");
 }
 
 TEST_F(ConvTest, MethodsSayWhyTheyDoNotApply) {

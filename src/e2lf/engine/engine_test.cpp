@@ -83,11 +83,14 @@ TEST_F(EngineTest, GivesTheSameBitsForAnyNumberOfThreads) {
     const size_t height = 36;
     const size_t width = 132;
     const std::vector<float> input = random_values(test.network.input_channels * height * width, 2);
-    set_num_threads(1);
-    const std::vector<float> alone = run_engine(test.network, weights, input, height, width);
-    for (const int threads : {2, 3, 7}) {
-      set_num_threads(threads);
-      EXPECT_EQ(run_engine(test.network, weights, input, height, width), alone) << test.name << " " << threads;
+    for (const Precision precision : {Precision::kFloat32, Precision::kAuto}) {
+      set_num_threads(1);
+      const std::vector<float> alone = run_engine(test.network, weights, input, height, width, precision);
+      for (const int threads : {2, 3, 7}) {
+        set_num_threads(threads);
+        EXPECT_EQ(run_engine(test.network, weights, input, height, width, precision), alone)
+            << test.name << " " << precision_name(precision) << " " << threads;
+      }
     }
   }
 }
@@ -110,11 +113,15 @@ TEST_F(EngineTest, Bfloat16StaysCloseToFloat32) {
     const size_t width = 60;
     const std::vector<float> input = random_values(test.network.input_channels * height * width, 4);
     const auto exact = run_engine(test.network, weights, input, height, width);
-    auto narrow = run_engine(test.network, weights, input, height, width, Precision::kBfloat16);
-    for (size_t i = 0; i < narrow.size(); ++i) narrow[i] -= exact[i];
-    // 8 bits of mantissa, errors of a few layers added up and amplified by the transforms.
-    EXPECT_LT(root_mean_square(narrow), 0.05 * root_mean_square(exact)) << test.name;
-    EXPECT_GT(root_mean_square(narrow), 0.0) << test.name;
+    for (const std::string isa : {"avx512", "amx"}) {
+      set_max_isa(isa).value();
+      auto narrow = run_engine(test.network, weights, input, height, width, Precision::kBfloat16);
+      for (size_t i = 0; i < narrow.size(); ++i) narrow[i] -= exact[i];
+      // 8 bits of mantissa, errors of a few layers added up and amplified by the transforms.
+      EXPECT_LT(root_mean_square(narrow), 0.05 * root_mean_square(exact)) << test.name << " " << isa;
+      EXPECT_GT(root_mean_square(narrow), 0.0) << test.name << " " << isa;
+      set_max_isa("").value();
+    }
   }
 }
 
@@ -171,7 +178,8 @@ TEST_F(EngineTest, ReportsProgressToTheEnd) {
 
 TEST_F(EngineTest, DescribesEveryStage) {
   const TestNetwork test = test_networks()[2];
-  const auto lines = Engine::create(test.network, random_weights(test.network, 1)).value().describe();
+  const auto engine = Engine::create(test.network, random_weights(test.network, 1), {Precision::kFloat32}).value();
+  const auto lines = engine.describe();
   ASSERT_EQ(lines.size(), 5U);  // three layers are one
   EXPECT_THAT(lines[0], HasSubstr("f1+f2+f3: 3 layers composed"));
   EXPECT_THAT(lines[1], HasSubstr("l1: Winograd"));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "e2lf/base/isa.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 
@@ -65,6 +66,12 @@ namespace {
 constexpr int kTries = 10;
 constexpr size_t kRounds = 2'000'000;
 
+/// The operations of a short loop.
+double run_loop(ElementType type, float zero) {
+  const bool in_tiles = type == ElementType::kBfloat16 && current_isa() == "amx";
+  return in_tiles ? multiply_add_in_tiles(kRounds / 4) : HWY_DYNAMIC_DISPATCH(MultiplyAdd)(type, kRounds, zero);
+}
+
 double measure(ElementType type) {
   const volatile float zero = 0.0F;
   double best = 0.0;
@@ -72,7 +79,7 @@ double measure(ElementType type) {
     double operations = 0.0;
     const auto begin = std::chrono::steady_clock::now();
 #pragma omp parallel num_threads(num_threads()) reduction(+ : operations)
-    operations += HWY_DYNAMIC_DISPATCH(MultiplyAdd)(type, kRounds, zero);
+    operations += run_loop(type, zero);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     best = std::max(best, operations / elapsed.count());
   }
