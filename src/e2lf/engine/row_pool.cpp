@@ -22,7 +22,7 @@ std::byte* RowPool::take(size_t bytes) {
   if (rows.empty()) {
     const size_t stride = round_up(bytes, kPage) + kCacheLine;
     const size_t count = std::max<size_t>(1, kSlabBytes / stride);
-    slabs_.emplace_back(count * stride);
+    slabs_.emplace_back(std::max(count * stride, kSlabBytes));  // whole huge pages
     for (size_t i = count; i-- > 0;) rows.push_back(slabs_.back().data() + i * stride);
   }
   std::byte* row = rows.back();
