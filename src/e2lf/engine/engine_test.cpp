@@ -185,6 +185,16 @@ TEST_F(EngineTest, DescribesEveryStage) {
   EXPECT_THAT(lines[1], HasSubstr("l1: Winograd"));
 }
 
+TEST_F(EngineTest, ConvolutionsMakeSumsThemselves) {
+  const TestNetwork test = test_networks().back();
+  const auto engine = Engine::create(test.network, random_weights(test.network, 1)).value();
+  const auto lines = engine.describe();
+  ASSERT_EQ(lines.size(), 10U);  // of thirteen layers
+  for (const char* name : {"up+first: ", "b+second: ", "e+third: "}) {
+    EXPECT_THAT(lines, testing::Contains(HasSubstr(name)));
+  }
+}
+
 TEST_F(EngineTest, ReproducesTheReleasedNetworkOnARealCapture) {
   const char* data = std::getenv("E2LF_DATA");
   const std::filesystem::path folder = std::filesystem::path(data == nullptr ? "" : data) / "official";

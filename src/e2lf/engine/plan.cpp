@@ -101,12 +101,57 @@ class PlanMaker {
     return nullptr;
   }
 
+  /// The layer that reads a result that nobody else reads, or null.
+  const Layer* only_reader(const Layer& layer) const {
+    if (count_readers(layer.name) != 1) return nullptr;
+    for (const Layer& reader : network_.layers) {
+      if (std::find(reader.inputs.begin(), reader.inputs.end(), layer.name) != reader.inputs.end()) return &reader;
+    }
+    return nullptr;
+  }
+
+  /// Whether a convolution's output channels may come in the order in which a pixel shuffle copies them.
+  bool is_shuffled(const Layer& layer) const {
+    const Layer* reader = is_conv(layer) && layer.residual.empty() ? only_reader(layer) : nullptr;
+    return reader != nullptr && reader->op == Op::kPixelShuffle;
+  }
+
+  /// The input of a sum of two that is a convolution which can add the other one itself, or null.
+  const Layer* conv_that_adds(const Layer& layer) const {
+    if (layer.op != Op::kAdd || layer.inputs.size() != 2 || !layer.residual.empty()) return nullptr;
+    for (size_t i = 0; i < 2; ++i) {
+      const Layer* conv = find_layer(layer.inputs[i]);
+      if (conv == nullptr || !is_conv(*conv) || conv->relu || only_reader(*conv) != &layer) continue;
+      const Layer* before = find_layer(conv->inputs[0]);
+      const bool ends_chain = before != nullptr && next_in_chain(*before) == conv;
+      const bool same_type = specs_.at(layer.inputs[1 - i]).type == compute_;
+      if (conv->residual.empty() && !ends_chain && same_type) return conv;
+    }
+    return nullptr;
+  }
+
+  Result<void> add_sum(const Layer& layer, const Layer& conv) {
+    Layer whole = conv;
+    whole.name = layer.name;
+    whole.residual = layer.inputs[layer.inputs[0] == conv.name ? 1 : 0];
+    E2LF_ASSIGN_OR_RETURN(ConvSpec spec, conv_spec(conv));
+    spec.residual = true;
+    spec.relu = layer.relu;
+    spec.output = specs_.at(layer.name).type;
+    add_stage(conv.name + "+" + layer.name, whole, make_conv(spec));
+    return {};
+  }
+
   Result<void> add_layer(const Layer& layer) {
     if (composed_.count(layer.name) > 0) return {};
+    if (const Layer* conv = conv_that_adds(layer)) return add_sum(layer, *conv);
+    if (const Layer* sum = only_reader(layer); sum != nullptr && conv_that_adds(*sum) == &layer) return {};
     if (!is_conv(layer)) {
       std::vector<size_t> in_channels;
       for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
-      add_stage(layer.name, layer, make_reshape(layer, in_channels, specs_.at(layer.name).type));
+      const Layer* source = find_layer(layer.inputs[0]);
+      const bool in_order = source != nullptr && is_shuffled(*source);
+      add_stage(layer.name, layer, make_reshape(layer, in_channels, specs_.at(layer.name).type, in_order));
       return {};
     }
     std::vector<const Layer*> layers = {&layer};
@@ -166,7 +211,20 @@ class PlanMaker {
         }
       }
     }
+    if (is_shuffled(layer)) put_phases_first(only_reader(layer)->stride, spec);
     return spec;
+  }
+
+  /// Output channels from the order [channel, phase] of a pixel shuffle to [phase, channel].
+  static void put_phases_first(size_t stride, ConvSpec& spec) {
+    const size_t phases = stride * stride, channels = spec.out_channels / phases;
+    const size_t length = spec.weight.size() / spec.out_channels;
+    const ConvSpec original = spec;
+    for (size_t out = 0; out < spec.out_channels; ++out) {
+      const size_t from = out % channels * phases + out / channels;
+      spec.bias[out] = original.bias[from];
+      std::copy_n(&original.weight[from * length], length, &spec.weight[out * length]);
+    }
   }
 
   void measure_halo() {

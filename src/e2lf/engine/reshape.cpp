@@ -46,8 +46,12 @@ const char* op_name(Op op) {
 template <typename T>
 class ReshapeKernel final : public Kernel {
  public:
-  ReshapeKernel(const model::Layer& layer, std::vector<size_t> in_channels)
-      : op_(layer.op), stride_(layer.stride), relu_(layer.relu), in_channels_(std::move(in_channels)) {
+  ReshapeKernel(const model::Layer& layer, std::vector<size_t> in_channels, bool phases_first)
+      : op_(layer.op),
+        stride_(layer.stride),
+        relu_(layer.relu),
+        phases_first_(phases_first),
+        in_channels_(std::move(in_channels)) {
     const size_t sum = std::accumulate(in_channels_.begin(), in_channels_.end(), size_t{0});
     switch (op_) {
       case Op::kPixelUnshuffle:
@@ -109,8 +113,13 @@ class ReshapeKernel final : public Kernel {
         }
         return;
       case Op::kPixelShuffle: {
-        const T* from = input(strip, 0, y / s, x / s) + y % s * s + x % s;
-        for (size_t c = 0; c < out_channels_; ++c) pixel[c] = from[c * s * s];
+        const T* from = input(strip, 0, y / s, x / s);
+        const size_t phase = y % s * s + x % s;
+        if (phases_first_) {
+          std::copy_n(from + phase * out_channels_, out_channels_, pixel);
+        } else {
+          for (size_t c = 0; c < out_channels_; ++c) pixel[c] = from[c * s * s + phase];
+        }
         return;
       }
       case Op::kUpsample:
@@ -137,6 +146,7 @@ class ReshapeKernel final : public Kernel {
   Op op_;
   size_t stride_;
   bool relu_;
+  bool phases_first_;
   std::vector<size_t> in_channels_;
   size_t out_channels_ = 0;
 };
@@ -144,10 +154,10 @@ class ReshapeKernel final : public Kernel {
 }  // namespace
 
 std::unique_ptr<Kernel> make_reshape(const model::Layer& layer, const std::vector<size_t>& in_channels,
-                                     ElementType type) {
+                                     ElementType type, bool phases_first) {
   E2LF_REQUIRE(layer.op != Op::kConv && layer.op != Op::kConvTransposed && !in_channels.empty(), layer.name);
-  if (type == ElementType::kFloat32) return std::make_unique<ReshapeKernel<float>>(layer, in_channels);
-  return std::make_unique<ReshapeKernel<Bfloat16>>(layer, in_channels);
+  if (type == ElementType::kFloat32) return std::make_unique<ReshapeKernel<float>>(layer, in_channels, phases_first);
+  return std::make_unique<ReshapeKernel<Bfloat16>>(layer, in_channels, phases_first);
 }
 
 }  // namespace e2lf::engine

@@ -85,6 +85,18 @@ inline std::vector<TestNetwork> test_networks() {
         {conv("d", "input", 18, 3, true, "", 3), conv("e", "d", 18, 5), reshape("up", Op::kUpsample, {"e"}, 3),
          reshape("cat", Op::kConcat, {"input", "up"}, 1, true), conv("out", "cat", 7, 3)}},
        3});
+  // Sums that convolutions can make themselves, of one of them and something else, before and after the other.
+  model::Layer up = transposed("up", "half", 32, 2);
+  up.relu = false;
+  list.push_back(
+      {"sums",
+       {5,
+        {reshape("u", Op::kPixelUnshuffle, {"input"}, 2), conv("a", "u", 32, 3), conv("half", "a", 40, 2, true, "", 2),
+         up, reshape("first", Op::kAdd, {"up", "a"}, 1, true), conv("b", "first", 32, 3, false),
+         conv("c", "first", 32, 1, false), reshape("second", Op::kAdd, {"b", "c"}), conv("d", "second", 36, 3),
+         reshape("shuffle", Op::kPixelShuffle, {"d"}, 2), conv("e", "input", 9, 3, false),
+         reshape("third", Op::kAdd, {"shuffle", "e"}), conv("out", "third", 7, 3, false)}},
+       4});
   return list;
 }
 
