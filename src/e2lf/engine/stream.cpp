@@ -13,7 +13,7 @@
 namespace e2lf::engine {
 namespace {
 
-// Rows of input per round: more rows load the weights less often, fewer stay in cache.
+// Rows of output per round: more rows load the weights less often, fewer stay in cache.
 constexpr size_t kRowsPerRound = 4;
 
 // Threads take at most the remaining work divided by this and their number at a time.
@@ -48,6 +48,7 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end)
   }
   add_margins();
   make_tables();
+  measure_distances();
   size_t scratch_bytes = 0;
   for (const Stage& stage : plan.stages) scratch_bytes = std::max(scratch_bytes, stage.kernel->scratch_bytes());
   for (int i = 0; i < num_threads(); ++i) scratch_.emplace_back(scratch_bytes);
@@ -77,6 +78,36 @@ void Stream::make_tables() {
     std::fill_n(tensor.table.begin(), tensor.left, zero);
     std::fill_n(tensor.table.end() - static_cast<ptrdiff_t>(tensor.right), tensor.right, zero);
   }
+}
+
+void Stream::measure_distances() {
+  for (size_t i = plan_.stages.size(); i-- > 0;) {
+    for (const size_t read : plan_.stages[i].reads()) {
+      tensors_[read].distance = std::max(tensors_[read].distance, tensors_[i + 1].distance + 1);
+    }
+  }
+  rounds_ahead_ = tensors_.front().distance;
+}
+
+size_t Stream::rows_wanted(size_t index) const {
+  // A tensor is one round ahead of those that are made from it.
+  const size_t rounds = round_ + 1 + tensors_[index].distance;
+  const size_t output_rows = rounds > rounds_ahead_ ? (rounds - rounds_ahead_) * kRowsPerRound : 0;
+  if (output_rows == 0) return 0;
+  std::vector<size_t> rows(tensors_.size(), 0);
+  rows.back() = output_rows;
+  for (size_t i = tensors_.size(); i-- > index;) {
+    rows[i] = std::min(tensors_[i].height, round_up(rows[i], kTileSize));
+    if (i == index || rows[i] == 0) continue;
+    const Stage& stage = plan_.stages[i - 1];
+    const Reach reach = stage.kernel->reach();
+    for (const size_t input : stage.inputs) {
+      const size_t last = (rows[i] * reach.down + reach.up - 1) / reach.up + reach.after;
+      rows[input] = std::max(rows[input], last);
+    }
+    if (stage.residual) rows[*stage.residual] = std::max(rows[*stage.residual], rows[i]);
+  }
+  return rows[index];
 }
 
 void Stream::add_rows(Tensor& tensor, size_t end) {
@@ -126,8 +157,8 @@ size_t Stream::rows_possible(size_t index) const {
 void Stream::plan_input(std::vector<Job>& jobs) {
   Tensor& tensor = tensors_.front();
   if (tensor.done == tensor.height) return;
-  const size_t begin = tensor.done;
-  const size_t end = std::min(tensor.height, begin + kRowsPerRound);
+  const size_t begin = tensor.done, end = rows_wanted(0);
+  if (end <= begin) return;
   add_rows(tensor, end);
   jobs.push_back({end - begin, end, &tensor.done, [this, begin](size_t block, std::byte* /*scratch*/) {
                     const Tensor& input = tensors_.front();
@@ -138,7 +169,7 @@ void Stream::plan_input(std::vector<Job>& jobs) {
 }
 
 void Stream::plan_stage(size_t index, std::vector<Job>& jobs) {
-  const size_t end = rows_possible(index);
+  const size_t end = std::min(rows_possible(index), rows_wanted(index + 1));
   Tensor& output = tensors_[index + 1];
   if (end <= output.done) return;
   add_rows(output, end);
@@ -178,6 +209,7 @@ bool Stream::advance() {
   run_jobs(jobs);
   for (const Job& job : jobs) *job.progress = job.end;
   for (size_t tensor = 0; tensor < tensors_.size(); ++tensor) release_rows(tensor);
+  ++round_;
   return written_ < image_.height;
 }
 

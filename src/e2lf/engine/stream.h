@@ -19,9 +19,10 @@ struct Image {
   size_t width = 0;
 };
 
-/// Streams columns [begin, end) of an image through a plan, top to bottom. Each round takes a few more rows of the
-/// input, and each stage computes the rows that its inputs then allow; rows that nobody needs any more are reused.
-/// Columns up to the plan's halo beside the range are read, so that cuts leave no trace.
+/// Streams columns [begin, end) of an image through a plan, top to bottom. Each round is for a few more rows of the
+/// output: each stage computes the rows that these will need of it, one round ahead of the stages that read them, as
+/// far as its inputs allow; rows that nobody needs any more are reused. Columns up to the plan's halo beside the range
+/// are read, so that cuts leave no trace.
 class Stream {
  public:
   Stream(const Plan& plan, const Image& image, size_t begin, size_t end);
@@ -44,6 +45,7 @@ class Stream {
     size_t pixel_bytes = 0;
     size_t left = 0, right = 0;  ///< zero pixels beside the row
     size_t slack = 0;            ///< pixels behind them that kernels may read, whatever they hold
+    size_t distance = 0;         ///< stages between it and the output, at most
     size_t done = 0;             ///< rows [0, done) are computed
     size_t released = 0;         ///< rows [0, released) are gone
 
@@ -61,9 +63,11 @@ class Stream {
 
   void add_margins();
   void make_tables();
+  void measure_distances();
   void add_rows(Tensor& tensor, size_t end);
   void release_rows(size_t tensor);
   [[nodiscard]] size_t rows_possible(size_t stage) const;
+  [[nodiscard]] size_t rows_wanted(size_t tensor) const;
   void plan_input(std::vector<Job>& jobs);
   void plan_stage(size_t stage, std::vector<Job>& jobs);
   void plan_output(std::vector<Job>& jobs);
@@ -74,6 +78,7 @@ class Stream {
   size_t begin_, end_;            ///< columns to compute
   size_t wide_begin_, wide_end_;  ///< with the halo
   std::vector<Tensor> tensors_;
+  size_t round_ = 0, rounds_ahead_ = 0;  ///< the input is so many rounds ahead of the output
   size_t written_ = 0;
   RowPool pool_;
   AlignedBuffer zero_row_;
