@@ -3,6 +3,7 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/tap_grid.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/engine/amx.cpp"
@@ -18,32 +19,34 @@ namespace HWY_NAMESPACE {
 #if E2LF_TARGET_HAS_BF16
 namespace {
 
-// Pixels whose sums for one tile of columns are in tiles at a time. Pixels stay in the first-level cache while all
-// weights pass by; so many share a tile of weights that the second level keeps up.
+// Pixels whose sums for one tile of columns are in tiles at a time.
 constexpr size_t kSumTiles = 4, kPixels = kSumTiles * kTileRows;
 // Pixels of a row that one block computes.
 constexpr size_t kBlockPixels = 2 * kPixels;
 
+/// Tiles 0 to 3 hold sums, 4 and 5 pixels in turn, 7 the last of them, which may be fewer than a tile has rows, and 6
+/// weights. They are all zero afterwards.
+void shape_tiles(size_t pixels) {
+  TileShapes shapes;
+  std::fill_n(shapes.row_bytes, 8, static_cast<uint16_t>(kTileRowBytes));
+  std::fill_n(shapes.rows, 8, static_cast<uint8_t>(kTileRows));
+  const size_t last = (pixels - 1) / kTileRows;
+  shapes.rows[last] = shapes.rows[7] = static_cast<uint8_t>(pixels - last * kTileRows);
+  load_tile_shapes(shapes);
+}
+
 /// Convolution as sums over rows of taps, on tiles: neighbouring pixels lie one behind another, so that a row of taps
-/// is a product of depth kernel * channels. In a transposed convolution each output pixel gets exactly one tap, which
-/// its position within the stride names. Depths are rounded up to whole tiles: the weights there are zero, and the
+/// is a product of depth kernel * channels. Depths are rounded up to whole tiles: the weights there are zero, and the
 /// pixel behind the last tap, which is read, is part of the image or of the zeros beside it.
 class AmxKernel final : public Kernel {
  public:
-  explicit AmxKernel(const ConvSpec& spec)
-      : kernel_(spec.kernel),
-        stride_(spec.stride),
-        transposed_(spec.transposed),
-        radius_(spec.stride == 1 ? spec.kernel / 2 : 0),
-        in_stride_(padded_channels(spec.in_channels)),
-        weights_(pack(spec)),
-        epilogue_(spec) {}
+  explicit AmxKernel(const ConvSpec& spec) : grid_(spec), weights_(pack(spec)), epilogue_(spec) {}
 
   std::string describe() const override {
-    return "direct " + std::to_string(kernel_) + "x" + std::to_string(kernel_) + " AMX bfloat16";
+    return "direct " + std::to_string(grid_.kernel) + "x" + std::to_string(grid_.kernel) + " AMX bfloat16";
   }
 
-  Reach reach() const override { return {radius_, radius_, transposed_ ? 1 : stride_, transposed_ ? stride_ : 1}; }
+  Reach reach() const override { return grid_.reach(); }
 
   size_t scratch_bytes() const override { return kPixels * kTileRows * sizeof(float); }
 
@@ -51,14 +54,14 @@ class AmxKernel final : public Kernel {
 
   void run_block(const Strip& strip, size_t block, std::byte* scratch) const override {
     const size_t begin = block % blocks_per_row(strip) * kBlockPixels;
-    const size_t end = std::min(begin + kBlockPixels, sums_per_row(strip));
+    const size_t end = std::min(begin + kBlockPixels, grid_.sums_per_row(strip));
     Step step{strip, strip.begin + block / blocks_per_row(strip), begin, 0, 0, 0, reinterpret_cast<float*>(scratch)};
     size_t shaped = 0;
     for (; step.x < end; step.x += kPixels) {
       step.pixels = std::min(kPixels, end - step.x);
       if (step.pixels != shaped) shape_tiles(step.pixels);
       shaped = step.pixels;
-      for (step.phase = 0; step.phase < (transposed_ ? stride_ : 1); ++step.phase) {
+      for (step.phase = 0; step.phase < grid_.phases(); ++step.phase) {
         for (step.column = 0; step.column < weights_.columns(); step.column += kTileRows) compute(step);
       }
     }
@@ -86,18 +89,8 @@ class AmxKernel final : public Kernel {
             }};
   }
 
-  size_t sums_per_row(const Strip& strip) const { return transposed_ ? strip.width / stride_ : strip.width; }
-  size_t blocks_per_row(const Strip& strip) const { return (sums_per_row(strip) + kBlockPixels - 1) / kBlockPixels; }
-
-  /// Tiles 0 to 3 hold sums, 4 and 5 pixels in turn, 7 the last of them, which may be fewer than a tile has rows, and 6
-  /// weights.
-  static void shape_tiles(size_t pixels) {
-    TileShapes shapes;
-    std::fill_n(shapes.row_bytes, 8, static_cast<uint16_t>(kTileRowBytes));
-    std::fill_n(shapes.rows, 8, static_cast<uint8_t>(kTileRows));
-    const size_t last = (pixels - 1) / kTileRows;
-    shapes.rows[last] = shapes.rows[7] = static_cast<uint8_t>(pixels - last * kTileRows);
-    load_tile_shapes(shapes);
+  size_t blocks_per_row(const Strip& strip) const {
+    return (grid_.sums_per_row(strip) + kBlockPixels - 1) / kBlockPixels;
   }
 
   void compute(const Step& step) const {
@@ -117,32 +110,20 @@ class AmxKernel final : public Kernel {
     epilogue_.select(Finish{*this, step});
   }
 
-  /// The input's pixel from which the first of a step's pixels takes a row of taps.
-  const Bfloat16* first_pixel(const Step& step, size_t tap_row) const {
-    if (transposed_) {
-      const auto* row = step.strip.inputs[0].row<const Bfloat16>(static_cast<ptrdiff_t>(step.y / stride_));
-      return row + step.x * in_stride_;
-    }
-    const auto radius = static_cast<ptrdiff_t>(radius_);
-    const auto y = static_cast<ptrdiff_t>(step.y * stride_ + tap_row) - radius;
-    const auto x = static_cast<ptrdiff_t>(step.x * stride_) - radius;
-    return step.strip.inputs[0].row<const Bfloat16>(y) + x * static_cast<ptrdiff_t>(in_stride_);
-  }
-
   /// Sums of kTiles tiles of pixels, the last of which may be smaller, to step.sums.
   template <size_t kTiles>
   void multiply(const Step& step) const {
     const size_t panel_begin = step.column / kPanelWidth * kPanelWidth;
     const size_t width = std::min(kPanelWidth, weights_.columns() - panel_begin);
-    const size_t pixel_step = (transposed_ ? 1 : stride_) * in_stride_, tile_step = kTileRows * pixel_step;
+    const size_t pixel_step = grid_.pixel_step(), tile_step = kTileRows * pixel_step;
     const size_t pixel_bytes = pixel_step * sizeof(Bfloat16), weight_bytes = 2 * width * sizeof(Bfloat16);
     E2LF_TILE_ZERO(0);
     if constexpr (kTiles > 1) E2LF_TILE_ZERO(1);
     if constexpr (kTiles > 2) E2LF_TILE_ZERO(2);
     if constexpr (kTiles > 3) E2LF_TILE_ZERO(3);
-    for (size_t tap_row = 0; tap_row < (transposed_ ? 1 : kernel_); ++tap_row) {
-      const Bfloat16* pixels = first_pixel(step, tap_row);
-      const size_t matrix = transposed_ ? step.y % stride_ * kernel_ + step.phase : tap_row;
+    for (size_t tap_row = 0; tap_row < (grid_.transposed ? 1 : grid_.kernel); ++tap_row) {
+      const Bfloat16* pixels = grid_.input<Bfloat16>(step.strip, step.y, step.x, tap_row);
+      const size_t matrix = grid_.transposed ? step.y % grid_.stride * grid_.kernel + step.phase : tap_row;
       const Bfloat16* weights = weights_.panel<Bfloat16>(matrix, panel_begin) + 2 * (step.column - panel_begin);
       for (size_t k = 0; k < weights_.depth(); k += kTileDepth, pixels += kTileDepth, weights += kTileDepth * width) {
         E2LF_TILE_LOAD(6, weights, weight_bytes);
@@ -180,7 +161,7 @@ class AmxKernel final : public Kernel {
     HWY_INLINE void visit() const {
       const auto row = kernel.epilogue_.row(at.strip, at.y);
       const size_t columns = kernel.weights_.columns();
-      const size_t step = (kernel.transposed_ ? kernel.stride_ : 1) * columns;
+      const size_t step = kernel.grid_.phases() * columns;
       const size_t first = at.x * step + at.phase * columns + at.column;
       const auto channels = kernel.epilogue_.channels(at.column);
       for (size_t i = 0; i < at.pixels; ++i) {
@@ -190,10 +171,7 @@ class AmxKernel final : public Kernel {
     }
   };
 
-  size_t kernel_, stride_;
-  bool transposed_;
-  size_t radius_;
-  size_t in_stride_;
+  TapGrid grid_;
   PackedMatrices weights_;  ///< of one row of taps each, or of one tap
   Epilogue<Bfloat16Products> epilogue_;
 };
@@ -206,10 +184,7 @@ std::unique_ptr<Kernel> MakeAmx(const ConvSpec& spec) {
 
 /// Products in tiles alone; the operations done.
 double TileMultiplyAdd(size_t rounds) {
-  TileShapes shapes;
-  std::fill_n(shapes.row_bytes, 8, static_cast<uint16_t>(kTileRowBytes));
-  std::fill_n(shapes.rows, 8, static_cast<uint8_t>(kTileRows));
-  load_tile_shapes(shapes);  // which makes them zero
+  shape_tiles(kPixels);
   for (size_t i = 0; i < rounds; ++i) {
     E2LF_TILE_MULTIPLY(0, 4, 6);
     E2LF_TILE_MULTIPLY(1, 4, 7);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/tap_grid.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/engine/direct.cpp"
@@ -16,41 +17,35 @@ namespace {
 // Pixels of a row that one block computes.
 constexpr size_t kBlockPixels = 96;
 
-/// Convolution as sums over taps. Matrix t holds tap t = dy * kernel + dx; in a transposed convolution each output
-/// pixel gets exactly one tap, which its position within the stride names.
+/// Convolution as sums over taps. Matrix t holds tap t = dy * kernel + dx.
 template <class Products>
 class DirectKernel final : public Kernel {
   using Element = typename Products::Element;
 
  public:
   explicit DirectKernel(const ConvSpec& spec)
-      : kernel_(spec.kernel),
-        stride_(spec.stride),
-        transposed_(spec.transposed),
-        radius_(spec.stride == 1 ? spec.kernel / 2 : 0),
-        in_stride_(padded_channels(spec.in_channels)),
+      : grid_(spec),
         weights_(
             Products::kType, spec.kernel * spec.kernel, spec.in_channels, spec.out_channels,
             [&](size_t tap, size_t in, size_t out) { return spec.tap(out, in, tap / spec.kernel, tap % spec.kernel); }),
         epilogue_(spec) {}
 
   std::string describe() const override {
-    return "direct " + std::to_string(kernel_) + "x" + std::to_string(kernel_) + " " + hwy::TargetName(HWY_TARGET) +
-           (Products::kStep == 2 ? " bfloat16" : " float32");
+    return "direct " + std::to_string(grid_.kernel) + "x" + std::to_string(grid_.kernel) + " " +
+           hwy::TargetName(HWY_TARGET) + (Products::kStep == 2 ? " bfloat16" : " float32");
   }
 
-  Reach reach() const override { return {radius_, radius_, transposed_ ? 1 : stride_, transposed_ ? stride_ : 1}; }
+  Reach reach() const override { return grid_.reach(); }
 
   size_t num_blocks(const Strip& strip) const override { return (strip.end - strip.begin) * blocks_per_row(strip); }
 
   void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
     const size_t y = strip.begin + block / blocks_per_row(strip);
     const size_t begin = block % blocks_per_row(strip) * kBlockPixels;
-    const size_t end = HWY_MIN(begin + kBlockPixels, sums_per_row(strip));
-    const size_t phases = transposed_ ? stride_ : 1;
+    const size_t end = HWY_MIN(begin + kBlockPixels, grid_.sums_per_row(strip));
     for (size_t x = begin; x < end; x += kGemmRows) {
       const size_t pixels = HWY_MIN(kGemmRows, end - x);
-      for (size_t phase = 0; phase < phases; ++phase) {
+      for (size_t phase = 0; phase < grid_.phases(); ++phase) {
         for_column_groups(weights_.columns(), Pixels{*this, strip, y, x, pixels, phase});
       }
     }
@@ -69,27 +64,25 @@ class DirectKernel final : public Kernel {
     }
   };
 
-  size_t sums_per_row(const Strip& strip) const { return transposed_ ? strip.width / stride_ : strip.width; }
-  size_t blocks_per_row(const Strip& strip) const { return (sums_per_row(strip) + kBlockPixels - 1) / kBlockPixels; }
+  size_t blocks_per_row(const Strip& strip) const {
+    return (grid_.sums_per_row(strip) + kBlockPixels - 1) / kBlockPixels;
+  }
 
   template <size_t kVectors>
   HWY_INLINE void compute(const Pixels& pixels, size_t column, size_t offset, size_t width) const {
     FloatVec sums[kGemmRows][kVectors];
     clear(sums);
-    const size_t pixel_step = (transposed_ ? 1 : stride_) * in_stride_;
     const size_t panel_offset = offset * Products::kStep;
-    if (transposed_) {
-      const auto* row = pixels.strip.inputs[0].template row<const Element>(static_cast<ptrdiff_t>(pixels.y / stride_));
-      const size_t tap = pixels.y % stride_ * kernel_ + pixels.phase;
-      multiply_accumulate<Products>(row + pixels.x * in_stride_, pixel_step,
+    if (grid_.transposed) {
+      const size_t tap = pixels.y % grid_.stride * grid_.kernel + pixels.phase;
+      multiply_accumulate<Products>(grid_.template input<Element>(pixels.strip, pixels.y, pixels.x), grid_.pixel_step(),
                                     weights_.template panel<Element>(tap, column) + panel_offset, width,
                                     weights_.depth(), sums);
     } else {
-      for (size_t tap = 0; tap < kernel_ * kernel_; ++tap) {
-        const auto y = static_cast<ptrdiff_t>(pixels.y * stride_ + tap / kernel_) - static_cast<ptrdiff_t>(radius_);
-        const auto x = static_cast<ptrdiff_t>(pixels.x * stride_ + tap % kernel_) - static_cast<ptrdiff_t>(radius_);
-        const auto* row = pixels.strip.inputs[0].template row<const Element>(y);
-        multiply_accumulate<Products>(row + x * static_cast<ptrdiff_t>(in_stride_), pixel_step,
+      for (size_t tap = 0; tap < grid_.kernel * grid_.kernel; ++tap) {
+        const auto* from =
+            grid_.template input<Element>(pixels.strip, pixels.y, pixels.x, tap / grid_.kernel, tap % grid_.kernel);
+        multiply_accumulate<Products>(from, grid_.pixel_step(),
                                       weights_.template panel<Element>(tap, column) + panel_offset, width,
                                       weights_.depth(), sums);
       }
@@ -108,8 +101,8 @@ class DirectKernel final : public Kernel {
     HWY_INLINE void visit() const {
       const auto row = kernel.epilogue_.row(pixels.strip, pixels.y);
       const size_t columns = kernel.weights_.columns();
-      const size_t step = (kernel.transposed_ ? kernel.stride_ : 1) * columns;
-      const size_t first = pixels.x * step + (kernel.transposed_ ? pixels.phase * columns : 0);
+      const size_t step = kernel.grid_.phases() * columns;
+      const size_t first = pixels.x * step + pixels.phase * columns;
       E2LF_UNROLL
       for (size_t j = 0; j < kVectors; ++j) {
         const size_t channel = column + j * kLanes;
@@ -123,10 +116,7 @@ class DirectKernel final : public Kernel {
     }
   };
 
-  size_t kernel_, stride_;
-  bool transposed_;
-  size_t radius_;
-  size_t in_stride_;
+  TapGrid grid_;
   PackedMatrices weights_;
   Epilogue<Products> epilogue_;
 };

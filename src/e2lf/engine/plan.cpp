@@ -145,6 +145,7 @@ class PlanMaker {
   Result<void> add_layer(const Layer& layer) {
     if (composed_.count(layer.name) > 0) return {};
     if (const Layer* conv = conv_that_adds(layer)) return add_sum(layer, *conv);
+    // Such a convolution waits for what it adds: it is the sum's stage.
     if (const Layer* sum = only_reader(layer); sum != nullptr && conv_that_adds(*sum) == &layer) return {};
     if (!is_conv(layer)) {
       std::vector<size_t> in_channels;

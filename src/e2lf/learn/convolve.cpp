@@ -27,18 +27,20 @@ torch::Tensor finish(const Layer& layer, torch::Tensor x, const torch::Tensor& b
   return layer.relu ? torch::relu(x) : x;
 }
 
-/// Lays windows of s x s pixels out, from channels in the order [s, s, c] so that whole pixels are copied.
-torch::Tensor lay_out(const torch::Tensor& windows, int64_t s) {
-  const auto b = windows.size(0), c = windows.size(1) / (s * s), h = windows.size(2), w = windows.size(3);
-  const auto pixels = windows.permute({0, 2, 3, 1}).reshape({b, h, w, s, s, c}).permute({0, 1, 3, 2, 4, 5});
-  return pixels.reshape({b, h * s, w * s, c}).permute({0, 3, 1, 2});
+/// Lays windows [b, y, x, window y, window x, c] out beside each other: [b, c, y, x].
+torch::Tensor lay_out(const torch::Tensor& windows) {
+  const auto b = windows.size(0), h = windows.size(1), w = windows.size(2), s = windows.size(3), c = windows.size(5);
+  return windows.permute({0, 1, 3, 2, 4, 5}).reshape({b, h * s, w * s, c}).permute({0, 3, 1, 2});
 }
 
 /// Convolutions whose windows do not overlap are products of a pixel's channels.
 torch::Tensor convolve_windows(const Layer& layer, const torch::Tensor& input, const torch::Tensor& weight) {
   const auto stride = static_cast<int64_t>(layer.stride);
   if (layer.op == Op::kConvTransposed) {
-    return lay_out(pointwise(input, weight.permute({2, 3, 1, 0}).reshape({-1, weight.size(0)})), stride);
+    const auto result = pointwise(input, weight.permute({2, 3, 1, 0}).reshape({-1, weight.size(0)}));
+    // Channels last in the windows, too, so that whole pixels are copied.
+    return lay_out(result.permute({0, 2, 3, 1})
+                       .reshape({input.size(0), input.size(2), input.size(3), stride, stride, weight.size(1)}));
   }
   return pointwise(stride == 1 ? input : unshuffle(input, stride), weight.reshape({weight.size(0), -1}));
 }
@@ -75,8 +77,7 @@ torch::Tensor convolve(const Layer& layer, const torch::Tensor& input, const tor
 
 torch::Tensor shuffle(const torch::Tensor& x, int64_t s) {
   const auto b = x.size(0), c = x.size(1) / (s * s), h = x.size(2), w = x.size(3);
-  const auto pixels = x.permute({0, 2, 3, 1}).reshape({b, h, w, c, s, s}).permute({0, 1, 4, 2, 5, 3});
-  return pixels.reshape({b, h * s, w * s, c}).permute({0, 3, 1, 2});
+  return lay_out(x.permute({0, 2, 3, 1}).reshape({b, h, w, c, s, s}).permute({0, 1, 2, 4, 5, 3}));
 }
 
 torch::Tensor unshuffle(const torch::Tensor& x, int64_t s) {
