@@ -47,6 +47,10 @@ class CyclePlot {
 
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
+  if (arguments.output.extension() != ".npz") {
+    return Error{ErrorCode::kUnsupported, "event images are written as .npz; give it such a name",
+                 arguments.output.string()};
+  }
   E2LF_RETURN_IF_ERROR(check_output(arguments.output, common.overwrite));
   if (!arguments.plot.empty()) E2LF_RETURN_IF_ERROR(check_output(arguments.plot, common.overwrite));
   RunRecord record("accumulate");
@@ -69,6 +73,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   const events::CycleReport report = reader.report();
   // The picture comes first: it tells why, where no cycle was found.
   if (is_plotted) E2LF_RETURN_IF_ERROR(write_file(arguments.plot, plot.svg()));
+  if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
   E2LF_RETURN_IF_ERROR(writer.finish());
   record.note("cycles", report_json(report));
   record.note("least_confidence", least_confidence);

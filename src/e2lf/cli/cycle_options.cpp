@@ -122,6 +122,14 @@ std::string report_text(const events::CycleReport& report) {
   return text;
 }
 
+Error no_cycle_error(const fs::path& input, const events::CycleReport& report) {
+  return {ErrorCode::kInvalidValue,
+          cat("no complete pattern cycle was found (", report_text(report),
+              "); `e2lf accumulate ... --plot cycles.svg` shows what is there, --source, --schedule and --patterns say "
+              "what to look for"),
+          input.string()};
+}
+
 Json report_json(const events::CycleReport& report) {
   Json dropped = Json::object();
   for (size_t i = 0; i < events::kNumCycleFaults; ++i) {

@@ -46,6 +46,8 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
 /// One line for people: cycles found and dropped, and why.
 [[nodiscard]] std::string report_text(const events::CycleReport& report);
+/// The error of a recording in which nothing was found.
+[[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const events::CycleReport& report);
 [[nodiscard]] Json report_json(const events::CycleReport& report);
 
 /// One cycle: number, times, events, confidence.

@@ -10,20 +10,23 @@ namespace fs = std::filesystem;
 
 void add_codes_options(CLI::App& app, CodesSource& source) {
   app.add_option("-m,--model", source.model, "model file: its patterns and sensor constants");
-  app.add_option("--codes", source.codes, "aperture patterns (.json, .npy, .npz); win over the model's");
+  app.add_option(
+      "--codes", source.codes,
+      "aperture patterns (.json, .npy, .npz); default: those of the events' file, the model's, built-in ones");
 }
 
 Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<aperture::Codes>& of_events,
                                              RunRecord& record) {
   KnownCodes known;
-  std::optional<aperture::Codes> codes = of_events;
+  std::optional<aperture::Codes> codes;
   if (!source.model.empty()) {
     record.add_input(source.model);
     E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(source.model));
     known.constants = model.constants;
     known.event_model = model.event_model;
-    if (model.codes) codes = model.codes;
+    codes = model.codes;
   }
+  if (of_events) codes = of_events;
   if (!source.codes.empty()) {
     record.add_input(source.codes);
     E2LF_ASSIGN_OR_RETURN(codes, aperture::read_codes(source.codes));

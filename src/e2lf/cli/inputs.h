@@ -29,8 +29,8 @@ struct KnownCodes {
 /// Declares -m/--model and --codes.
 void add_codes_options(CLI::App& app, CodesSource& source);
 
-/// What is known of the patterns behind some events: those of --codes, else those of the model, else `of_events` (what
-/// the events' own file holds). Nothing when none of them has any.
+/// What is known of the patterns behind some events: those of --codes, else `of_events` (what the events' own file
+/// holds), else those of the model. Nothing when none of them has any.
 [[nodiscard]] Result<std::optional<KnownCodes>> find_codes(const CodesSource& source,
                                                            const std::optional<aperture::Codes>& of_events,
                                                            RunRecord& record);

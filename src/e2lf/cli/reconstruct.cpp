@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "e2lf/aperture/codes_io.h"
+#include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/cycle_options.h"
@@ -38,12 +39,21 @@ struct ReconstructArguments {
 /// One way from the event images of a cycle to a light field.
 using Method = std::function<Result<LightField>(const events::EventImages& images, const ProgressFn& progress)>;
 
-Result<Method> network_method(const ReconstructArguments& arguments, RunRecord& record) {
+/// A network knows the patterns that it was trained for, and nothing shows that others were in the camera.
+void warn_of_other_patterns(const model::Model& model, const std::optional<KnownCodes>& known) {
+  if (!known || !model.codes || *model.codes == known->codes) return;
+  log_warning(cat("the events were made with other patterns than ", model.name,
+                  " was trained for: the light field will be wrong; use their model, or --method inversion"));
+}
+
+Result<Method> network_method(const ReconstructArguments& arguments, const std::optional<KnownCodes>& known,
+                              RunRecord& record) {
   if (arguments.codes.model.empty()) {
     return Error{ErrorCode::kInvalidValue, "the network needs a model; give one with -m, or use --method inversion",
                  "--model"};
   }
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.codes.model));
+  warn_of_other_patterns(model, known);
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor made,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
@@ -60,6 +70,9 @@ Result<Method> inversion_method(const ReconstructArguments& arguments, std::opti
                                 RunRecord& record) {
   if (!known) {
     E2LF_ASSIGN_OR_RETURN(known, load_codes(arguments.codes, record));
+    if (arguments.codes.model.empty()) {
+      log_warning("no patterns given: taking the built-in ones (`e2lf codes show`); give the camera's with --codes");
+    }
   }
   return Method([known = std::move(*known)](const events::EventImages& images, const ProgressFn&) {
     return recon::reconstruct_by_inversion(images, known.codes, known.constants);
@@ -141,6 +154,11 @@ std::string cycle_name(size_t cycle) {
   return "cycle_" + number;
 }
 
+Error at(Error error, const fs::path& input) {
+  error.location = input.string();
+  return error;
+}
+
 /// Reconstructs cycles and writes each; what has been done so far.
 class CycleWriter {
  public:
@@ -154,7 +172,9 @@ class CycleWriter {
     LightField light_field;
     {
       ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet);
-      E2LF_ASSIGN_OR_RETURN(light_field, method_(cycle.images, bar.callback()));
+      auto made = method_(cycle.images, bar.callback());
+      if (!made) return made.error().location.empty() ? at(made.error(), arguments_.input) : made.error();
+      light_field = std::move(*made);
     }
     const double reconstruct_s = seconds(Clock::now() - begin);
     if (!gain_) {
@@ -202,21 +222,24 @@ Result<void> process_file(CycleInput& input, CycleWriter& writer, const fs::path
   }
 }
 
-/// A recording: the folder of each cycle appears, whole, as soon as it is done.
-Result<void> process_recording(CycleInput& input, CycleWriter& writer, const fs::path& folder) {
+/// A recording: the folder of each cycle appears, whole, as soon as it is done, since earlier cycles are of use while
+/// later ones are still being recorded. The folder of all appears with the first, so that a recording without any
+/// replaces nothing.
+Result<void> process_recording(CycleInput& input, CycleWriter& writer, AtomicFolder& output,
+                               const ReconstructArguments& arguments) {
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
     if (!images) break;
+    const bool first = writer.cycles().empty();
+    const fs::path& folder = first ? output.path() : arguments.output;
     E2LF_ASSIGN_OR_RETURN(AtomicFolder target,
                           AtomicFolder::create(folder / cycle_name(writer.cycles().size()), false));
     E2LF_RETURN_IF_ERROR(writer.process(*images, target.path()));
     E2LF_RETURN_IF_ERROR(target.commit());
+    if (first) E2LF_RETURN_IF_ERROR(output.commit());
   }
   if (!writer.cycles().empty()) return {};
-  return Error{
-      ErrorCode::kInvalidValue,
-      cat("no complete pattern cycle was found (", report_text(input.report()), "); check --source and --schedule"),
-      folder.string()};
+  return no_cycle_error(arguments.input, input.report());
 }
 
 void print_event_error(const Json& cycle) {
@@ -248,14 +271,12 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_input(arguments));
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, input.file(), record));
-  E2LF_ASSIGN_OR_RETURN(Method method, arguments.method == "network" ? network_method(arguments, record)
+  E2LF_ASSIGN_OR_RETURN(Method method, arguments.method == "network" ? network_method(arguments, codes, record)
                                                                      : inversion_method(arguments, codes, record));
   record.end_step("open");
   CycleWriter writer(arguments, common, std::move(method), std::move(codes));
   if (input.is_recording()) {
-    // Earlier cycles are of use while later ones are still being recorded: the folder itself appears at once.
-    E2LF_RETURN_IF_ERROR(output.commit());
-    E2LF_RETURN_IF_ERROR(process_recording(input, writer, arguments.output));
+    E2LF_RETURN_IF_ERROR(process_recording(input, writer, output, arguments));
     record.note("found", report_json(input.report()));
   } else {
     E2LF_RETURN_IF_ERROR(process_file(input, writer, output.path()));
