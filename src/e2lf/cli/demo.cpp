@@ -35,6 +35,7 @@ struct DemoArguments {
 struct Camera {
   aperture::Codes codes = aperture::default_codes();
   aperture::SensorConstants constants;
+  sensor::EventModel event_model = sensor::EventModel::kReferenceAware;
   std::optional<recon::Reconstructor> network;
   std::string method = "closed-form inversion (no trained model is bundled)";
 };
@@ -44,8 +45,14 @@ Result<Camera> make_camera(const fs::path& named) {
   const auto path = named.empty() ? bundled_model() : named;
   if (!path) return camera;
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
-  if (model.codes) camera.codes = *model.codes;
+  if (!model.codes) {
+    return Error{ErrorCode::kNotFound,
+                 "the model holds no aperture patterns, which the demo's camera needs; name a model that has them",
+                 path->string()};
+  }
+  camera.codes = *model.codes;
   camera.constants = model.constants;
+  E2LF_ASSIGN_OR_RETURN(camera.event_model, sensor::event_model_from_name(model.event_model));
   camera.method = "network " + model.name;
   E2LF_ASSIGN_OR_RETURN(camera.network, recon::Reconstructor::create(std::move(model)));
   return camera;
@@ -83,6 +90,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   record.end_step("render");
 
   sensor::EventModelOptions sensor;
+  sensor.model = camera.event_model;
   sensor.constants = camera.constants;
   sensor.seed = common.seed;
   E2LF_ASSIGN_OR_RETURN(const events::EventImages images, sensor::simulate_events(camera.codes, scene, sensor));
