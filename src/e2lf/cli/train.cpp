@@ -6,23 +6,25 @@
 namespace e2lf::cli {
 namespace {
 
-std::vector<std::string> with_overrides(std::vector<std::string> arguments, const std::vector<std::string>& overrides) {
-  for (const std::string& assignment : overrides) arguments.insert(arguments.end(), {"--set", assignment});
-  return arguments;
+/// Goes on as the trainer, with what its verbs have in common.
+Result<void> train_with(std::vector<std::string> arguments, const Verb& verb) {
+  for (const std::string& assignment : verb.overrides()) arguments.insert(arguments.end(), {"--set", assignment});
+  if (verb.common().quiet) arguments.emplace_back("--quiet");
+  return become_trainer(std::move(arguments), verb.common().threads);
 }
 
 }  // namespace
 
 int run_train(const std::vector<std::string>& arguments) {
-  Verb verb("train", "Learn aperture patterns and the network together; docs/training.md explains the configuration.",
-            "e2lf train configs/first-run.json -o runs/first --set data.file=packed.safetensors");
+  Verb verb("train",
+            "Learn aperture patterns and the network together; docs/training.md explains the configuration, whose keys "
+            "--set changes (--set seed=7, --set device=cuda).",
+            "e2lf train configs/first-run.json -o runs/first");
   std::string config, run;
   verb.keep_overrides();
   verb.app().add_option("config", config, "configuration (.json)")->required()->check(CLI::ExistingFile);
   verb.app().add_option("-o,--output", run, "folder for logs, checkpoint and model")->required();
-  return verb.run(arguments, [&] {
-    return become_trainer(with_overrides({"train", config, "-o", run}, verb.overrides()), verb.common().threads);
-  });
+  return verb.run(arguments, [&] { return train_with({"train", config, "-o", run}, verb); });
 }
 
 int run_resume(const std::vector<std::string>& arguments) {
@@ -31,9 +33,7 @@ int run_resume(const std::vector<std::string>& arguments) {
   std::string run;
   verb.keep_overrides();
   verb.app().add_option("run", run, "folder of the run")->required()->check(CLI::ExistingDirectory);
-  return verb.run(arguments, [&] {
-    return become_trainer(with_overrides({"resume", run}, verb.overrides()), verb.common().threads);
-  });
+  return verb.run(arguments, [&] { return train_with({"resume", run}, verb); });
 }
 
 }  // namespace e2lf::cli

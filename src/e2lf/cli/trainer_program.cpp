@@ -21,9 +21,11 @@ Result<void> become_trainer(std::vector<std::string> arguments, int threads) {
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   ::execv(program.c_str(), pointers.data());
-  return Error{ErrorCode::kMissingDependency,
-               cat("cannot start it (", std::strerror(errno), "); install libtorch-dev, configure again and rebuild"),
-               program};
+  return Error{
+      ErrorCode::kMissingDependency,
+      cat("cannot start it (", std::strerror(errno),
+          "); `./run train` and `./run resume` build it, or install libtorch-dev, configure again and rebuild"),
+      program};
 }
 
 }  // namespace e2lf::cli

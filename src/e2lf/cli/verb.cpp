@@ -19,6 +19,27 @@ void print_log(LogLevel level, const std::string& message) {
   std::fprintf(stderr, "e2lf: %s%s\n", level == LogLevel::kWarning ? "warning: " : "", message.c_str());
 }
 
+/// The names of all long flags, without "--".
+std::vector<std::string> long_flags(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back(name);
+  }
+  return names;
+}
+
+/// What is wrong with the first argument that looks like a long flag and is none.
+std::optional<std::string> unknown_argument(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const std::vector<std::string> known = long_flags(app);
+  for (const std::string& argument : arguments) {
+    if (!argument.starts_with("--")) continue;
+    const std::string name = argument.substr(2, argument.find('=') - 2);
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    return cat("there is no option --", name, "; did you mean --", nearest_word(name, known), "?");
+  }
+  return std::nullopt;
+}
+
 /// The flags of --config and of every --set, so that they can be parsed before the command line's own, which win.
 Result<std::vector<std::string>> configured_flags(const CLI::App& app, const std::string& config_path,
                                                   const std::vector<std::string>& overrides) {
@@ -36,10 +57,7 @@ Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI
                                                    const std::string& location) {
   if (!config.is_object())
     return Error{ErrorCode::kFormat, "the configuration is not an object; write { ... }", location};
-  std::vector<std::string> known;
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) known.push_back(name);
-  }
+  const std::vector<std::string> known = long_flags(app);
   std::vector<std::string> flags;
   for (const auto& [key, value] : config.items()) {
     std::string name = key;
@@ -111,6 +129,13 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
   app_.add_flag("--overwrite", common_.overwrite, "replace existing output");
 }
 
+void Verb::keep_overrides() {
+  keeps_overrides_ = true;
+  for (const char* flag : {"--config", "--device", "--seed", "--json", "--overwrite"}) {
+    app_.remove_option(app_.get_option(flag));
+  }
+}
+
 int Verb::usage_error(const std::string& message) const {
   std::fprintf(stderr, "e2lf: %s: %s; see e2lf %s --help\n", name_.c_str(), message.c_str(), name_.c_str());
   return 2;
@@ -134,6 +159,8 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   } catch (const CLI::CallForHelp&) {
     std::cout << app_.help();
     return 0;
+  } catch (const CLI::ExtrasError& error) {
+    return usage_error(unknown_argument(app_, arguments).value_or(error.what()));
   } catch (const CLI::ParseError& error) {
     std::string message = error.what();
     while (!message.empty() && (message.back() == '\n' || message.back() == '.')) message.pop_back();

@@ -37,8 +37,11 @@ class Verb {
   [[nodiscard]] CLI::App& app() { return app_; }
   [[nodiscard]] const CommonOptions& common() const { return common_; }
 
-  /// Leaves the assignments of --set to the verb, for a configuration of its own, instead of reading them as flags.
-  void keep_overrides() { keeps_overrides_ = true; }
+  /// For a verb with a configuration of its own: leaves the assignments of --set to it instead of reading them as
+  /// flags, and takes away the common flags that the configuration stands for (--config, --device, --seed) or that do
+  /// not apply
+  /// (--json, --overwrite).
+  void keep_overrides();
   [[nodiscard]] const std::vector<std::string>& overrides() const { return overrides_; }
 
   /// Parses, runs `work` and prints its error as "e2lf: <verb>: <what>; <what to do>".

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "e2lf/learn/benchmark.h"
+#include "e2lf/learn/device.h"
 #include "e2lf/learn/trainer.h"
 
 namespace e2lf::learn {
@@ -68,6 +69,12 @@ Result<Config> read_config(const std::filesystem::path& path, const std::vector<
   return config_from_json(json, path.string() + ": $");
 }
 
+Result<void> check_holds_no_run(const std::filesystem::path& folder) {
+  if (check_output(folder / "config.json", /*overwrite=*/false)) return {};
+  return Error{ErrorCode::kExists, "this folder holds a run already; `e2lf resume` it, or name another",
+               folder.string()};
+}
+
 Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std::string>& overrides) {
   E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides));
   E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config));
@@ -75,35 +82,38 @@ Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std
   return trainer;
 }
 
-Result<void> run_and_export(Trainer& trainer, const std::filesystem::path& run, const Peers& peers,
-                            const ProgressFn& progress, const std::function<bool()>& keep_going) {
+Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesystem::path& run, const Peers& peers,
+                                             const ProgressFn& progress, const std::function<bool()>& keep_going) {
   keep_freed_memory();
   E2LF_RETURN_IF_ERROR(trainer.run(run, progress, keep_going));
-  if (!peers.leads()) return {};
-  return model::write_model(run / (trainer.config().name + ".safetensors"), trainer.to_model());
+  const auto model = run / (trainer.config().name + ".safetensors");
+  if (peers.leads()) E2LF_RETURN_IF_ERROR(model::write_model(model, trainer.to_model()));
+  return model;
 }
 
 }  // namespace
 
-Result<void> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
-                   const std::vector<std::string>& overrides, const ProgressFn& progress,
-                   const std::function<bool()>& keep_going) {
-  return guarded(config_path, [&]() -> Result<void> {
+Result<std::filesystem::path> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
+                                    const std::vector<std::string>& overrides, const ProgressFn& progress,
+                                    const std::function<bool()>& keep_going) {
+  return guarded(config_path, [&]() -> Result<std::filesystem::path> {
     E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
-    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_output(run / "config.json", /*overwrite=*/false));
+    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_holds_no_run(run));
     E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
-    E2LF_RETURN_IF_ERROR(peers.connect(torch::Device(config.device)));
+    E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
+    E2LF_RETURN_IF_ERROR(peers.connect(device));
     E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
     return run_and_export(trainer, run, peers, progress, keep_going);
   });
 }
 
-Result<void> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
-                    const ProgressFn& progress, const std::function<bool()>& keep_going) {
-  return guarded(run, [&]() -> Result<void> {
+Result<std::filesystem::path> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
+                                     const ProgressFn& progress, const std::function<bool()>& keep_going) {
+  return guarded(run, [&]() -> Result<std::filesystem::path> {
     E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
     E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides, peers));
-    E2LF_RETURN_IF_ERROR(peers.connect(torch::Device(config.device)));
+    E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
+    E2LF_RETURN_IF_ERROR(peers.connect(device));
     E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
     // The others take the state from the first.
     if (peers.leads()) E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
@@ -111,8 +121,9 @@ Result<void> resume(const std::filesystem::path& run, const std::vector<std::str
   });
 }
 
-Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model) {
+Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
   return guarded(run, [&]() -> Result<void> {
+    E2LF_RETURN_IF_ERROR(check_output(model, overwrite));
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
     return model::write_model(model, trainer.to_model());
   });

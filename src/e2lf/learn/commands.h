@@ -15,17 +15,23 @@ namespace e2lf::learn {
 /// `overrides` are "a.b=value" on the configuration. `keep_going` returning false stops after a checkpoint
 /// (kCancelled).
 
-/// Starts a run in a folder that does not hold one yet (kExists), and exports its model at the end.
-[[nodiscard]] Result<void> train(const std::filesystem::path& config, const std::filesystem::path& run,
-                                 const std::vector<std::string>& overrides = {}, const ProgressFn& progress = {},
-                                 const std::function<bool()>& keep_going = {});
+/// Starts a run in a folder that does not hold one yet (kExists), and exports its model at the end. Returns the model's
+/// file.
+[[nodiscard]] Result<std::filesystem::path> train(const std::filesystem::path& config, const std::filesystem::path& run,
+                                                  const std::vector<std::string>& overrides = {},
+                                                  const ProgressFn& progress = {},
+                                                  const std::function<bool()>& keep_going = {});
 
-/// Continues a run from its last checkpoint, and exports its model at the end.
-[[nodiscard]] Result<void> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides = {},
-                                  const ProgressFn& progress = {}, const std::function<bool()>& keep_going = {});
+/// Continues a run from its last checkpoint, and exports its model at the end. Returns the model's file.
+[[nodiscard]] Result<std::filesystem::path> resume(const std::filesystem::path& run,
+                                                   const std::vector<std::string>& overrides = {},
+                                                   const ProgressFn& progress = {},
+                                                   const std::function<bool()>& keep_going = {});
 
-/// The averaged weights of the last checkpoint as a model file.
-[[nodiscard]] Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model);
+/// The averaged weights of the last checkpoint as a model file. Fails with kExists when it is there and `overwrite` is
+/// false.
+[[nodiscard]] Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model,
+                                      bool overwrite);
 
 /// A table (tab-separated text) of PSNR and events per pixel of the last checkpoint on scenes of the run's data: at the
 /// nominal noise and without noise.

@@ -30,8 +30,9 @@ Result<const Scene*> Dataset::find(const std::string& name) const {
     if (scene.name == name) return &scene;
     names.push_back(scene.name);
   }
-  return Error{ErrorCode::kNotFound,
-               cat("no light field \"", name, "\" in the data; did you mean \"", nearest_word(name, names), "\"?"), ""};
+  const std::string remedy = names.empty() ? "it has none; pack some with `e2lf pack`"
+                                           : cat("did you mean \"", nearest_word(name, names), "\"?");
+  return Error{ErrorCode::kNotFound, cat("no light field \"", name, "\" in the packed data; ", remedy), "data.file"};
 }
 
 Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device) {

@@ -12,15 +12,27 @@ namespace {
 
 volatile std::sig_atomic_t g_stop = 0;
 
-int usage() {
+void print_usage(std::FILE* where) {
   std::fputs(
       "usage: e2lf-train train CONFIG.json -o RUN [--set key=value]...\n"
       "       e2lf-train resume RUN [--set key=value]...\n"
-      "       e2lf-train evaluate RUN SCENE... [--set key=value]...\n"
-      "       e2lf-train export RUN -o MODEL.safetensors\n"
-      "       e2lf-train bench [--batch B] [--steps S] [--json]\n",
-      stderr);
+      "       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed data)\n"
+      "       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n"
+      "       e2lf-train bench [--batch B] [--steps S] [--json]\n"
+      "--quiet: no progress\n",
+      where);
+}
+
+int usage_error() {
+  print_usage(stderr);
   return 2;
+}
+
+/// Says where the model of a run is.
+e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model, bool quiet) {
+  if (!model) return model.error();
+  if (!quiet) std::printf("model in %s\n", model->c_str());
+  return {};
 }
 
 /// Prints a report; its error otherwise.
@@ -36,45 +48,53 @@ int main(int argc, char** argv) {
   std::vector<std::string> names, overrides;
   std::string output;
   uint64_t batch = 4, steps = 5;
-  bool json = false;
+  bool json = false, overwrite = false, quiet = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     const bool takes_value = argument == "-o" || argument == "--set" || argument == "--batch" || argument == "--steps";
-    if (takes_value && i + 1 == argc) return usage();
+    if (takes_value && i + 1 == argc) return usage_error();
+    if (argument == "-h" || argument == "--help") return print_usage(stdout), 0;
     if (argument == "-o") {
       output = argv[++i];
     } else if (argument == "--set") {
       overrides.emplace_back(argv[++i]);
     } else if (argument == "--batch" || argument == "--steps") {
       const uint64_t value = std::strtoull(argv[++i], nullptr, 10);
-      if (value == 0) return usage();
+      if (value == 0) return usage_error();
       (argument == "--batch" ? batch : steps) = value;
     } else if (argument == "--json") {
       json = true;
+    } else if (argument == "--overwrite") {
+      overwrite = true;
+    } else if (argument == "--quiet") {
+      quiet = true;
+    } else if (argument.starts_with("-")) {
+      std::fprintf(stderr, "e2lf-train: there is no option %s\n", argument.c_str());
+      return usage_error();
     } else {
       names.push_back(argument);
     }
   }
   const bool benches = names.size() == 1 && names[0] == "bench";
-  if (names.size() < 2 && !benches) return usage();
+  if (names.size() < 2 && !benches) return usage_error();
   std::signal(SIGINT, [](int) { g_stop = 1; });
   std::signal(SIGTERM, [](int) { g_stop = 1; });
   const auto keep_going = [] { return g_stop == 0; };
 
-  e2lf::ProgressBar bar(names[0]);
+  e2lf::ProgressBar bar(names[0], quiet);
   e2lf::Result<void> result;
   if (names[0] == "train" && names.size() == 2 && !output.empty()) {
-    result = e2lf::learn::train(names[1], output, overrides, bar.callback(), keep_going);
+    result = print_model(e2lf::learn::train(names[1], output, overrides, bar.callback(), keep_going), quiet);
   } else if (names[0] == "resume" && names.size() == 2) {
-    result = e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going);
+    result = print_model(e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going), quiet);
   } else if (names[0] == "evaluate" && names.size() > 2) {
     result = print(e2lf::learn::evaluate_run(names[1], {names.begin() + 2, names.end()}, overrides));
   } else if (names[0] == "export" && names.size() == 2 && !output.empty()) {
-    result = e2lf::learn::export_run(names[1], output);
+    result = e2lf::learn::export_run(names[1], output, overwrite);
   } else if (benches) {
     result = print(e2lf::learn::benchmark(batch, steps, json, bar.callback()));
   } else {
-    return usage();
+    return usage_error();
   }
   if (result) return 0;
   std::fprintf(stderr, "e2lf-train: %s: %s\n", names[0].c_str(), result.error().text().c_str());

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/file.h"
 #include "e2lf/learn/centring.h"
+#include "e2lf/learn/device.h"
 #include "e2lf/learn/draws.h"
 #include "e2lf/learn/input_form.h"
 
@@ -31,13 +33,23 @@ NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
   return tensors;
 }
 
-/// The codes [N, views] of a model file.
-Result<torch::Tensor> read_codes(const std::string& path, const PatternConfig& patterns, torch::Device device) {
-  E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
-  if (!model.codes || model.codes->num_patterns != patterns.num_patterns) {
-    return Error{ErrorCode::kShape, "no codes with patterns.num_patterns patterns in this file; name another", path};
+/// The codes [N, views] of a model file or a file of codes.
+Result<torch::Tensor> read_codes(const std::filesystem::path& path, const PatternConfig& patterns,
+                                 torch::Device device) {
+  std::optional<aperture::Codes> codes;
+  if (path.extension() == ".safetensors") {
+    E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
+    codes = model.codes;
+  } else {
+    E2LF_ASSIGN_OR_RETURN(codes, aperture::read_codes(path));
   }
-  return to_tensor(*model.codes, device);
+  if (!codes || codes->num_patterns != patterns.num_patterns || codes->views_y != 8 || codes->views_x != 8) {
+    return Error{ErrorCode::kShape,
+                 cat("no codes of patterns.num_patterns (", patterns.num_patterns,
+                     ") patterns of 8x8 cells in this file; name another"),
+                 path.string()};
+  }
+  return to_tensor(*codes, device);
 }
 
 }  // namespace
@@ -95,7 +107,7 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
                      " processes; make it a multiple"),
                  "train.batch"};
   }
-  const torch::Device device(config.device);
+  E2LF_ASSIGN_OR_RETURN(const torch::Device device, open_device(config.device));
   E2LF_ASSIGN_OR_RETURN(auto dataset, read_dataset(config.data.file, device));
   E2LF_ASSIGN_OR_RETURN(auto batches, Batches::create(config, std::move(dataset), device));
   torch::manual_seed(mix_seed(config.seed, 0, kInitialSeed));

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
+#include "e2lf/aperture/codes_io.h"
 #include "e2lf/learn/commands.h"
 #include "e2lf/learn/test_data.h"
 
@@ -53,6 +54,31 @@ TEST(Trainer, LeavesTheCodesOutOfTheModelWhenAsked) {
   EXPECT_FALSE(model.codes.has_value());
   EXPECT_TRUE(model.black_first);
   EXPECT_TRUE(model::write_model(data.folder() / "model", model));
+}
+
+TEST(Trainer, TakesPatternsFromAFileOfPatterns) {
+  const TestData data;
+  auto config = data.config();
+  aperture::Codes codes(4, 8, 8);
+  for (size_t i = 64; i < codes.values.size(); ++i) codes.values[i] = i % 3 == 0 ? 1.0F : 0.0F;
+  config.patterns.codes = (data.folder() / "codes.json").string();
+  ASSERT_TRUE(aperture::write_codes(config.patterns.codes, codes));
+  const auto trainer = Trainer::create(config);
+  ASSERT_TRUE(trainer) << trainer.error().text();
+  EXPECT_EQ(trainer->to_model().codes, codes);
+  config.patterns.num_patterns = 5;
+  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kShape);
+}
+
+TEST(Trainer, RefusesDevicesThatAreNotThere) {
+  const TestData data;
+  auto config = data.config();
+  for (const char* name : {"gpu", "cuda:", "cuda:x", "cuda:-1", ""}) {
+    config.device = name;
+    EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << name;
+  }
+  config.device = "cuda:99";
+  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kUnsupported);
 }
 
 TEST(Trainer, LowersTheLossOnOneScene) {
@@ -123,6 +149,7 @@ TEST(Commands, TrainWritesLogsAndAModelThatReconstructionCanRead) {
   EXPECT_EQ(lines, 9U);  // a header and one per step
   EXPECT_TRUE(std::filesystem::exists(run / "evaluation.csv"));
   EXPECT_EQ(train(data.folder() / "config.json", run).error().code, ErrorCode::kExists);
+  EXPECT_EQ(export_run(run, run / "tiny.safetensors", /*overwrite=*/false).error().code, ErrorCode::kExists);
   EXPECT_TRUE(resume(run, {"train.steps=10"}));
   const auto table = evaluate_run(run, {"first", "second"});
   ASSERT_TRUE(table) << table.error().text();
@@ -144,7 +171,7 @@ TEST(Commands, TakeDenormalsAsZeroSoThatMomentaCanFade) {
   if (!at::globalContext().setFlushDenormal(false)) GTEST_SKIP() << "this CPU cannot";
   const auto half = [] { return (torch::full({16}, 1e-39F) * 0.5).max().item<float>(); };
   EXPECT_GT(half(), 0.0F);
-  EXPECT_FALSE(export_run("no such run", "no model"));
+  EXPECT_FALSE(export_run("no such run", "no model", /*overwrite=*/false));
   EXPECT_EQ(half(), 0.0F);
 }
 
