@@ -35,6 +35,8 @@ done
 [ "$("$E2LF" info slice.npy --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
 fails 1 "give --overwrite" "$E2LF" convert recording.raw a.csv
 fails 1 "check the path" "$E2LF" convert nothing.raw x.csv
+fails 1 "has this extension" "$E2LF" convert demo/scene scene.mat
+absent scene.mat
 
 "$E2LF" convert demo/scene scene.npy
 "$E2LF" convert scene.npy scene_back --format png

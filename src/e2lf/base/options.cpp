@@ -63,11 +63,10 @@ const Json& OptionReader::child(const std::string& key) {
   return object_->is_object() && object_->contains(key) ? object_->at(key) : kNull;
 }
 
-void OptionReader::fail(const std::string& key) {
+void OptionReader::fail(const std::string& key, const char* kind) {
   if (error_) return;
   error_ = Error{ErrorCode::kInvalidValue,
-                 cat("a value of the wrong type or out of range (", object_->at(key).dump(),
-                     "); see the documentation of this key"),
+                 cat("a value of the wrong type or out of range (", object_->at(key).dump(), "); give ", kind),
                  child_location(key)};
 }
 

@@ -64,12 +64,12 @@ class OptionReader {
     const Json& value = object_->at(key);
     try {
       if (!fits<T>(value)) {
-        fail(key);
+        fail(key, kind_of<T>());
       } else {
         set(value.get<T>());
       }
     } catch (const nlohmann::json::exception&) {
-      fail(key);
+      fail(key, kind_of<T>());
     }
     return *this;
   }
@@ -88,7 +88,20 @@ class OptionReader {
       return true;
     }
   }
-  void fail(const std::string& key);
+  /// What a value of that type is called in errors.
+  template <typename T>
+  static const char* kind_of() {
+    if constexpr (std::is_same_v<T, bool>) {
+      return "true or false";
+    } else if constexpr (std::is_integral_v<T>) {
+      return std::is_unsigned_v<T> ? "a whole number from 0" : "a whole number";
+    } else if constexpr (std::is_floating_point_v<T>) {
+      return "a number";
+    } else {
+      return std::is_convertible_v<T, std::string> ? "a text" : "a list";
+    }
+  }
+  void fail(const std::string& key, const char* kind);
 
   const Json* object_;
   std::string location_;

@@ -2,6 +2,7 @@
 // e2lf convert: between event formats, or between light-field formats
 #include "e2lf/events/convert.h"
 
+#include <cctype>
 #include <cstdio>
 
 #include "e2lf/base/progress.h"
@@ -24,6 +25,19 @@ struct ConvertArguments {
   int64_t from_us = INT64_MIN, to_us = INT64_MAX;
 };
 
+/// What --format says, else the extension. A folder of views is what has none: "x.mat" is meant to be something else.
+Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& arguments) {
+  if (!arguments.format.empty()) return lightfield::parse_format(arguments.format);
+  const lightfield::LightFieldFormat format = lightfield::format_of_path(arguments.output);
+  const std::string extension = arguments.output.extension().string();
+  const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
+  if (format != lightfield::LightFieldFormat::kPng8 || !is_named) return format;
+  return Error{ErrorCode::kUnsupported,
+               "no light-field format that is written has this extension; take .npy, .h5, .png (a lenslet mosaic), a "
+               "folder's name, or give --format",
+               arguments.output.string()};
+}
+
 Result<void> convert_light_field(const ConvertArguments& arguments, const CommonOptions& common) {
   lightfield::ReadOptions read;
   read.colour = arguments.colour;
@@ -31,13 +45,19 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Common
   read.range = lightfield::RangePolicy::kKeep;
   lightfield::WriteOptions write;
   write.overwrite = common.overwrite;
-  write.format = lightfield::format_of_path(arguments.output);
-  if (!arguments.format.empty()) {
-    E2LF_ASSIGN_OR_RETURN(write.format, lightfield::parse_format(arguments.format));
-  }
+  E2LF_ASSIGN_OR_RETURN(write.format, light_field_format(arguments));
   ProgressBar bar("convert", common.quiet);
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(arguments.input, read));
-  return lightfield::write_light_field(arguments.output, light_field, write, bar.callback());
+  E2LF_RETURN_IF_ERROR(lightfield::write_light_field(arguments.output, light_field, write, bar.callback()));
+  const lightfield::Shape& shape = light_field.shape();
+  if (common.json) {
+    const Json json = {{"views", {shape.views_y, shape.views_x}}, {"height", shape.height}, {"width", shape.width}};
+    std::printf("%s\n", json.dump(2).c_str());
+  } else if (!common.quiet) {
+    std::printf("%zux%zu views of %zux%zu px in %s\n", shape.views_y, shape.views_x, shape.width, shape.height,
+                arguments.output.c_str());
+  }
+  return {};
 }
 
 Result<void> convert_events(const ConvertArguments& arguments, const CommonOptions& common) {

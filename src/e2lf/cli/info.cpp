@@ -99,6 +99,11 @@ Result<void> print_info(const fs::path& path, const RecordingInfoOptions& record
     description = describe_event_images(path);
   } else if (lightfield::detect_kind(path)) {
     description = describe_light_field(path);
+  } else if (fs::is_directory(path, error)) {
+    return Error{ErrorCode::kFormat,
+                 "the folder holds neither event images (event_image_00000.npy ...) nor views of a light field; name "
+                 "what is in it",
+                 path.string()};
   } else {
     return print_recording_info(path, recording, verb.common());
   }
@@ -116,7 +121,8 @@ int run_info(const std::vector<std::string>& arguments) {
   RecordingInfoOptions recording;
   verb.app().add_option("path,-i,--input", path, "file or folder")->required();
   verb.app().add_option("--plot", recording.plot, "recordings: write the event rate over time as an SVG picture");
-  verb.app().add_option("--format", recording.format, "recordings: the format, where the file does not tell");
+  verb.app().add_option("--event-format,--format", recording.format,
+                        "recordings: the format, where the file does not tell");
   add_time_options(verb.app(), recording.from_us, recording.to_us);
   return verb.run(arguments, [&] { return print_info(path, recording, verb); });
 }

@@ -142,6 +142,9 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
 
 Result<EventImageFile> read_event_images(const fs::path& path) {
   std::error_code status;
+  if (!fs::exists(path, status)) {
+    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+  }
   if (fs::is_directory(path, status)) return read_folder(path);
   const std::string extension = path.extension().string();
   if (extension == ".npz") return read_archive(path);

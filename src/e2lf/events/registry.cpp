@@ -106,7 +106,8 @@ Result<const Codec*> detect_codec(ByteSource& source) {
     if (codec.detect != nullptr && codec.detect(head)) return &codec;
   }
   if (const Codec* codec = codec_of_extension(source.path())) return codec;
-  return Error{ErrorCode::kFormat, cat("not a recording of a known format; name its format, one of ", codec_names()),
+  return Error{ErrorCode::kFormat,
+               cat("not a recording of a known format; name its format (--event-format), one of ", codec_names()),
                source.name()};
 }
 
@@ -114,7 +115,10 @@ Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std
   if (!format.empty()) return find_codec(format);
   if (const Codec* codec = codec_of_extension(path)) return codec;
   return Error{ErrorCode::kInvalidValue,
-               cat("no format has the extension of this name; name the format, one of ", codec_names()), path.string()};
+               cat("no format has the extension of this name; take another, as .raw or .hdf5, or name the format "
+                   "(--format), one of ",
+                   codec_names()),
+               path.string()};
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {

@@ -23,7 +23,7 @@ Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const ch
     return Error{ErrorCode::kShape,
                  cat("holds ", stored, " view ", axis, "s, not enough for ", std::max<size_t>(wanted.count, 1),
                      wanted.first ? cat(" from number ", *wanted.first) : "", " with step ", wanted.step,
-                     "; ask for fewer views"),
+                     "; name a light field with more views"),
                  location};
   }
   if (wanted.count > 0 && !wanted.first) chosen.first = (stored - ((wanted.count - 1) * wanted.step + 1)) / 2;

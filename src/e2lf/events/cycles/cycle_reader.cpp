@@ -186,7 +186,9 @@ Result<CycleReader> CycleReader::open(std::unique_ptr<RecordingReader> reader, c
     return invalid("the tolerance of intervals must be between 0 and 0.5");
   }
   if (reader->info().width == 0 || reader->info().height == 0) {
-    return invalid("the recording does not say how large the sensor is; give its width and height");
+    return invalid(
+        "the recording does not say how large the sensor is; give its width and height (--sensor-width, "
+        "--sensor-height)");
   }
   return CycleReader(std::make_unique<Impl>(std::move(reader), options));
 }

@@ -209,7 +209,8 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
     info.format = options.format;
   }
   if (info.format.empty()) {
-    return Error{ErrorCode::kFormat, "the file does not say how its events are encoded; name the format (evt3, ...)",
+    return Error{ErrorCode::kFormat,
+                 "the file does not say how its events are encoded; name the format (--event-format evt3)",
                  source.name()};
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));

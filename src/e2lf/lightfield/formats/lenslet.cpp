@@ -17,7 +17,8 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
   if (mosaic.width % views != 0 || mosaic.height % views != 0) {
     return Error{ErrorCode::kShape,
                  cat("a mosaic of ", mosaic.width, "x", mosaic.height, " samples does not divide into microlenses of ",
-                     views, "x", views, " views; give the views per microlens"),
+                     views, "x", views,
+                     " views; a single picture is read as such a mosaic, views in files of their own lie in a folder"),
                  location};
   }
   StoredArray array;
