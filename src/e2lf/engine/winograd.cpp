@@ -43,10 +43,7 @@ class WinogradKernel final : public Kernel {
 
   Reach reach() const override { return {kernel_ / 2, parts_ * 3 - 1 - kernel_ / 2, 1, 1}; }
 
-  size_t scratch_bytes() const override {
-    return transformed_bytes() + sums_bytes() +
-           (patch_rows() * kWinogradPoints * group_ + kFewChannels) * sizeof(Element);
-  }
+  size_t scratch_bytes() const override { return transformed_bytes() + sums_bytes() + patch_bytes(); }
 
   size_t num_blocks(const Strip& strip) const override {
     return (num_tiles(strip) + kWinogradBlockTiles - 1) / kWinogradBlockTiles;
@@ -60,6 +57,8 @@ class WinogradKernel final : public Kernel {
     auto* transformed = reinterpret_cast<Element*>(scratch);
     auto* sums = reinterpret_cast<float*>(scratch + transformed_bytes());
     auto* patch = reinterpret_cast<Element*>(scratch + transformed_bytes() + sums_bytes());
+    // Behind the channels that gather_shifts() writes; zero weights would not keep out the NaN of an earlier stage.
+    if (parts_ > 1) std::memset(patch, 0, patch_bytes());
     for (size_t tile = 0; tile < count; ++tile) {
       transform_tile(strip, first + tile, patch, transformed + tile * kWinogradMatrices * depth_);
     }
@@ -121,6 +120,8 @@ class WinogradKernel final : public Kernel {
   }
   size_t transformed_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * depth_ * sizeof(Element); }
   size_t sums_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * weights_.columns() * sizeof(float); }
+
+  size_t patch_bytes() const { return (patch_rows() * kWinogradPoints * group_ + kFewChannels) * sizeof(Element); }
 
   /// The 6x6 input pixels of a tile, transformed: point p goes to `to` + p * depth_.
   void transform_tile(const Strip& strip, size_t tile, Element* HWY_RESTRICT patch, Element* HWY_RESTRICT to) const {
