@@ -235,7 +235,8 @@ class PlanMaker {
       const Reach reach = stage.kernel->reach();
       for (const size_t input : stage.inputs) {
         const size_t own = std::max(reach.before, reach.after) * plan_.tensors[input].scale;
-        halo[i + 1] = std::max(halo[i + 1], halo[input] + own);
+        // A coarse pixel made from one that a cut spoils is spoilt as a whole.
+        halo[i + 1] = std::max(halo[i + 1], round_up(halo[input] + own, plan_.tensors[i + 1].scale));
       }
       if (stage.residual) halo[i + 1] = std::max(halo[i + 1], halo[*stage.residual]);
     }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/engine/test_networks.h"
+#include "e2lf/model/unet.h"
 
 namespace e2lf::engine {
 namespace {
@@ -27,8 +28,20 @@ PanelRun run_panels(const Plan& plan, const std::vector<float>& input, size_t he
   return result;
 }
 
+/// Down and up again, twice: what one pixel at a cut spoils grows to a whole coarse one each time.
+TestNetwork down_and_up_twice() {
+  return {"down and up twice",
+          {1,
+           {conv("a", "input", 2, 3), conv("down1", "a", 8, 8, true, "", 8), conv("b", "down1", 8, 3),
+            conv("c", "b", 8, 3), transposed("up1", "c", 2, 8), conv("d", "up1", 2, 3),
+            conv("down2", "d", 8, 8, true, "", 8), conv("e", "down2", 8, 3), transposed("up2", "e", 2, 8)}},
+          8};
+}
+
 TEST(StreamTest, PanelsGiveWhatTheWholeImageGives) {
-  for (const TestNetwork& test : test_networks()) {
+  std::vector<TestNetwork> tests = test_networks();
+  tests.push_back(down_and_up_twice());
+  for (const TestNetwork& test : tests) {
     const Plan plan = make_plan(test.network, random_weights(test.network, 3), ElementType::kFloat32).value();
     const size_t height = 12 * test.multiple;
     const size_t width = 60 * test.multiple;
@@ -43,6 +56,12 @@ TEST(StreamTest, PanelsGiveWhatTheWholeImageGives) {
     // Not bit by bit: a Winograd tile rounds differently when what lies beside it differs.
     EXPECT_LT(largest, 1e-4) << test.name;
   }
+}
+
+TEST(StreamTest, HalosHoldAllThatNetworksOfSeveralScalesSee) {
+  const model::Network network = model::unet({.input_channels = 9, .head_blocks = 4});
+  const Plan plan = make_plan(network, random_weights(network, 3), ElementType::kFloat32).value();
+  EXPECT_GE(plan.halo, model::receptive_radius(network));
 }
 
 TEST(StreamTest, MemoryDoesNotGrowWithTheHeight) {
