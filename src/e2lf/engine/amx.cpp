@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/tap_grid.h"
@@ -197,7 +198,7 @@ double TileMultiplyAdd(size_t rounds) {
 #else
 
 std::unique_ptr<Kernel> MakeAmx(const ConvSpec& /*spec*/) {
-  return nullptr;
+  E2LF_REQUIRE(false, "AMX needs bfloat16_supported()");
 }
 
 double TileMultiplyAdd(size_t /*rounds*/) {

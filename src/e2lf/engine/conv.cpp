@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/engine/conv.h"
 
+#include <algorithm>
 #include <array>
 
-#include "e2lf/base/isa.h"
-#include "e2lf/base/text.h"
 #include "e2lf/engine/winograd.h"
 
 namespace e2lf::engine {
@@ -91,15 +90,6 @@ double conv_cost(const ConvSpec& spec) {
   return winograd_refusal(spec).empty() ? winograd_cost(spec) : direct_cost(spec);
 }
 
-bool bfloat16_supported() {
-#if defined(__x86_64__)
-  const std::string isa = current_isa();
-  return (isa == "avx512" || isa == "amx") && __builtin_cpu_supports("avx512bf16") != 0;
-#else
-  return false;
-#endif
-}
-
 const std::vector<ConvMethod>& conv_methods() {
   static const std::vector<ConvMethod> methods = {
       {"amx", amx_refusal, make_amx}, {"winograd", winograd_refusal, make_winograd}, {"direct", never, make_direct}};
@@ -107,10 +97,10 @@ const std::vector<ConvMethod>& conv_methods() {
 }
 
 std::unique_ptr<Kernel> make_conv(const ConvSpec& spec) {
-  for (const ConvMethod& method : conv_methods()) {
-    if (method.refusal(spec).empty()) return method.make(spec);
-  }
-  return nullptr;
+  const std::vector<ConvMethod>& methods = conv_methods();
+  const auto first = std::find_if(methods.begin(), methods.end(),
+                                  [&](const ConvMethod& method) { return method.refusal(spec).empty(); });
+  return first->make(spec);  // the last one never refuses
 }
 
 }  // namespace e2lf::engine

@@ -28,7 +28,7 @@ struct ConvSpec {
   }
 };
 
-/// Makes the fastest kernel that can compute `spec`. bfloat16 needs bfloat16_supported().
+/// Makes the fastest kernel that can compute `spec`. bfloat16 without bfloat16_supported() breaks the contract.
 [[nodiscard]] std::unique_ptr<Kernel> make_conv(const ConvSpec& spec);
 
 /// Products per output pixel that the kernel make_conv() would choose takes, transforms included; needs no weights.
@@ -37,7 +37,8 @@ struct ConvSpec {
 /// Whether the CPU multiplies bfloat16 pairs (AVX512_BF16), the build knows how and E2LF_MAX_ISA allows it.
 [[nodiscard]] bool bfloat16_supported();
 
-/// One way to compute convolutions. `refusal` says why it cannot or should not compute a spec; "" = it can.
+/// One way to compute convolutions. `refusal` says why it cannot or should not compute a spec; "" = it can. bfloat16
+/// without bfloat16_supported() breaks the contract of `make`.
 struct ConvMethod {
   std::string name;
   std::string (*refusal)(const ConvSpec& spec);

@@ -164,6 +164,15 @@ TEST_F(ConvTest, MethodsSayWhyTheyDoNotApply) {
   EXPECT_EQ(conv_methods().back().refusal(spec), "");
 }
 
+TEST_F(ConvTest, NoMethodMakesBfloat16WhereItIsNotSupported) {
+  ConvSpec spec = random_spec(64, 64, 3, 1);
+  spec.compute = ElementType::kBfloat16;
+  set_max_isa("avx2").value();
+  ASSERT_FALSE(bfloat16_supported());
+  EXPECT_THROW((void)make_conv(spec), ContractError);
+  for (const ConvMethod& method : conv_methods()) EXPECT_THROW((void)method.make(spec), ContractError) << method.name;
+}
+
 TEST_F(ConvTest, PackedMatricesHoldPanelsOfColumns) {
   const PackedMatrices packed(ElementType::kFloat32, 2, 3, 70, [](size_t matrix, size_t row, size_t column) {
     return static_cast<float>(matrix * 10000 + row * 100 + column);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/base/contract.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/tap_grid.h"
 
@@ -127,8 +128,12 @@ std::unique_ptr<Kernel> MakeDirect(const ConvSpec& spec) {
 #if E2LF_TARGET_HAS_BF16
   if (spec.compute == ElementType::kBfloat16) return std::make_unique<DirectKernel<Bfloat16Products>>(spec);
 #endif
-  if (spec.compute == ElementType::kBfloat16) return nullptr;
+  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
   return std::make_unique<DirectKernel<FloatProducts>>(spec);
+}
+
+bool KnowsBfloat16() {
+  return E2LF_TARGET_HAS_BF16 != 0;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -139,9 +144,18 @@ HWY_AFTER_NAMESPACE();
 namespace e2lf::engine {
 
 HWY_EXPORT(MakeDirect);
+HWY_EXPORT(KnowsBfloat16);
 
 std::unique_ptr<Kernel> make_direct(const ConvSpec& spec) {
   return HWY_DYNAMIC_DISPATCH(MakeDirect)(spec);
+}
+
+bool bfloat16_supported() {
+#if defined(__x86_64__)
+  return HWY_DYNAMIC_DISPATCH(KnowsBfloat16)() && __builtin_cpu_supports("avx512bf16") != 0;
+#else
+  return false;
+#endif
 }
 
 }  // namespace e2lf::engine

@@ -19,8 +19,9 @@
 #define E2LF_UNROLL _Pragma("GCC unroll 16")
 
 // bfloat16 kernels exist where the instruction set can have AVX512_BF16; whether the CPU does is asked at run time.
+// Highway's better targets are smaller numbers; its later versions have more of them beyond AVX3.
 #undef E2LF_TARGET_HAS_BF16
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
 #define E2LF_TARGET_HAS_BF16 1
 #else
 #define E2LF_TARGET_HAS_BF16 0

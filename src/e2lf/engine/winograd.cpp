@@ -3,6 +3,7 @@
 #include <array>
 #include <cstring>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/engine/conv.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -247,7 +248,7 @@ std::unique_ptr<Kernel> MakeWinograd(const ConvSpec& spec) {
 #if E2LF_TARGET_HAS_BF16
   if (spec.compute == ElementType::kBfloat16) return std::make_unique<WinogradKernel<Bfloat16Products>>(spec);
 #endif
-  if (spec.compute == ElementType::kBfloat16) return nullptr;
+  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
   return std::make_unique<WinogradKernel<FloatProducts>>(spec);
 }
 
