@@ -57,6 +57,10 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
   const bool narrow = impl->precision == Precision::kBfloat16;
   E2LF_ASSIGN_OR_RETURN(impl->plan,
                         make_plan(network, weights, narrow ? ElementType::kBfloat16 : ElementType::kFloat32));
+  if (const size_t scale = impl->plan.tensors.back().scale; scale != 1) {
+    return Error{ErrorCode::kShape, cat("the output is at 1/", scale, " of the resolution; end at that of the input"),
+                 cat("layer \"", network.layers.back().name, "\"")};
+  }
   return Engine(std::move(impl));
 }
 

@@ -31,7 +31,9 @@ struct EngineOptions {
 /// Thread count: base/threads.h. One run at a time per Engine.
 class Engine {
  public:
-  /// Prepares kernels and weights. Fails with kUnsupported (an operation or precision this CPU or build lacks).
+  /// Prepares kernels and weights. Fails with kUnsupported (a precision this CPU lacks or E2LF_MAX_ISA leaves out), as
+  /// model::infer_shapes() does, with kShape (an output that is not at the input's resolution, weights of another size)
+  /// and kNotFound (missing weights).
   [[nodiscard]] static Result<Engine> create(const model::Network& network, const model::Weights& weights,
                                              const EngineOptions& options = {});
   Engine(Engine&&) noexcept;

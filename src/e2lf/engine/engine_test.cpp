@@ -150,6 +150,17 @@ TEST_F(EngineTest, NamesTheWeightThatIsMissingOrOfAnotherSize) {
   EXPECT_EQ(engine.error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(EngineTest, RefusesNetworksThatEndAtAnotherResolution) {
+  for (const model::Network& network :
+       {model::Network{3, {conv("a", "input", 8, 2, true, "", 2)}},
+        model::Network{3, {conv("a", "input", 8, 3), reshape("b", model::Op::kPixelUnshuffle, {"a"}, 2)}}}) {
+    const auto engine = Engine::create(network, random_weights(network, 1));
+    ASSERT_FALSE(engine.ok());
+    EXPECT_EQ(engine.error().code, ErrorCode::kShape);
+    EXPECT_EQ(engine.error().location, cat("layer \"", network.layers.back().name, "\""));
+  }
+}
+
 TEST_F(EngineTest, BreaksTheContractForSizesThatDoNotFit) {
   const TestNetwork test = test_networks()[3];
   const Engine engine = Engine::create(test.network, random_weights(test.network, 1)).value();
