@@ -59,6 +59,13 @@ void render_row(const View& view, std::span<const PlacedImage> images, std::span
   }
 }
 
+template <class Images>
+Result<void> check_not_empty(const Images& images) {
+  if (images.image_size() > 0) return {};
+  return Error{ErrorCode::kShape, cat("images of ", images.width, "x", images.height, " are empty; give some pixels"),
+               ""};
+}
+
 }  // namespace
 
 Result<lightfield::LightField> linear_estimate(const aperture::CodedIntensities& intensities,
@@ -69,6 +76,7 @@ Result<lightfield::LightField> linear_estimate(const aperture::CodedIntensities&
                      " patterns; use the patterns that the events were recorded with"),
                  ""};
   }
+  E2LF_RETURN_IF_ERROR(check_not_empty(intensities));
   std::vector<PlacedImage> images;
   std::vector<size_t> lit;
   for (size_t n = 0; n < codes.num_patterns; ++n) {
@@ -116,6 +124,7 @@ Result<lightfield::LightField> reconstruct_by_inversion(const events::EventImage
                      " patterns; use the patterns that the events were recorded with"),
                  ""};
   }
+  E2LF_RETURN_IF_ERROR(check_not_empty(images));
   E2LF_ASSIGN_OR_RETURN(aperture::CodedIntensities intensities, invert_events(images, inversion));
   denoise_intensities(intensities, images, constants, options.denoise_radius);
   return linear_estimate(intensities, codes, options);

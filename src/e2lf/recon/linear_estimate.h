@@ -22,7 +22,7 @@ struct LinearEstimateOptions {
 /// cells, is taken for a picture from the pattern's centre of light. Their disparity is searched block by block
 /// (coded_disparity()); then each view is the best linear combination (view_weights()) of the pictures, each moved by
 /// its disparity to the view. Blur over the open cells and occlusions are not undone. The result is not clamped.
-/// Fails with kShape (images and patterns differ in number) and kInvalidValue (every pattern is black).
+/// Fails with kShape (images and patterns differ in number, empty images) and kInvalidValue (every pattern is black).
 [[nodiscard]] Result<lightfield::LightField> linear_estimate(const aperture::CodedIntensities& intensities,
                                                              const aperture::Codes& codes,
                                                              const LinearEstimateOptions& options = {});

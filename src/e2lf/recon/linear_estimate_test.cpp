@@ -130,6 +130,15 @@ TEST(LinearEstimate, WrongInputsAreRefused) {
   EXPECT_EQ(reconstruct_by_inversion(events::EventImages(2, 4, 4), corner_codes(), {}).error().code, ErrorCode::kShape);
 }
 
+TEST(LinearEstimate, EmptyImagesAreRefused) {
+  for (const auto& [height, width] : {std::pair<size_t, size_t>{0, 4}, {4, 0}, {0, 0}}) {
+    const auto inversion = reconstruct_by_inversion(events::EventImages(3, height, width), corner_codes(), {});
+    EXPECT_EQ(inversion.error().code, ErrorCode::kShape) << height << "x" << width;
+    const auto estimate = linear_estimate(aperture::CodedIntensities(4, height, width), corner_codes());
+    EXPECT_EQ(estimate.error().code, ErrorCode::kShape) << height << "x" << width;
+  }
+}
+
 TEST(Denoise, AveragesFlatPartsAndKeepsEdges) {
   // A step far above the noise, and a deviating pixel within it.
   events::EventImages images(1, 20, 20);
