@@ -53,29 +53,31 @@ bool ask_for_amx() {
 }
 
 bool amx_usable(int64_t targets) {
+  if (!g_amx_allowed || (targets & kAvx512 & ~kAvx2) == 0) return false;
   static const bool granted = ask_for_amx();
-  return g_amx_allowed && (targets & kAvx512 & ~kAvx2) != 0 && granted;
+  return granted;
+}
+
+/// What the cap `word` leaves on.
+Result<int64_t> targets_under(const std::string& word) {
+  std::vector<std::string> names;
+  for (const Isa& isa : isas()) {
+    if (word == isa.name) return isa.targets;
+    names.emplace_back(isa.name);
+  }
+  return Error{ErrorCode::kInvalidValue, cat("unknown instruction set \"", word, "\"; use one of ", join(names)),
+               "E2LF_MAX_ISA"};
 }
 
 }  // namespace
 
 Result<void> set_max_isa(const std::string& word) {
+  constexpr int64_t kAll = -1;
+  E2LF_ASSIGN_OR_RETURN(const int64_t targets, word.empty() ? Result<int64_t>(kAll) : targets_under(word));
   // Not DisableTargets(): in Highway 1.0 every call of SupportedTargets() dispatches to the disabled ones again.
   hwy::SetSupportedTargetsForTest(0);
   g_amx_allowed = word.empty() || word == kAmx;
-  if (!word.empty()) {
-    const Isa* chosen = nullptr;
-    std::vector<std::string> names;
-    for (const Isa& isa : isas()) {
-      names.emplace_back(isa.name);
-      if (word == isa.name) chosen = &isa;
-    }
-    if (chosen == nullptr) {
-      return Error{ErrorCode::kInvalidValue, cat("unknown instruction set \"", word, "\"; use one of ", join(names)),
-                   "E2LF_MAX_ISA"};
-    }
-    hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & chosen->targets);
-  }
+  if (targets != kAll) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & targets);
   return {};
 }
 

@@ -13,7 +13,7 @@ namespace e2lf {
 /// Fails with kInvalidValue on another word.
 [[nodiscard]] Result<void> apply_isa_cap();
 
-/// The same from a word; "" lifts the cap.
+/// The same from a word; "" lifts the cap. Another word changes nothing.
 [[nodiscard]] Result<void> set_max_isa(const std::string& isa);
 
 /// What kernels run as now: "scalar", "sse4", "avx2", "avx512", or "amx", which is avx512 with tiles of bfloat16.

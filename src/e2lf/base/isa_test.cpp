@@ -26,6 +26,10 @@ HWY_AFTER_NAMESPACE();
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
+#if defined(__x86_64__) && defined(__linux__)
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
 
 #include "e2lf/base/isa.h"
 
@@ -70,6 +74,27 @@ TEST_F(Isa, RefusesAnUnknownWord) {
   EXPECT_EQ(error.code, ErrorCode::kInvalidValue);
   EXPECT_THAT(error.message, testing::HasSubstr("avx2"));
 }
+
+TEST_F(Isa, AnUnknownWordChangesNothing) {
+  ASSERT_TRUE(set_max_isa("scalar").ok());
+  ASSERT_FALSE(set_max_isa("mmx").ok());
+  EXPECT_EQ(current_isa(), "scalar");
+}
+
+#if defined(__x86_64__) && defined(__linux__)
+TEST_F(Isa, TilesThatTheCapExcludesAreNotAskedFor) {
+  const auto tiles_permitted = [] {
+    constexpr int kGetPermission = 0x1022;  // of arch_prctl(2)
+    constexpr uint64_t kTileData = uint64_t{1} << 18U;
+    uint64_t permitted = 0;
+    return ::syscall(SYS_arch_prctl, kGetPermission, &permitted) == 0 && (permitted & kTileData) != 0;
+  };
+  if (tiles_permitted()) GTEST_SKIP() << "another test of this process has asked for them";
+  ASSERT_TRUE(set_max_isa("avx512").ok());
+  (void)available_isas();
+  EXPECT_FALSE(tiles_permitted());
+}
+#endif
 
 TEST_F(Isa, TakesTheCapFromTheEnvironment) {
   ::setenv("E2LF_MAX_ISA", "scalar", 1);
