@@ -72,7 +72,8 @@ TEST(StreamTest, MemoryDoesNotGrowWithTheHeight) {
       const std::vector<float> input(test.network.input_channels * height * width);
       return run_panels(plan, input, height, width, width).live_bytes;
     };
-    EXPECT_EQ(live_bytes(120 * test.multiple), live_bytes(240 * test.multiple)) << test.name;
+    // A slab of the pool holds 504 of the smallest rows: with fewer than that nothing would be seen.
+    EXPECT_EQ(live_bytes(1200), live_bytes(2400)) << test.name;
   }
 }
 
