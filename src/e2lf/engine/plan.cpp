@@ -32,6 +32,21 @@ Result<std::vector<float>> find_weights(const model::Weights& weights, const std
   return found->second;
 }
 
+/// The layers that the output is made from: rows of a tensor that nobody reads would never be released, nor those that
+/// it is made from.
+model::Network without_unread_layers(const model::Network& network) {
+  std::set<std::string> read = {network.layers.back().name};
+  model::Network result{network.input_channels, {}};
+  for (size_t i = network.layers.size(); i-- > 0;) {
+    const Layer& layer = network.layers[i];
+    if (read.count(layer.name) == 0) continue;
+    read.insert(layer.inputs.begin(), layer.inputs.end());
+    read.insert(layer.residual);
+    result.layers.insert(result.layers.begin(), layer);
+  }
+  return result;
+}
+
 class PlanMaker {
  public:
   PlanMaker(const model::Network& network, const model::Weights& weights, ElementType compute)
@@ -262,7 +277,9 @@ std::vector<size_t> Stage::reads() const {
 }
 
 Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute) {
-  return PlanMaker(network, weights, compute).make();
+  if (const auto shapes = model::infer_shapes(network); !shapes) return shapes.error();
+  const model::Network read = without_unread_layers(network);
+  return PlanMaker(read, weights, compute).make();
 }
 
 }  // namespace e2lf::engine

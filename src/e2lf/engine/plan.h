@@ -38,8 +38,8 @@ struct Plan {
   size_t halo = 0;       ///< pixels beside a cut that results depend on, a multiple of `alignment`
 };
 
-/// Chooses kernels and packs weights. Fails as infer_shapes does, and with kNotFound / kShape for missing or wrong
-/// weights. `compute` = bfloat16 needs bfloat16_supported().
+/// Chooses kernels and packs weights; layers that the output does not depend on are left out. Fails as infer_shapes
+/// does, and with kNotFound / kShape for missing or wrong weights. `compute` = bfloat16 needs bfloat16_supported().
 [[nodiscard]] Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute);
 
 }  // namespace e2lf::engine

@@ -38,6 +38,13 @@ TestNetwork down_and_up_twice() {
           8};
 }
 
+/// Two layers, and a branch of two that leads nowhere.
+TestNetwork with_unread_layers() {
+  return {"unread",
+          {5, {conv("a", "input", 16, 3), conv("b", "input", 16, 3), conv("c", "b", 8, 3), conv("out", "a", 16, 3)}},
+          1};
+}
+
 TEST(StreamTest, PanelsGiveWhatTheWholeImageGives) {
   std::vector<TestNetwork> tests = test_networks();
   tests.push_back(down_and_up_twice());
@@ -65,7 +72,9 @@ TEST(StreamTest, HalosHoldAllThatNetworksOfSeveralScalesSee) {
 }
 
 TEST(StreamTest, MemoryDoesNotGrowWithTheHeight) {
-  for (const TestNetwork& test : test_networks()) {
+  std::vector<TestNetwork> tests = test_networks();
+  tests.push_back(with_unread_layers());
+  for (const TestNetwork& test : tests) {
     const Plan plan = make_plan(test.network, random_weights(test.network, 3), ElementType::kFloat32).value();
     const auto live_bytes = [&](size_t height) {
       const size_t width = 12 * test.multiple;
@@ -75,6 +84,14 @@ TEST(StreamTest, MemoryDoesNotGrowWithTheHeight) {
     // A slab of the pool holds 504 of the smallest rows: with fewer than that nothing would be seen.
     EXPECT_EQ(live_bytes(1200), live_bytes(2400)) << test.name;
   }
+}
+
+TEST(StreamTest, LayersThatNobodyReadsAreNotComputed) {
+  const TestNetwork test = with_unread_layers();
+  const Plan plan = make_plan(test.network, random_weights(test.network, 3), ElementType::kFloat32).value();
+  ASSERT_EQ(plan.stages.size(), 2U);
+  EXPECT_EQ(plan.stages[0].name, "a");
+  EXPECT_EQ(plan.stages[1].name, "out");
 }
 
 /// A coarse branch, then many layers at full resolution, and a shortcut around all of them.
