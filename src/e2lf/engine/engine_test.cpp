@@ -169,6 +169,19 @@ TEST_F(EngineTest, BreaksTheContractForSizesThatDoNotFit) {
   EXPECT_THROW((void)engine.run(input, 6, 8, output), ContractError);
 }
 
+TEST_F(EngineTest, TheReferenceBreaksTheContractForSizesThatDoNotFit) {
+  const TestNetwork test = test_networks()[3];
+  const model::Weights weights = random_weights(test.network, 1);
+  const std::vector<float> input(3 * 8 * 8);
+  EXPECT_THROW((void)run_reference(test.network, weights, input, 8, 9), ContractError);
+  EXPECT_THROW((void)run_reference(test.network, weights, std::vector<float>(3 * 6 * 8), 6, 8), ContractError);
+  for (const char* name : {"e1.weight", "e1.bias", "t1.weight", "t1.bias"}) {
+    model::Weights shorter = weights;
+    shorter.at(name).pop_back();
+    EXPECT_THROW((void)run_reference(test.network, shorter, input, 8, 8), ContractError) << name;
+  }
+}
+
 TEST_F(EngineTest, ReportsProgressToTheEnd) {
   const TestNetwork test = test_networks()[0];
   const Engine engine = Engine::create(test.network, random_weights(test.network, 1)).value();

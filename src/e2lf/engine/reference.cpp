@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 
@@ -124,6 +125,9 @@ Result<std::vector<float>> run_reference(const model::Network& network, const mo
                                          std::span<const float> input, size_t height, size_t width) {
   E2LF_ASSIGN_OR_RETURN(const auto shapes, model::infer_shapes(network));
   E2LF_REQUIRE(input.size() == network.input_channels * height * width, "the input has another size");
+  const size_t multiple = model::size_multiple(network);
+  E2LF_REQUIRE(height % multiple == 0 && width % multiple == 0,
+               cat("height and width must be multiples of ", multiple));
   std::map<std::string, Planes> tensors;
   tensors.emplace("input", Planes(network.input_channels, height, width))
       .first->second.values.assign(input.begin(), input.end());
@@ -138,6 +142,9 @@ Result<std::vector<float>> run_reference(const model::Network& network, const mo
       if (weight == weights.end() || bias == weights.end()) {
         return Error{ErrorCode::kNotFound, cat("the weights lack those of ", layer.name, "; use a complete model"), ""};
       }
+      const size_t taps = inputs[0]->channels * layer.kernel * layer.kernel;
+      E2LF_REQUIRE(weight->second.size() == taps * layer.out_channels, layer.name + ".weight has another size");
+      E2LF_REQUIRE(bias->second.size() == layer.out_channels, layer.name + ".bias has another size");
       kernel.emplace(Kernel{weight->second, bias->second});
     }
     const Planes* residual = layer.residual.empty() ? nullptr : &tensors.at(layer.residual);
