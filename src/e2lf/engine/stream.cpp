@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <exception>
 #include <omp.h>
 
 #include "e2lf/base/contract.h"
@@ -222,9 +223,7 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
   // round, so that no thread waits long for another.
   const size_t threads = scratch_.size();
   std::atomic<size_t> next = 0;
-#pragma omp parallel num_threads(static_cast <int>(threads))
-  {
-    std::byte* scratch = scratch_[static_cast<size_t>(omp_get_thread_num())].data();
+  const auto run_blocks = [&](std::byte* scratch) {
     size_t begin = next;
     while (begin < blocks.size()) {
       const size_t end = begin + std::max<size_t>(1, (blocks.size() - begin) / (kRunsPerThread * threads));
@@ -232,7 +231,19 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
       for (size_t i = begin; i < end; ++i) blocks[i].first->run(blocks[i].second, scratch);
       begin = next;
     }
+  };
+  // Not parallel_for(): each thread keeps its own scratch memory from round to round, in its cache.
+  std::exception_ptr failure;
+#pragma omp parallel num_threads(static_cast <int>(threads))
+  {
+    try {
+      run_blocks(scratch_[static_cast<size_t>(omp_get_thread_num())].data());
+    } catch (...) {
+#pragma omp critical(e2lf_stream)
+      failure = std::current_exception();
+    }
   }
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace e2lf::engine

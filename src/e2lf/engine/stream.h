@@ -27,7 +27,8 @@ class Stream {
  public:
   Stream(const Plan& plan, const Image& image, size_t begin, size_t end);
 
-  /// One round; false once the last row of output is written.
+  /// One round; false once the last row of output is written. What a kernel throws comes through here and ends the
+  /// stream.
   [[nodiscard]] bool advance();
 
   [[nodiscard]] size_t rows_done() const { return written_; }

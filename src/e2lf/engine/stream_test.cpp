@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <new>
 
 #include "e2lf/engine/test_networks.h"
 #include "e2lf/model/unet.h"
@@ -92,6 +93,25 @@ TEST(StreamTest, LayersThatNobodyReadsAreNotComputed) {
   ASSERT_EQ(plan.stages.size(), 2U);
   EXPECT_EQ(plan.stages[0].name, "a");
   EXPECT_EQ(plan.stages[1].name, "out");
+}
+
+/// Fails as a kernel does that finds no memory.
+class FailingKernel final : public Kernel {
+ public:
+  [[nodiscard]] std::string describe() const override { return ""; }
+  [[nodiscard]] Reach reach() const override { return {1, 1}; }
+  [[nodiscard]] size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
+  void run_block(const Strip& /*strip*/, size_t /*block*/, std::byte* /*scratch*/) const override {
+    throw std::bad_alloc();
+  }
+};
+
+TEST(StreamTest, ExceptionsOfKernelsReachTheCaller) {
+  const TestNetwork test = test_networks()[0];
+  Plan plan = make_plan(test.network, random_weights(test.network, 3), ElementType::kFloat32).value();
+  plan.stages[1].kernel = std::make_unique<FailingKernel>();
+  const std::vector<float> input(test.network.input_channels * size_t{40} * 40);
+  EXPECT_THROW((void)run_panels(plan, input, 40, 40, 40), std::bad_alloc);
 }
 
 /// A coarse branch, then many layers at full resolution, and a shortcut around all of them.
