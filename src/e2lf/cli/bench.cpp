@@ -36,15 +36,23 @@ void print_bench_reconstruct(const Json& json) {
               json["peak_gflops"].dump().c_str(), json["peak_memory_mib"].get<double>());
 }
 
+void add_size_options(Verb& verb, size_t& width, size_t& height) {
+  const CLI::Range pixels(size_t{1}, size_t{16384});
+  verb.app().add_option("--width", width, "of the image in pixels")->check(pixels)->capture_default_str();
+  verb.app().add_option("--height", height, "of the image in pixels")->check(pixels)->capture_default_str();
+}
+
 int run_bench_reconstruct(const std::vector<std::string>& arguments) {
   Verb verb("bench reconstruct",
             "Measure the reconstruction network against libtorch and the machine's multiply-add peak, in the same run.",
             "e2lf bench reconstruct --json");
   ReconstructBench options;
   std::filesystem::path model;
-  verb.app().add_option("--width", options.width)->capture_default_str();
-  verb.app().add_option("--height", options.height)->capture_default_str();
-  verb.app().add_option("--runs", options.runs, "of each; figures are medians")->capture_default_str();
+  add_size_options(verb, options.width, options.height);
+  verb.app()
+      .add_option("--runs", options.runs, "of each; figures are medians")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   verb.app().add_option("-m,--model", model, "model file; default: the paper's network with random weights");
   return verb.run(arguments, [&]() -> Result<void> {
     if (!model.empty()) {
@@ -66,8 +74,7 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
             "Measure the event simulation against the scalar reference on one thread, in the same run.",
             "e2lf bench simulate --json");
   sensor::SimulationBenchmarkOptions options;
-  verb.app().add_option("--width", options.width)->capture_default_str();
-  verb.app().add_option("--height", options.height)->capture_default_str();
+  add_size_options(verb, options.width, options.height);
   verb.app().add_option("--seconds", options.seconds, "time for each measurement")->capture_default_str();
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(const sensor::SimulationBenchmark result, sensor::benchmark_simulation(options));

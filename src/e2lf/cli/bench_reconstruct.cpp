@@ -199,10 +199,20 @@ class Bench {
   Json report_;
 };
 
+Result<void> check(const ReconstructBench& options) {
+  const size_t multiple = options.model ? model::size_multiple(options.model->network) : 1;
+  for (const auto& [name, size] : {std::pair("--width", options.width), std::pair("--height", options.height)}) {
+    if (size > 0 && size % multiple == 0) continue;
+    return Error{ErrorCode::kInvalidValue, cat(size, " pixels; this network needs a multiple of ", multiple), name};
+  }
+  if (options.runs > 0) return {};
+  return Error{ErrorCode::kInvalidValue, "no runs; make at least one", "--runs"};
+}
+
 }  // namespace
 
 Result<Json> bench_reconstruct(const ReconstructBench& options, const ProgressFn& progress) {
-  E2LF_REQUIRE(options.runs > 0 && options.height > 0 && options.width > 0, "a benchmark has an image and runs");
+  E2LF_RETURN_IF_ERROR(check(options));
   return Bench(options, progress).run();
 }
 

@@ -24,7 +24,8 @@ struct ReconstructBench {
 /// Measures the speed of the reconstruction network on an image of noise: every precision the CPU has, beside it the
 /// machine's peak in a multiply-add loop and, where the build has one, libtorch in float32 in this same process with
 /// the same threads. Operations count multiply-adds of the network as written, twice each. Fails as Engine::create
-/// does.
+/// does and with kInvalidValue (no runs, a size that is not a multiple of what the network needs; the location names
+/// the option).
 ///
 /// {"image": [720, 1280], "threads": 2, "isa": "avx512", "gmac": 873,
 ///  "peak_gflops": {"float32": .., "bfloat16": ..},
