@@ -9,8 +9,8 @@
 namespace e2lf::engine {
 
 /// The one convolution that equals a chain of stride-1 convolutions with nothing between them, away from the border:
-/// kernel = 1 + sum(kernel_i - 1), taps and bias composed in double precision. ReLU, residual and output type are the
-/// last one's, the compute type is the first one's.
+/// kernel = 1 + sum(kernel_i - 1), taps and bias composed in double precision. ReLU, residual and the types are the
+/// last one's.
 [[nodiscard]] ConvSpec compose(const std::vector<ConvSpec>& chain);
 
 /// How far from the image's border compose() differs from the chain, whose inner results are zero outside the image:

@@ -31,7 +31,8 @@ struct ConvSpec {
 /// Makes the fastest kernel that can compute `spec`. bfloat16 without bfloat16_supported() breaks the contract.
 [[nodiscard]] std::unique_ptr<Kernel> make_conv(const ConvSpec& spec);
 
-/// Products per output pixel that the kernel make_conv() would choose takes, transforms included; needs no weights.
+/// Products per output pixel, transforms included, that the better of Winograd and direct sums takes; needs no weights.
+/// AMX, which make_conv() may choose, is not considered.
 [[nodiscard]] double conv_cost(const ConvSpec& spec);
 
 /// Whether the CPU multiplies bfloat16 pairs (AVX512_BF16), the build knows how and E2LF_MAX_ISA allows it.

@@ -42,7 +42,8 @@ struct Rows {
 };
 
 /// Which input rows a layer reads: output rows [begin, end) need [begin * down / up - before, ceil(end * down / up) +
-/// after). Columns are the same; a kernel may also read kTileSize - 1 columns and rows further, times anything.
+/// after). Columns are the same. A kernel may also read kTileSize - 1 columns and rows further, for which the same
+/// holds, and behind them in each row 5 * down pixels, whatever they hold, for sums that it drops.
 struct Reach {
   size_t before = 0;
   size_t after = 0;

@@ -133,8 +133,8 @@ HWY_INLINE void clear(FloatVec (&sums)[kRows][kVectors]) {
   }
 }
 
-/// Calls visit<kVectors>(column, panel, offset of the column in the panel, panel width) for groups of column vectors
-/// that together cover a packed matrix.
+/// Calls visit<kVectors>(first column of a panel, offset of the group in the panel, panel width) for groups of column
+/// vectors that together cover a packed matrix.
 template <class Visitor>
 HWY_INLINE void for_column_groups(size_t columns, const Visitor& visitor) {
   for (size_t begin = 0; begin < columns; begin += kPanelWidth) {

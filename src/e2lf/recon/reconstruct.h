@@ -16,14 +16,15 @@ namespace e2lf::recon {
 /// Turns event images into light fields with one model; made once, used for every cycle.
 class Reconstructor {
  public:
-  /// Prepares the network of `model`. Fails as Engine::create does.
+  /// Prepares the network of `model`. Fails as model::validate() and Engine::create() do.
   [[nodiscard]] static Result<Reconstructor> create(model::Model model, const engine::EngineOptions& options = {});
 
   /// The network's plain output, not clamped and without gain: [view_y, view_x, y, x]. Images whose size the network
   /// does not take are extended as network_input() says and the result is cropped. A network that works at reduced
   /// resolution errs differently where pixels fall differently on its grid: the result is the mean over the first
-  /// num_passes(passes) of grid_shifts(), at so many times the cost and, from two on, with room for a second light
-  /// field. Fails with kShape when the number of event images is not N - 1 or they are empty, and as Engine::run does.
+  /// num_passes(passes) of grid_shifts(), at so many times the cost. From two passes on, or where the result is
+  /// cropped, a second light field needs room. Fails with kShape when the number of event images is not N - 1 or they
+  /// are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const events::EventImages& images,
                                                            const ProgressFn& progress = {}, size_t passes = 1) const;
 
