@@ -52,6 +52,14 @@ Result<torch::Tensor> read_codes(const std::filesystem::path& path, const Patter
   return to_tensor(*codes, device);
 }
 
+/// A configuration as a model file keeps it: where files lay is nobody's business.
+Json without_folders(Config config) {
+  for (std::string* path : {&config.start, &config.data.file, &config.patterns.codes, &config.patterns.start}) {
+    *path = std::filesystem::path(*path).filename().string();
+  }
+  return to_json(config);
+}
+
 }  // namespace
 
 double learning_rate(const TrainConfig& train, uint64_t step) {
@@ -324,7 +332,7 @@ model::Model Trainer::to_model() const {
   model.input = config_.input;
   model.network = network_.network();
   model.weights = to_weights(average_);
-  model.provenance = {{"samples", step_ * config_.train.batch}, {"steps", step_}, {"config", to_json(config_)}};
+  model.provenance = {{"samples", step_ * config_.train.batch}, {"steps", step_}, {"config", without_folders(config_)}};
   return model;
 }
 

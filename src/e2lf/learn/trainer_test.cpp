@@ -142,6 +142,7 @@ TEST(Commands, TrainWritesLogsAndAModelThatReconstructionCanRead) {
   EXPECT_EQ(model->input.size(), 3U);
   for (const float value : model->codes->values) EXPECT_TRUE(value == 0.0F || value == 1.0F);
   EXPECT_EQ(model->provenance["samples"], 16);
+  EXPECT_EQ(model->provenance["config"]["data"]["file"], "packed.safetensors");  // without the folder
 
   std::ifstream log(run / "log.csv");
   size_t lines = 0;
