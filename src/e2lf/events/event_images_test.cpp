@@ -117,6 +117,8 @@ TEST_F(EventImageFiles, FolderProblemsAreNamed) {
 
 TEST_F(EventImageFiles, MissingAndForeignFilesAreNamed) {
   EXPECT_EQ(failure(folder_ / "absent.npz"), ErrorCode::kNotFound);
+  EXPECT_EQ(failure(folder_ / "absent.txt"), ErrorCode::kNotFound);
+  ASSERT_TRUE(write_file(folder_ / "events.txt", std::string("1 2 3\n")));
   EXPECT_EQ(failure(folder_ / "events.txt"), ErrorCode::kUnsupported);
   NpzArrays arrays;
   const std::vector<float> values(1);
