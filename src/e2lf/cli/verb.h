@@ -39,8 +39,7 @@ class Verb {
 
   /// For a verb with a configuration of its own: leaves the assignments of --set to it instead of reading them as
   /// flags, and takes away the common flags that the configuration stands for (--config, --device, --seed) or that do
-  /// not apply
-  /// (--json, --overwrite).
+  /// not apply (--json, --overwrite).
   void keep_overrides();
   [[nodiscard]] const std::vector<std::string>& overrides() const { return overrides_; }
 

@@ -28,10 +28,11 @@ int usage_error() {
   return 2;
 }
 
-/// Says where the model of a run is.
+/// Says where the model of a run is; one of several processes writes it.
 e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model, bool quiet) {
   if (!model) return model.error();
-  if (!quiet) std::printf("model in %s\n", model->c_str());
+  std::error_code error;
+  if (!quiet && std::filesystem::exists(*model, error)) std::printf("model in %s\n", model->c_str());
   return {};
 }
 
