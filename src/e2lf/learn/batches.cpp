@@ -26,9 +26,12 @@ uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
 
 Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
   Batches batches(config, std::move(dataset), device);
-  for (const auto* names : {&config.data.validation, &config.data.exclude}) {
+  using List = std::pair<const char*, const std::vector<std::string>*>;
+  for (const auto& [key, names] :
+       {List("data.validation", &config.data.validation), List("data.exclude", &config.data.exclude)}) {
     for (const std::string& name : *names) {
-      if (const auto found = batches.dataset_.find(name); !found) return found.error();
+      const auto found = batches.dataset_.find(name);
+      if (!found) return Error{found.error().code, cat(found.error().message, " Or take it out of this list"), key};
     }
   }
   const auto patch = static_cast<int64_t>(config.train.patch);

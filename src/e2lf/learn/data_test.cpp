@@ -161,6 +161,7 @@ TEST(Batches, DependOnTheStepAloneAndNeverShowValidationScenes) {
   EXPECT_EQ(create().error().code, ErrorCode::kInvalidValue);
   config.data.exclude = {"third"};
   EXPECT_EQ(create().error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(create().error().location, "data.exclude");
 }
 
 TEST(Batches, AResumedPoolHoldsTheSameLightFields) {
