@@ -29,7 +29,7 @@ struct PatternConfig {
   bool black_first = true;
   bool complementary = false;  ///< every second pattern is the inverse of the one before; not with black_first
   EventModel event_model = EventModel::kReferenceAware;
-  std::string codes;            ///< a model file or a file of codes to use as they are; empty: learn them
+  std::string codes;            ///< a model file or codes as JSON, to use as they are; empty: learn them
   std::string start;            ///< likewise, codes that learning starts from; empty: at random
   double noise_start = 0.0;     ///< at random: parameters are white noise of this width; 0 = soft discs
   bool in_model = true;         ///< the model holds the codes; without them it reconstructs but does not simulate

@@ -33,7 +33,8 @@ NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
   return tensors;
 }
 
-/// The codes [N, views] of a model file or a file of codes.
+/// The codes [N, views] of a model file or a JSON file of codes. (Other files would need libraries that a machine with
+/// torch alone may lack.)
 Result<torch::Tensor> read_codes(const std::filesystem::path& path, const PatternConfig& patterns,
                                  torch::Device device) {
   std::optional<aperture::Codes> codes;
@@ -41,7 +42,8 @@ Result<torch::Tensor> read_codes(const std::filesystem::path& path, const Patter
     E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
     codes = model.codes;
   } else {
-    E2LF_ASSIGN_OR_RETURN(codes, aperture::read_codes(path));
+    E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
+    E2LF_ASSIGN_OR_RETURN(codes, aperture::codes_from_json(json, path.string()));
   }
   if (!codes || codes->num_patterns != patterns.num_patterns || codes->views_y != 8 || codes->views_x != 8) {
     return Error{ErrorCode::kShape,
