@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/inversion.h"
 
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "e2lf/base/text.h"
@@ -23,6 +25,41 @@ Result<void> check(const events::EventImages& images, const InversionOptions& op
                cat("the black pattern is number ", options.black, " but there are ", images.transitions + 1,
                    " patterns; count from 0"),
                ""};
+}
+
+/// What is known of a pixel's log intensity, in thresholds.
+struct Interval {
+  int lower = 0, upper = 0;
+};
+
+Interval operator+(Interval a, Interval b) {
+  return {a.lower + b.lower, a.upper + b.upper};
+}
+Interval operator-(Interval a) {
+  return {-a.upper, -a.lower};
+}
+
+/// E + R(E).
+Interval counted(int count) {
+  return {count - (count <= 0 ? 1 : 0), count + (count >= 0 ? 1 : 0)};
+}
+
+/// Intervals of one pixel for all patterns, relative to the black one.
+void pixel_intervals(std::span<const int> counts, size_t black, Counting counting, std::span<Interval> intervals) {
+  const auto step = [&](size_t k) -> Interval {
+    return counting == Counting::kQuantised ? counted(counts[k]) : Interval{counts[k], counts[k]};
+  };
+  intervals[black] = {};
+  for (size_t n = black; n + 1 < intervals.size(); ++n) intervals[n + 1] = intervals[n] + step(n);
+  for (size_t n = black; n-- > 0;) intervals[n] = intervals[n + 1] + -step(n);
+  if (counting == Counting::kQuantised) return;
+  // The counted levels are exact; what lies between them and the log intensities is the rest at either end.
+  const auto rest = [&](size_t n) -> Interval {
+    return n == 0 ? Interval{} : counted(counts[n - 1]) + Interval{-counts[n - 1], -counts[n - 1]};
+  };
+  for (size_t n = 0; n < intervals.size(); ++n) {
+    if (n != black) intervals[n] = intervals[n] + rest(n) + -rest(black);
+  }
 }
 
 }  // namespace
@@ -48,6 +85,49 @@ Result<aperture::CodedIntensities> invert_events(const events::EventImages& imag
     }
   });
   return intensities;
+}
+
+Result<IntensityBounds> intensity_bounds(const events::EventImages& images, const InversionOptions& options,
+                                         Counting counting) {
+  E2LF_RETURN_IF_ERROR(check(images, options));
+  const IntensityTable table(options.constants);
+  const size_t num_patterns = images.transitions + 1;
+  IntensityBounds bounds;
+  bounds.lower = bounds.upper = aperture::CodedIntensities(num_patterns, images.height, images.width);
+  parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
+    std::vector<int> counts(images.transitions);
+    std::vector<Interval> intervals(num_patterns);
+    for (size_t pixel = begin; pixel < end; ++pixel) {
+      for (size_t k = 0; k < images.transitions; ++k) counts[k] = images.image(k)[pixel];
+      pixel_intervals(counts, options.black, counting, intervals);
+      for (size_t n = 0; n < num_patterns; ++n) {
+        bounds.lower.image(n)[pixel] = std::max(0.0F, table.at_half_steps(2 * intervals[n].lower));
+        bounds.upper.image(n)[pixel] = std::max(0.0F, table.at_half_steps(2 * intervals[n].upper));
+      }
+    }
+  });
+  return bounds;
+}
+
+events::EventImages permute_events(const events::EventImages& images, std::span<const size_t> order) {
+  std::vector<size_t> sorted(order.begin(), order.end());
+  std::sort(sorted.begin(), sorted.end());
+  E2LF_REQUIRE(sorted.size() == images.transitions + 1, "an order must hold every pattern");
+  for (size_t n = 0; n < sorted.size(); ++n) E2LF_REQUIRE(sorted[n] == n, "an order must hold every pattern once");
+
+  events::EventImages permuted(images.transitions, images.height, images.width);
+  parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
+    std::vector<int> levels(order.size());
+    for (size_t pixel = begin; pixel < end; ++pixel) {
+      for (size_t k = 0; k < images.transitions; ++k) levels[k + 1] = levels[k] + images.image(k)[pixel];
+      for (size_t k = 0; k < images.transitions; ++k) {
+        const int count = levels[order[k + 1]] - levels[order[k]];
+        permuted.image(k)[pixel] = static_cast<int16_t>(
+            std::clamp<int>(count, std::numeric_limits<int16_t>::min(), std::numeric_limits<int16_t>::max()));
+      }
+    }
+  });
+  return permuted;
 }
 
 }  // namespace e2lf::recon

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "e2lf/aperture/coded_intensities.h"
 #include "e2lf/aperture/sensor_constants.h"
@@ -27,5 +28,27 @@ struct InversionOptions {
 /// Fails with kInvalidValue (eps or tau not positive, no such pattern n_B).
 [[nodiscard]] Result<aperture::CodedIntensities> invert_events(const events::EventImages& images,
                                                                const InversionOptions& options);
+
+/// For each coded intensity the closed interval that its counts allow.
+struct IntensityBounds {
+  aperture::CodedIntensities lower, upper;
+};
+
+enum class Counting { kQuantised, kReferenceAware };  ///< Eq. 8; Eq. 9 and 10
+
+/// The intervals of noise-free events (options.centred is not used). In thresholds, a count e leaves behind a rest
+/// R(e) = [0, 1] for e > 0, [-1, 0] for e < 0, [-1, 1] for e = 0. With l_n = ln(I_n + eps), l_B = ln(eps):
+///   reference-aware: (l_n - l_B) / tau in C_n + R(E_n) - R(E_B), and R = 0 for the first pattern, where the reference
+///                    starts;
+///   quantised:       (l_n - l_B) / tau in the sum of E_k + R(E_k) over the transitions k between n_B and n, with the
+///                    opposite sign when n < n_B.
+/// Intensities are never negative, which cuts the intervals at 0. Fails as invert_events() does.
+[[nodiscard]] Result<IntensityBounds> intensity_bounds(const events::EventImages& images,
+                                                       const InversionOptions& options, Counting counting);
+
+/// The virtual event images of the same patterns shown in another order (Eq. 11): image i leads from pattern order[i]
+/// to pattern order[i + 1]. `order` holds each of 0 .. N - 1 once; else the contract is broken. Sums beyond int16 are
+/// saturated.
+[[nodiscard]] events::EventImages permute_events(const events::EventImages& images, std::span<const size_t> order);
 
 }  // namespace e2lf::recon

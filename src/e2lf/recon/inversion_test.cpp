@@ -4,10 +4,42 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "e2lf/base/rng.h"
+
 namespace e2lf::recon {
 namespace {
 
 constexpr double kEps = 0.01, kTau = 0.30;
+
+/// Noise-free events straight from Eq. 8 to 10, in double precision.
+events::EventImages count_events(const aperture::CodedIntensities& intensities, Counting counting) {
+  events::EventImages images(intensities.num_patterns - 1, intensities.height, intensities.width);
+  for (size_t pixel = 0; pixel < images.image_size(); ++pixel) {
+    double reference = std::log(double{intensities.image(0)[pixel]} + kEps);
+    for (size_t k = 0; k < images.transitions; ++k) {
+      const double now = std::log(double{intensities.image(k + 1)[pixel]} + kEps);
+      const double count = std::trunc((now - reference) / kTau);
+      images.image(k)[pixel] = static_cast<int16_t>(count);
+      reference = counting == Counting::kQuantised ? now : reference + kTau * count;
+    }
+  }
+  return images;
+}
+
+/// Dark to bright noise; pattern `black` sees nothing.
+aperture::CodedIntensities random_intensities(size_t black) {
+  aperture::CodedIntensities intensities(5, 40, 50);
+  const CounterRng rng(4, black);
+  for (size_t i = 0; i < intensities.values.size(); ++i) intensities.values[i] = std::exp(-6.0F * rng.uniform(i));
+  for (float& value : intensities.image(black)) value = 0;
+  return intensities;
+}
+
+/// How far ln(I + eps) lies outside the interval, in thresholds.
+double violation(float intensity, float lower, float upper) {
+  const auto level = [](float value) { return std::log(double{value} + kEps) / kTau; };
+  return std::max(level(lower) - level(intensity), level(intensity) - level(upper));
+}
 
 TEST(Inversion, ClosedFormHoldsOnBothSidesOfTheBlackPattern) {
   events::EventImages images(3, 1, 1);
@@ -30,6 +62,35 @@ TEST(Inversion, CentringAddsHalfAThresholdTowardTheLastChange) {
   for (size_t n = 0; n < 5; ++n) EXPECT_NEAR(intensities->image(n)[0], kEps * std::expm1(kTau * levels[n]), 1e-6) << n;
 }
 
+TEST(Inversion, NoiseFreeIntensitiesLieWithinTheirBounds) {
+  for (const Counting counting : {Counting::kQuantised, Counting::kReferenceAware}) {
+    for (size_t black = 0; black < 5; ++black) {
+      const auto truth = random_intensities(black);
+      const auto bounds = intensity_bounds(count_events(truth, counting), {.black = black}, counting);
+      ASSERT_TRUE(bounds);
+      for (size_t i = 0; i < truth.values.size(); ++i) {
+        ASSERT_LE(violation(truth.values[i], bounds->lower.values[i], bounds->upper.values[i]), 1e-4);
+      }
+    }
+  }
+}
+
+TEST(Inversion, ReferenceAwareBoundsAfterAFirstBlackPatternAreOneThresholdWide) {
+  const auto truth = random_intensities(0);
+  const auto images = count_events(truth, Counting::kReferenceAware);
+  const auto bounds = intensity_bounds(images, {}, Counting::kReferenceAware);
+  ASSERT_TRUE(bounds);
+  for (size_t k = 0; k < images.transitions; ++k) {
+    for (size_t i = 0; i < images.image_size(); ++i) {
+      const double width =
+          std::log((double{bounds->upper.image(k + 1)[i]} + kEps) / (double{bounds->lower.image(k + 1)[i]} + kEps)) /
+          kTau;
+      // A transition without events leaves either side open, as far as there is light at all.
+      ASSERT_LE(width, (images.image(k)[i] == 0 ? 2 : 1) + 1e-4);
+    }
+  }
+}
+
 TEST(Inversion, WrongInputsAreRefused) {
   const events::EventImages images(3, 1, 1);
   for (const InversionOptions& options : {InversionOptions{.black = 4}, InversionOptions{.constants = {.eps = 0}},
@@ -38,6 +99,27 @@ TEST(Inversion, WrongInputsAreRefused) {
     ASSERT_FALSE(intensities);
     EXPECT_EQ(intensities.error().code, ErrorCode::kInvalidValue);
   }
+}
+
+TEST(PermutedEvents, AreSumsAlongTheWayBetweenPatterns) {
+  events::EventImages images(3, 1, 1);
+  images.counts = {-4, 7, -2};
+  const std::vector<size_t> order = {1, 0, 3, 2};
+  const auto permuted = permute_events(images, order);
+  EXPECT_EQ(permuted.counts, (std::vector<int16_t>{4, 1, 2}));  // 1 to 0, 0 to 3, 3 to 2
+}
+
+TEST(PermutedEvents, InverseOrderBringsThemBack) {
+  const auto images = count_events(random_intensities(2), Counting::kReferenceAware);
+  const std::vector<size_t> order = {2, 0, 4, 1, 3}, inverse = {1, 3, 0, 4, 2};
+  EXPECT_NE(permute_events(images, order), images);
+  EXPECT_EQ(permute_events(permute_events(images, order), inverse), images);
+}
+
+TEST(PermutedEvents, OrderMustHoldEveryPatternOnce) {
+  const events::EventImages images(2, 1, 1);
+  EXPECT_THROW(std::ignore = permute_events(images, std::vector<size_t>{0, 1}), ContractError);
+  EXPECT_THROW(std::ignore = permute_events(images, std::vector<size_t>{0, 1, 1}), ContractError);
 }
 
 }  // namespace
