@@ -14,11 +14,11 @@ Error unknown_extension(const std::filesystem::path& path) {
           path.string()};
 }
 
+}  // namespace
+
 NpyArray codes_to_npy(const Codes& codes) {
   return make_npy<float>({codes.num_patterns, codes.views_y, codes.views_x}, codes.values);
 }
-
-}  // namespace
 
 Result<Codes> codes_from_npy(const NpyArray& array, const std::string& location) {
   if (array.shape.size() != 3) {

@@ -21,6 +21,9 @@ namespace e2lf::aperture {
 /// Patterns from a numeric array [N, view_y, view_x]. Fails with kShape for another rank and as validate() does.
 [[nodiscard]] Result<Codes> codes_from_npy(const NpyArray& array, const std::string& location);
 
+/// The same as an array float32 [N, view_y, view_x].
+[[nodiscard]] NpyArray codes_to_npy(const Codes& codes);
+
 /// Reads / writes patterns by the file's extension: .json, .npy, or .npz with an array `codes`. Fails with kUnsupported
 /// for another extension. (Model files hold patterns too: see model::read_model.)
 [[nodiscard]] Result<Codes> read_codes(const std::filesystem::path& path);

@@ -2,10 +2,13 @@
 // e2lf accumulate: recording -> event images per pattern cycle
 #include <cstdio>
 
+#include "e2lf/aperture/codes_io.h"
+#include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/rate_plot.h"
+#include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/events/event_image_writer.h"
@@ -45,6 +48,14 @@ class CyclePlot {
   FoundCycles found_;
 };
 
+/// Puts the patterns of the recording beside its event images, where they are those of the schedule.
+void keep_codes(const aperture::Codes& codes, const fs::path& input, size_t transitions,
+                events::EventImageWriter& writer) {
+  if (codes.num_patterns == transitions + 1) return writer.set_codes(aperture::codes_to_npy(codes));
+  log_warning(cat(input.string(), " holds ", codes.num_patterns, " patterns, which are not those of the schedule with ",
+                  transitions, " event images: leaving them out"));
+}
+
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   if (arguments.output.extension() != ".npz") {
@@ -59,12 +70,14 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(events::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, is_plotted ? plot.observer() : CycleObserver()));
   E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(arguments.output));
+  E2LF_ASSIGN_OR_RETURN(const auto codes, recorded_codes(arguments.input, reader.recording().info()));
   float least_confidence = 1.0F;
   Json cycles = Json::array();
   while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<events::Cycle> cycle, reader.next());
     if (!cycle) break;
     least_confidence = std::min(least_confidence, cycle->confidence);
+    if (writer.cycles() == 0 && codes) keep_codes(*codes, arguments.input, cycle->images.transitions, writer);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
     if (is_plotted) plot.add(*cycle);

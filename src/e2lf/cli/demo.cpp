@@ -109,9 +109,8 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
 
   const fs::path& folder = output.path();
   E2LF_RETURN_IF_ERROR(lightfield::write_light_field(folder / "scene", scene));
-  const auto codes =
-      make_npy<float>({camera.codes.num_patterns, camera.codes.views_y, camera.codes.views_x}, camera.codes.values);
-  E2LF_RETURN_IF_ERROR(events::write_event_images(folder / "events.npz", {{images}, codes}));
+  E2LF_RETURN_IF_ERROR(
+      events::write_event_images(folder / "events.npz", {{images}, aperture::codes_to_npy(camera.codes)}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
   std::error_code ignored;
   fs::create_directory(folder / "recon", ignored);

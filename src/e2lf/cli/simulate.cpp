@@ -4,8 +4,11 @@
 #include <functional>
 #include <optional>
 
+#include "e2lf/aperture/codes_header.h"
+#include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
@@ -63,7 +66,7 @@ Result<void> write_images(const SimulateArguments& arguments, const aperture::Co
     E2LF_ASSIGN_OR_RETURN(events::EventImages images, images_of(cycle));
     file.cycles.push_back(std::move(images));
   }
-  file.codes = make_npy<float>({codes.num_patterns, codes.views_y, codes.views_x}, codes.values);
+  file.codes = aperture::codes_to_npy(codes);
   return events::write_event_images(arguments.output, file);
 }
 
@@ -74,6 +77,7 @@ Result<void> write_recording(const SimulateArguments& arguments, const aperture:
   events::RecordingInfo info;
   info.width = shape.width;
   info.height = shape.height;
+  info.header = aperture::codes_to_header(codes);
   E2LF_ASSIGN_OR_RETURN(const auto writer, events::create_recording(arguments.output, "", info));
   events::SynthesisOptions synthesis;
   synthesis.schedule = events::paper_schedule(codes.num_patterns);
@@ -102,6 +106,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
     E2LF_RETURN_IF_ERROR(write_images(arguments, known.codes, images_of));
   } else {
     E2LF_RETURN_IF_ERROR(write_recording(arguments, known.codes, scene.shape(), images_of));
+    note_recorded_codes(record, known.codes, arguments.output);
   }
   record.end_step("simulate");
   E2LF_RETURN_IF_ERROR(record.write(record_path_beside(arguments.output), verb));

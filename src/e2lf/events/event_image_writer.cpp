@@ -17,77 +17,84 @@ namespace e2lf::events {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kMember[] = "events.npy";
+constexpr char kEvents[] = "events.npy", kCodes[] = "codes.npy";
 constexpr size_t kHeaderSize = 128;  ///< of the .npy part: its shape is known last, its size first
-constexpr size_t kLocalExtra = 20;   ///< zip64 sizes
 
 template <typename T>
 void put(std::vector<uint8_t>& bytes, T value) {
   for (size_t i = 0; i < sizeof(T); ++i) bytes.push_back(static_cast<uint8_t>(value >> (8 * i)));
 }
 
-void put_name(std::vector<uint8_t>& bytes) {
-  bytes.insert(bytes.end(), kMember, kMember + sizeof(kMember) - 1);
-}
-
-/// What the archive's directory says of the member.
-struct MemberSizes {
+/// What the archive's directory says of a member.
+struct Member {
+  std::string name = kEvents;
+  uint16_t method = zip::kDeflated;
   uint32_t crc = 0;
   uint64_t packed = 0, size = 0;
+  uint64_t offset = 0;  ///< of its local header
 };
 
+void put_name(std::vector<uint8_t>& bytes, const Member& member) {
+  bytes.insert(bytes.end(), member.name.begin(), member.name.end());
+}
+
 /// The fields that local header and directory entry share, from "version needed" to the name's length.
-void put_common(std::vector<uint8_t>& bytes, const MemberSizes& member) {
+void put_common(std::vector<uint8_t>& bytes, const Member& member) {
   put<uint16_t>(bytes, zip::kVersion64);
   put<uint16_t>(bytes, zip::kUtf8Names);
-  put<uint16_t>(bytes, zip::kDeflated);
+  put<uint16_t>(bytes, member.method);
   put<uint32_t>(bytes, 0x00210000);  // 1980-01-01 00:00
   put<uint32_t>(bytes, member.crc);
   put<uint32_t>(bytes, zip::kIn64);
   put<uint32_t>(bytes, zip::kIn64);
-  put<uint16_t>(bytes, sizeof(kMember) - 1);
+  put<uint16_t>(bytes, static_cast<uint16_t>(member.name.size()));
 }
 
-void put_extra(std::vector<uint8_t>& bytes, const MemberSizes& member) {
+void put_extra(std::vector<uint8_t>& bytes, const Member& member, bool with_offset) {
   put<uint16_t>(bytes, zip::kExtra64);
-  put<uint16_t>(bytes, 16);
+  put<uint16_t>(bytes, with_offset ? 24 : 16);
   put<uint64_t>(bytes, member.size);
   put<uint64_t>(bytes, member.packed);
+  if (with_offset) put<uint64_t>(bytes, member.offset);
 }
 
-std::vector<uint8_t> local_header(const MemberSizes& member) {
+std::vector<uint8_t> local_header(const Member& member) {
   std::vector<uint8_t> bytes;
   put<uint32_t>(bytes, zip::kLocalHeader);
   put_common(bytes, member);
-  put<uint16_t>(bytes, kLocalExtra);
-  put_name(bytes);
-  put_extra(bytes, member);
+  put<uint16_t>(bytes, 20);  // length of the extra field
+  put_name(bytes, member);
+  put_extra(bytes, member, /*with_offset=*/false);
   return bytes;
 }
 
-/// The directory with its one entry, which begins at byte 0, and the two ends (zip64 and plain).
-std::vector<uint8_t> directory(const MemberSizes& member, uint64_t offset) {
-  std::vector<uint8_t> bytes;
+void put_directory_entry(std::vector<uint8_t>& bytes, const Member& member) {
   put<uint32_t>(bytes, zip::kDirectoryEntry);
   put<uint16_t>(bytes, zip::kVersion64);  // made by
   put_common(bytes, member);
-  put<uint16_t>(bytes, kLocalExtra);
-  put<uint16_t>(bytes, 0);  // comment length
-  put<uint16_t>(bytes, 0);  // disk
-  put<uint16_t>(bytes, 0);  // internal attributes
-  put<uint32_t>(bytes, 0);  // external attributes
-  put<uint32_t>(bytes, 0);  // offset of the local header
-  put_name(bytes);
-  put_extra(bytes, member);
+  put<uint16_t>(bytes, 28);  // length of the extra field
+  put<uint16_t>(bytes, 0);   // comment length
+  put<uint16_t>(bytes, 0);   // disk
+  put<uint16_t>(bytes, 0);   // internal attributes
+  put<uint32_t>(bytes, 0);   // external attributes
+  put<uint32_t>(bytes, zip::kIn64);
+  put_name(bytes, member);
+  put_extra(bytes, member, /*with_offset=*/true);
+}
+
+/// The directory, which begins at `offset`, and its two ends (zip64 and plain).
+std::vector<uint8_t> directory(const std::vector<Member>& members, uint64_t offset) {
+  std::vector<uint8_t> bytes;
+  for (const Member& member : members) put_directory_entry(bytes, member);
   const uint64_t size = bytes.size();
 
   put<uint32_t>(bytes, zip::kDirectoryEnd64);
   put<uint64_t>(bytes, zip::kDirectoryEnd64Size - 12);
   put<uint16_t>(bytes, zip::kVersion64);
   put<uint16_t>(bytes, zip::kVersion64);
-  put<uint64_t>(bytes, 0);  // this disk, the directory's disk
-  put<uint64_t>(bytes, 1);  // entries on this disk
-  put<uint64_t>(bytes, 1);  // entries
+  put<uint64_t>(bytes, 0);               // this disk, the directory's disk
+  put<uint64_t>(bytes, members.size());  // entries on this disk
+  put<uint64_t>(bytes, members.size());  // entries
   put<uint64_t>(bytes, size);
   put<uint64_t>(bytes, offset);
   put<uint32_t>(bytes, zip::kLocator64);
@@ -97,8 +104,8 @@ std::vector<uint8_t> directory(const MemberSizes& member, uint64_t offset) {
 
   put<uint32_t>(bytes, zip::kDirectoryEnd);
   put<uint32_t>(bytes, 0);  // this disk, the directory's disk
-  put<uint16_t>(bytes, 1);
-  put<uint16_t>(bytes, 1);
+  put<uint16_t>(bytes, static_cast<uint16_t>(members.size()));
+  put<uint16_t>(bytes, static_cast<uint16_t>(members.size()));
   put<uint32_t>(bytes, zip::kIn64);
   put<uint32_t>(bytes, zip::kIn64);
   put<uint16_t>(bytes, 0);  // comment length
@@ -135,6 +142,8 @@ std::vector<uint8_t> stored_block(const std::vector<uint8_t>& header) {
 class EventImageWriter::Impl {
  public:
   Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
+
+  void set_codes(const NpyArray& codes) { codes_ = codes; }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
@@ -166,12 +175,18 @@ class EventImageWriter::Impl {
     E2LF_RETURN_IF_ERROR(pack({}, Z_FINISH));
     const std::vector<uint8_t> header = npy_header(cycles_, shape_);
     const auto header_crc = crc32_z(0, header.data(), header.size());
-    MemberSizes member;
-    member.crc = static_cast<uint32_t>(crc32_combine(header_crc, data_crc_, static_cast<z_off_t>(data_size_)));
-    member.size = header.size() + data_size_;
-    member.packed = stored_block(header).size() + packed_size_;
-    const std::vector<uint8_t> local = local_header(member);
-    E2LF_RETURN_IF_ERROR(write(directory(member, local.size() + member.packed)));
+    Member events;
+    events.crc = static_cast<uint32_t>(crc32_combine(header_crc, data_crc_, static_cast<z_off_t>(data_size_)));
+    events.size = header.size() + data_size_;
+    events.packed = stored_block(header).size() + packed_size_;
+    const std::vector<uint8_t> local = local_header(events);
+    std::vector<Member> members = {events};
+    uint64_t end = local.size() + events.packed;
+    if (codes_) {
+      E2LF_ASSIGN_OR_RETURN(members.emplace_back(), write_codes(end));
+      end += local_header(members.back()).size() + members.back().packed;
+    }
+    E2LF_RETURN_IF_ERROR(write(directory(members, end)));
     if (std::fseek(stream_, 0, SEEK_SET) != 0) return io_error();
     E2LF_RETURN_IF_ERROR(write(local));
     E2LF_RETURN_IF_ERROR(write(stored_block(header)));
@@ -189,6 +204,20 @@ class EventImageWriter::Impl {
     E2LF_REQUIRE(status == Z_OK, "zlib did not start");
     E2LF_RETURN_IF_ERROR(write(local_header({})));
     return write(stored_block(npy_header(0, shape_)));
+  }
+
+  /// Writes the patterns, not compressed, as a member that begins at `offset`.
+  Result<Member> write_codes(uint64_t offset) {
+    const std::vector<uint8_t> bytes = encode_npy(*codes_);
+    const Member member{.name = kCodes,
+                        .method = zip::kStored,
+                        .crc = static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())),
+                        .packed = bytes.size(),
+                        .size = bytes.size(),
+                        .offset = offset};
+    E2LF_RETURN_IF_ERROR(write(local_header(member)));
+    E2LF_RETURN_IF_ERROR(write(bytes));
+    return member;
   }
 
   Result<void> pack(std::span<const uint8_t> bytes, int flush) {
@@ -229,6 +258,7 @@ class EventImageWriter::Impl {
   EventImages shape_;  ///< without counts
   uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
   uLong data_crc_ = 0;
+  std::optional<NpyArray> codes_;
 };
 
 EventImageWriter::EventImageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -245,6 +275,9 @@ Result<EventImageWriter> EventImageWriter::create(const fs::path& path) {
   return EventImageWriter(std::make_unique<Impl>(std::move(file), stream));
 }
 
+void EventImageWriter::set_codes(const NpyArray& codes) {
+  impl_->set_codes(codes);
+}
 Result<void> EventImageWriter::add(const EventImages& images) {
   return impl_->add(images);
 }

@@ -20,6 +20,9 @@ class EventImageWriter {
   EventImageWriter(EventImageWriter&&) noexcept;
   ~EventImageWriter();
 
+  /// The patterns [N, view_y, view_x] that the events were made with; finish() puts them into the file as `codes`.
+  void set_codes(const NpyArray& codes);
+
   /// Appends a cycle; all cycles must have the shape of the first. Fails with kIo.
   [[nodiscard]] Result<void> add(const EventImages& images);
 

@@ -40,6 +40,23 @@ TEST(EventImageWriter, WritesWhatReadEventImagesReads) {
   fs::remove(path);
 }
 
+TEST(EventImageWriter, KeepsThePatternsBesideTheEvents) {
+  const fs::path path = test_path("event_image_writer_codes.npz");
+  const std::vector<float> values = {0.0F, 0.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F, 1.0F};
+  auto writer = EventImageWriter::create(path);
+  ASSERT_TRUE(writer) << writer.error().text();
+  writer->set_codes(make_npy<float>({4, 1, 2}, values));
+  ASSERT_TRUE(writer->add(random_images(1)));
+  ASSERT_TRUE(writer->finish());
+  const auto file = read_event_images(path);
+  ASSERT_TRUE(file) << file.error().text();
+  EXPECT_EQ(file->cycles.at(0), random_images(1));
+  ASSERT_TRUE(file->codes);
+  EXPECT_EQ(file->codes->shape, (std::vector<size_t>{4, 1, 2}));
+  EXPECT_EQ(file->codes->to_float("").value(), values);
+  fs::remove(path);
+}
+
 TEST(EventImageWriter, LeavesNothingBehindWithoutFinish) {
   const fs::path folder = test_path("event_image_writer_folder");
   {
