@@ -2,6 +2,8 @@
 #include "e2lf/cli/inputs.h"
 
 #include "e2lf/aperture/codes_io.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 
@@ -25,11 +27,20 @@ Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const st
     known.constants = model.constants;
     known.event_model = model.event_model;
     codes = model.codes;
+    known.origin = CodesOrigin::kModel;
   }
-  if (of_events) codes = of_events;
+  if (of_events) {
+    codes = of_events;
+    known.origin = CodesOrigin::kEvents;
+  }
   if (!source.codes.empty()) {
     record.add_input(source.codes);
     E2LF_ASSIGN_OR_RETURN(codes, aperture::read_codes(source.codes));
+    known.origin = CodesOrigin::kGiven;
+    if (of_events && *codes != *of_events) {
+      log_warning(cat("the patterns of ", source.codes.string(), " are not those that the file of the events holds; ",
+                      "taking them as told"));
+    }
   }
   if (!codes) return std::optional<KnownCodes>();
   known.codes = std::move(*codes);

@@ -19,9 +19,18 @@ struct CodesSource {
   std::filesystem::path model, codes;
 };
 
+/// Where the patterns that are taken for those of some events come from.
+enum class CodesOrigin {
+  kGiven,    ///< --codes
+  kEvents,   ///< the events' own file
+  kModel,    ///< what the network was trained for
+  kBuiltIn,  ///< nothing told
+};
+
 /// The patterns and what is known of the sensor they were made for.
 struct KnownCodes {
   aperture::Codes codes;
+  CodesOrigin origin = CodesOrigin::kBuiltIn;
   aperture::SensorConstants constants;
   std::string event_model = "reference-aware";
 };
@@ -30,7 +39,7 @@ struct KnownCodes {
 void add_codes_options(CLI::App& app, CodesSource& source);
 
 /// What is known of the patterns behind some events: those of --codes, else `of_events` (what the events' own file
-/// holds), else those of the model. Nothing when none of them has any.
+/// holds), else those of the model. Nothing when none of them has any. Warns where --codes and the events' file differ.
 [[nodiscard]] Result<std::optional<KnownCodes>> find_codes(const CodesSource& source,
                                                            const std::optional<aperture::Codes>& of_events,
                                                            RunRecord& record);

@@ -17,6 +17,7 @@
 #include "e2lf/cli/event_check.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
+#include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/events/event_images.h"
@@ -39,11 +40,31 @@ struct ReconstructArguments {
 /// One way from the event images of a cycle to a light field.
 using Method = std::function<Result<LightField>(const events::EventImages& images, const ProgressFn& progress)>;
 
-/// A network knows the patterns that it was trained for, and nothing shows that others were in the camera.
-void warn_of_other_patterns(const model::Model& model, const std::optional<KnownCodes>& known) {
-  if (!known || !model.codes || *model.codes == known->codes) return;
-  log_warning(cat("the events were made with other patterns than ", model.name,
-                  " was trained for: the light field will be wrong; use their model, or --method inversion"));
+/// Whether anything but the model itself tells which patterns the camera showed.
+bool are_patterns_told(const std::optional<KnownCodes>& known) {
+  return known && (known->origin == CodesOrigin::kGiven || known->origin == CodesOrigin::kEvents);
+}
+
+void warn_of_assumed_patterns(const fs::path& input, const std::string& whose) {
+  log_warning(cat("nothing in ", input.string(), " says which patterns the camera showed: those of ", whose,
+                  " are assumed, and nothing confirms it"));
+}
+
+/// A network works for the patterns that it was trained for alone. Says where those are not, or may not be, the
+/// events', and keeps it in the record.
+void tell_patterns(const ReconstructArguments& arguments, const model::Model& model,
+                   const std::optional<KnownCodes>& known, RunRecord& record) {
+  const bool is_told = are_patterns_told(known);
+  const bool are_the_models = is_told && model.codes && *model.codes == known->codes;
+  const char* told_by = !is_told ? "nothing" : known->origin == CodesOrigin::kGiven ? "--codes" : "the events' file";
+  record.note("patterns", {{"told_by", told_by}, {"are_the_models", are_the_models}});
+  if (are_the_models) return;
+  if (!is_told) return warn_of_assumed_patterns(arguments.input, model.name);
+  log_warning(model.codes
+                  ? cat("the events were made with other patterns than ", model.name,
+                        " was trained for: the light field will be wrong; use their model, or --method inversion")
+                  : cat(model.name, " does not say which patterns it was trained for: nothing confirms that ",
+                        "they are those of the events"));
 }
 
 Result<Method> network_method(const ReconstructArguments& arguments, const std::optional<KnownCodes>& known,
@@ -53,7 +74,7 @@ Result<Method> network_method(const ReconstructArguments& arguments, const std::
                  "--model"};
   }
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.codes.model));
-  warn_of_other_patterns(model, known);
+  tell_patterns(arguments, model, known, record);
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor made,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
@@ -70,23 +91,13 @@ Result<Method> inversion_method(const ReconstructArguments& arguments, std::opti
                                 RunRecord& record) {
   if (!known) {
     E2LF_ASSIGN_OR_RETURN(known, load_codes(arguments.codes, record));
-    if (arguments.codes.model.empty()) {
-      log_warning("no patterns given: taking the built-in ones (`e2lf codes show`); give the camera's with --codes");
-    }
+    log_warning("no patterns given: taking the built-in ones (`e2lf codes show`); give the camera's with --codes");
+  } else if (!are_patterns_told(known)) {
+    warn_of_assumed_patterns(arguments.input, arguments.codes.model.string());
   }
   return Method([known = std::move(*known)](const events::EventImages& images, const ProgressFn&) {
     return recon::reconstruct_by_inversion(images, known.codes, known.constants);
   });
-}
-
-/// The patterns that the events were made with, when the command line or their own file tells.
-Result<std::optional<KnownCodes>> codes_of_events(const ReconstructArguments& arguments,
-                                                  const events::EventImageFile& file, RunRecord& record) {
-  std::optional<aperture::Codes> own;
-  if (file.codes) {
-    E2LF_ASSIGN_OR_RETURN(own, aperture::codes_from_npy(*file.codes, arguments.input.string()));
-  }
-  return find_codes(arguments.codes, own, record);
 }
 
 using Clock = std::chrono::steady_clock;
@@ -130,6 +141,7 @@ class CycleInput {
 
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
   [[nodiscard]] const events::EventImageFile& file() const { return file_; }
+  [[nodiscard]] const events::RecordingInfo& recording_info() const { return reader_->recording().info(); }
   [[nodiscard]] events::CycleReport report() const { return reader_->report(); }
 
  private:
@@ -146,6 +158,18 @@ Result<CycleInput> open_input(const ReconstructArguments& arguments) {
   }
   E2LF_ASSIGN_OR_RETURN(events::EventImageFile file, events::read_event_images(arguments.input));
   return CycleInput(std::move(file));
+}
+
+/// The patterns that the events were made with, as far as anything tells: --codes, their own file, or the model.
+Result<std::optional<KnownCodes>> codes_of_events(const ReconstructArguments& arguments, const CycleInput& input,
+                                                  RunRecord& record) {
+  std::optional<aperture::Codes> own;
+  if (input.is_recording()) {
+    E2LF_ASSIGN_OR_RETURN(own, recorded_codes(arguments.input, input.recording_info()));
+  } else if (input.file().codes) {
+    E2LF_ASSIGN_OR_RETURN(own, aperture::codes_from_npy(*input.file().codes, arguments.input.string()));
+  }
+  return find_codes(arguments.codes, own, record);
 }
 
 std::string cycle_name(size_t cycle) {
@@ -243,7 +267,7 @@ Result<void> process_recording(CycleInput& input, CycleWriter& writer, AtomicFol
 }
 
 void print_event_error(const Json& cycle) {
-  std::printf("simulated again, it differs from the events by %.3f per pixel and transition",
+  std::printf("simulated again with these patterns, it differs from the events by %.3f per pixel and transition",
               cycle["event_error"].get<double>());
   const Json& least = cycle["least_event_error"];
   const double residue = least["residue"].get<double>();
@@ -270,10 +294,12 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(AtomicFolder output, AtomicFolder::create(arguments.output, common.overwrite));
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_input(arguments));
-  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, input.file(), record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, input, record));
   E2LF_ASSIGN_OR_RETURN(Method method, arguments.method == "network" ? network_method(arguments, codes, record)
                                                                      : inversion_method(arguments, codes, record));
   record.end_step("open");
+  // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
+  if (!are_patterns_told(codes)) codes.reset();
   CycleWriter writer(arguments, common, std::move(method), std::move(codes));
   if (input.is_recording()) {
     E2LF_RETURN_IF_ERROR(process_recording(input, writer, output, arguments));
@@ -294,8 +320,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
 }  // namespace
 
 int run_reconstruct(const std::vector<std::string>& arguments) {
-  Verb verb("reconstruct", "Reconstruct the light field of each pattern cycle from its event images.",
-            "e2lf reconstruct events.npz -m models/e2lf-n4.safetensors -o out/recon");
+  Verb verb(
+      "reconstruct", "Reconstruct the light field of each pattern cycle from its event images.",
+      "e2lf reconstruct events.npz -m MODEL.safetensors -o out/recon    (MODEL: trained for the camera's patterns)");
   ReconstructArguments reconstruction;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", reconstruction.input,
