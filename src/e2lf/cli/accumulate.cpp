@@ -71,12 +71,12 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
                         open_cycles(arguments.input, arguments.cycles, is_plotted ? plot.observer() : CycleObserver()));
   E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(arguments.output));
   E2LF_ASSIGN_OR_RETURN(const auto codes, recorded_codes(arguments.input, reader.recording().info()));
-  float least_confidence = 1.0F;
+  ConfidenceWatch confidence;
   Json cycles = Json::array();
   while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<events::Cycle> cycle, reader.next());
     if (!cycle) break;
-    least_confidence = std::min(least_confidence, cycle->confidence);
+    confidence.add(*cycle);
     if (writer.cycles() == 0 && codes) keep_codes(*codes, arguments.input, cycle->images.transitions, writer);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
@@ -86,22 +86,23 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   const events::CycleReport report = reader.report();
   // The picture comes first: it tells why, where no cycle was found.
   if (is_plotted) E2LF_RETURN_IF_ERROR(write_file(arguments.plot, plot.svg()));
+  confidence.warn(arguments.input);
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
   E2LF_RETURN_IF_ERROR(writer.finish());
   record.note("cycles", report_json(report));
-  record.note("least_confidence", least_confidence);
+  record.note("least_confidence", confidence.least());
   record.note("each", cycles);
   std::error_code error;
   if (fs::is_regular_file(arguments.input, error)) record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(record.write(record_path_beside(arguments.output), verb));
   if (common.json) {
     Json json = report_json(report);
-    json["least_confidence"] = least_confidence;
+    json["least_confidence"] = confidence.least();
     json["each"] = std::move(cycles);
     std::printf("%s\n", json.dump(2).c_str());
   } else if (!common.quiet) {
     std::printf("%s in %s, least confidence %.2f\n", report_text(report).c_str(), arguments.output.c_str(),
-                static_cast<double>(least_confidence));
+                static_cast<double>(confidence.least()));
   }
   return {};
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/cycle_options.h"
 
+#include <algorithm>
+
+#include "e2lf/base/log.h"
 #include "e2lf/base/npy.h"
 #include "e2lf/base/text.h"
 #include "e2lf/events/live/camera.h"
@@ -74,7 +77,6 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   app.add_flag("--one-trigger-per-cycle", flags.one_trigger_per_cycle, "triggers mark cycles, not patterns")
       ->group(group);
   app.add_option("--origin-us", flags.origin_us, "--source schedule: when the first pattern of any cycle began")
-      ->capture_default_str()
       ->group(group);
   app.add_flag("--filter-pixels", flags.filter_pixels, "silence hot and flickering pixels")->group(group);
   app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
@@ -103,12 +105,32 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   options.tracker.first_pattern = flags.first_pattern;
   // Triggers have no sign, and the paper's intervals repeat within a cycle: the pattern of the first one must be given.
   if (options.source == events::CycleSource::kTriggers && !flags.first_pattern) options.tracker.first_pattern = 0;
-  options.origin_us = flags.origin_us;
+  if (options.source == events::CycleSource::kSchedule && !flags.origin_us) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        "the schedule does not say when a cycle began; give that time, or let the events tell (--source bursts)",
+        "--origin-us"};
+  }
+  options.origin_us = flags.origin_us.value_or(0);
   options.on_batch = observer.on_batch;
   options.on_mark = observer.on_mark;
   if (flags.filter_pixels) options.filter = events::PixelFilterOptions{};
   E2LF_ASSIGN_OR_RETURN(auto reader, events::open_named_recording(input.string(), open));
   return events::CycleReader::open(std::move(reader), options);
+}
+
+void ConfidenceWatch::add(const events::Cycle& cycle) {
+  constexpr float kDoubtful = 0.1F;
+  ++cycles_;
+  doubtful_ += cycle.confidence < kDoubtful;
+  least_ = std::min(least_, cycle.confidence);
+}
+
+void ConfidenceWatch::warn(const fs::path& input) const {
+  if (doubtful_ == 0) return;
+  log_warning(cat(input.string(), ": the events of ", doubtful_, " of ", cycles_,
+                  " cycles do not change when the patterns should have (least confidence ", least_,
+                  "); check --schedule, --origin-us and --first-pattern, or look at `e2lf accumulate --plot`"));
 }
 
 std::string report_text(const events::CycleReport& report) {

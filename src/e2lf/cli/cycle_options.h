@@ -21,7 +21,7 @@ struct CycleFlags {
   std::optional<uint16_t> channel;
   std::optional<size_t> first_pattern;
   bool one_trigger_per_cycle = false, filter_pixels = false;
-  int64_t origin_us = 0;
+  std::optional<int64_t> origin_us;
   uint64_t max_cycles = 0;  ///< 0 = all
   size_t width = 0, height = 0;
   int64_t from_us = INT64_MIN, to_us = INT64_MAX;
@@ -39,10 +39,24 @@ struct CycleObserver {
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
 /// Opens a recording (a path, "-" for standard input, or a camera's name) cut into cycles as the flags say.
+/// Fails with kInvalidValue where the schedule alone shall tell and nothing says when it began.
 /// "auto" takes triggers when the recording has some among its first events, else bursts; a pipe or socket cannot be
 /// looked at first, so there it means bursts.
 [[nodiscard]] Result<events::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
+
+/// Watches whether the events confirm what was claimed of the cycles.
+class ConfidenceWatch {
+ public:
+  void add(const events::Cycle& cycle);
+  [[nodiscard]] float least() const { return least_; }
+  /// Warns of cycles in whose claimed changes nothing happens, or the opposite.
+  void warn(const std::filesystem::path& input) const;
+
+ private:
+  float least_ = 1.0F;
+  uint64_t cycles_ = 0, doubtful_ = 0;
+};
 
 /// One line for people: cycles found and dropped, and why.
 [[nodiscard]] std::string report_text(const events::CycleReport& report);

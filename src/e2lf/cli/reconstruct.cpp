@@ -131,6 +131,7 @@ class CycleInput {
     E2LF_ASSIGN_OR_RETURN(std::optional<events::Cycle> cycle, reader_->next());
     if (!cycle) return std::optional<CycleImages>();
     ++taken_;
+    confidence_.add(*cycle);
     next.about = cycle_json(*cycle);
     next.ready = cycle->arrival.value_or(Clock::now());
     const int64_t behind_us = cycle->known_us - cycle->slices.back().end_us;
@@ -142,12 +143,14 @@ class CycleInput {
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
   [[nodiscard]] const events::EventImageFile& file() const { return file_; }
   [[nodiscard]] const events::RecordingInfo& recording_info() const { return reader_->recording().info(); }
+  [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
   [[nodiscard]] events::CycleReport report() const { return reader_->report(); }
 
  private:
   events::EventImageFile file_;
   std::optional<events::CycleReader> reader_;
   uint64_t max_cycles_ = 0;
+  ConfidenceWatch confidence_;
   size_t taken_ = 0;
 };
 
@@ -303,6 +306,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   CycleWriter writer(arguments, common, std::move(method), std::move(codes));
   if (input.is_recording()) {
     E2LF_RETURN_IF_ERROR(process_recording(input, writer, output, arguments));
+    input.confidence().warn(arguments.input);
     record.note("found", report_json(input.report()));
   } else {
     E2LF_RETURN_IF_ERROR(process_file(input, writer, output.path()));

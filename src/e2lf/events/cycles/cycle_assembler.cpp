@@ -8,6 +8,18 @@ namespace {
 
 /// The share of its last pattern's time that a recording must reach into for its last cycle to count as complete.
 constexpr double kEnoughOfLastPattern = 0.5;
+/// Events are counted for so many cycles at most, should one not end.
+constexpr int64_t kMaxCyclesCounted = 4;
+
+/// A quarter of the shortest pattern, so that the bursts before and after stay out of it; a burst rises faster than the
+/// upper limit.
+int64_t evidence_window_us(const Schedule& schedule) {
+  int64_t shortest_us = INT64_MAX;
+  for (const ScheduledPattern& pattern : schedule.patterns) {
+    shortest_us = std::min(shortest_us, pattern.interval_us());
+  }
+  return std::clamp<int64_t>(shortest_us / 4, 2 * EventHistogram::kBinUs, 2500);
+}
 
 }  // namespace
 
@@ -26,7 +38,7 @@ const char* cycle_fault_name(CycleFault fault) {
 }
 
 CycleAssembler::CycleAssembler(const CycleOptions& options, size_t width, size_t height)
-    : options_(options), width_(width), height_(height) {
+    : options_(options), width_(width), height_(height), window_us_(evidence_window_us(options.schedule)) {
   if (options.filter) filter_.emplace(width, height, *options.filter);
 }
 
@@ -109,12 +121,13 @@ void CycleAssembler::set_fault(CycleFault fault, int64_t t_us) {
 void CycleAssembler::end_cycle() {
   if (!open_) return;
   if (filter_) filter_->add_quiet_time(std::exchange(quiet_us_, 0));
-  if (open_->patterns_seen < options_.schedule.size()) set_fault(CycleFault::kPartial, open_->cycle.begin_us);
+  if (open_->starts.size() < options_.schedule.size()) set_fault(CycleFault::kPartial, open_->cycle.begin_us);
   if (open_->fault) {
     ++report_.dropped[static_cast<size_t>(open_->fault->fault)];
     if (report_.drops.size() < CycleReport::kMaxDrops) report_.drops.push_back(*open_->fault);
   } else {
     ++report_.complete;
+    open_->cycle.confidence = confidence_of(open_->starts);
     if (filter_) {
       filter_->apply(open_->cycle.images);
       report_.hot_pixels = filter_->num_silenced();
@@ -122,6 +135,20 @@ void CycleAssembler::end_cycle() {
     complete_.push_back(std::move(open_->cycle));
   }
   open_.reset();
+}
+
+/// The least of the starts'. Bursts are events; what a trigger or the schedule claims, the events must confirm.
+float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) const {
+  float least = 1.0F;
+  for (const PatternStart& start : starts) {
+    float confidence = start.confidence;
+    if (options_.source != CycleSource::kBursts) {
+      const EventRise rise = event_rise(histogram_, start.t_us, window_us_);
+      confidence *= change_confidence(rise, options_.schedule.patterns[start.pattern].sign);
+    }
+    least = std::min(least, confidence);
+  }
+  return least;
 }
 
 void CycleAssembler::apply(const PatternStart& start, const PatternTracker* tracker) {
@@ -136,8 +163,7 @@ void CycleAssembler::apply(const PatternStart& start, const PatternTracker* trac
   // The first cycle of a recording may begin in its middle; it ends as a partial one.
   if (!open_) begin_cycle(start.t_us);
   if (start.kind == PatternStart::Kind::kMissing) set_fault(CycleFault::kMissing, start.t_us);
-  ++open_->patterns_seen;
-  open_->cycle.confidence = std::min(open_->cycle.confidence, start.confidence);
+  open_->starts.push_back(start);
   pattern_ = start.pattern;
   pattern_begin_us_ = start.t_us;
   const ScheduledPattern& pattern = options_.schedule.patterns[start.pattern];
@@ -165,6 +191,13 @@ void CycleAssembler::consume_events(int64_t until_us) {
       const size_t quiet = std::min(end, index_at(pattern_begin_us_ + options_.filter->settle_us));
       filter_->add_quiet_events(events_, quiet, end);
     }
+  }
+  if (options_.source != CycleSource::kBursts) {
+    histogram_.add(events_, next_, end);
+    const int64_t newest_us = next_ < end ? events_.t[end - 1] : INT64_MIN / 2;
+    const int64_t oldest_us = open_ ? open_->cycle.begin_us : newest_us;
+    histogram_.forget_before(std::max(oldest_us - window_us_ - EventHistogram::kBinUs,
+                                      newest_us - kMaxCyclesCounted * options_.schedule.cycle_us()));
   }
   next_ = end;
 }

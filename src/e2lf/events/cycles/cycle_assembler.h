@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/events/cycles/cycle_reader.h"
+#include "e2lf/events/cycles/event_histogram.h"
 
 namespace e2lf::events {
 
@@ -38,12 +39,13 @@ class CycleAssembler {
   struct Open {
     Cycle cycle;
     std::optional<DroppedCycle> fault;
-    size_t patterns_seen = 0;
+    std::vector<PatternStart> starts;  ///< of its patterns
   };
 
   void begin_cycle(int64_t t_us);
   void end_cycle();
   void apply(const PatternStart& start, const PatternTracker* tracker);
+  [[nodiscard]] float confidence_of(const std::vector<PatternStart>& starts) const;
   void close_overdue(int64_t until_us);
   void close_pattern(int64_t end_us);
   void set_fault(CycleFault fault, int64_t t_us);
@@ -54,6 +56,8 @@ class CycleAssembler {
   CycleOptions options_;
   size_t width_, height_;
   std::optional<PixelFilter> filter_;
+  int64_t window_us_;         ///< before and after a claimed start, in which the events must confirm it
+  EventHistogram histogram_;  ///< of the open cycle
 
   std::deque<PatternStart> starts_;
   EventColumns events_;  ///< waiting, from next_ on

@@ -58,8 +58,9 @@ struct Cycle {
   int64_t begin_us = 0;           ///< start of its first pattern
   std::vector<TimeSlice> slices;  ///< of the event images
   EventImages images;
-  uint64_t events = 0;      ///< in the images
-  float confidence = 1.0F;  ///< of the least certain transition, 0..1
+  uint64_t events = 0;  ///< in the images
+  float confidence =
+      1.0F;  ///< that the patterns changed when they are said to, by the events; of the least certain one
 
   int64_t known_us = 0;  ///< how far the recording had been read when the cycle was complete
   /// When the bytes that completed it arrived; nothing for a recording that is not live. The time from the end of its

@@ -240,6 +240,42 @@ TEST(CycleReader, ScheduleAndOneTimeAreEnough) {
   }
 }
 
+TEST(CycleReader, EventsConfirmWhatTheScheduleClaims) {
+  SynthesisOptions synthesis;
+  synthesis.trigger_channel.reset();
+  synthesis.noise_hz = 5;
+  CycleOptions options;
+  options.source = CycleSource::kSchedule;
+  const auto confidence_at = [&](int64_t offset_us) {
+    options.origin_us = synthesis.begin_us + offset_us;
+    const Outcome outcome = cut(10, synthesis, options);
+    EXPECT_GE(outcome.cycles.size(), 8u);
+    float least = 1.0F, most = 0.0F;
+    for (const Cycle& cycle : outcome.cycles) {
+      least = std::min(least, cycle.confidence);
+      most = std::max(most, cycle.confidence);
+    }
+    return std::pair(least, most);
+  };
+  EXPECT_GT(confidence_at(0).first, 0.5F);
+  // Half a cycle off the intervals are the same, and the signs the opposite.
+  const int64_t half_us = synthesis.schedule.cycle_us() / 2;
+  for (const int64_t offset_us : {half_us, half_us - 2600, int64_t{-4000}, int64_t{3000}, int64_t{10592}}) {
+    EXPECT_LT(confidence_at(offset_us).second, 0.05F) << offset_us;
+  }
+}
+
+TEST(CycleReader, EventsConfirmWhatTriggersClaim) {
+  SynthesisOptions synthesis;
+  const Outcome right = cut(10, synthesis, by_triggers());
+  for (const Cycle& cycle : right.cycles) EXPECT_GT(cycle.confidence, 0.5F);
+  CycleOptions options = by_triggers();
+  options.tracker.first_pattern = 4;
+  const Outcome wrong = cut(10, synthesis, options);
+  ASSERT_FALSE(wrong.cycles.empty());
+  for (const Cycle& cycle : wrong.cycles) EXPECT_LT(cycle.confidence, 0.05F);
+}
+
 TEST(CycleReader, BurstsAloneCutEveryCycle) {
   SynthesisOptions synthesis;
   synthesis.trigger_channel.reset();

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <optional>
 #include <vector>
 
+#include "e2lf/events/cycles/event_histogram.h"
 #include "e2lf/events/cycles/pattern_tracker.h"
 #include "e2lf/events/event.h"
 
@@ -37,16 +37,12 @@ class MarkSigner {
   }
 
  private:
-  struct Counts {
-    uint32_t on = 0, off = 0;
-  };
-  [[nodiscard]] Counts count(int64_t begin_us, int64_t end_us) const;
   [[nodiscard]] std::optional<float> on_share_at(int64_t t_us) const;
   void forget();
 
   SignOptions options_;
   std::deque<Mark> marks_;
-  std::map<int64_t, Counts> bins_;  ///< by the time they begin at
+  EventHistogram histogram_;
   int64_t last_event_us_ = INT64_MIN;
 };
 
