@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/aperture/camera.h"
 #include "e2lf/aperture/codes.h"
 #include "e2lf/aperture/sensor_constants.h"
 #include "e2lf/base/options.h"
@@ -15,12 +16,13 @@
 
 namespace e2lf::model {
 
-/// One group of N - 1 network input channels made from the event images E_k.
+/// One group of network input channels: N - 1 made from the event images E_k, or what is known of the camera.
 enum class InputKind {
   kCounts,      ///< scale * E_k
   kCumulative,  ///< scale * C_k, C_k = E_1 + ... + E_k
   kIntensity,   ///< scale * min(J_k, 1), J_k = eps * (exp(tau * C_k + m) - 1) (Eq. 7), m = half a threshold with the
                 ///< sign of the last change; a coded intensity is at most 1
+  kCamera,      ///< scale * aperture::camera_traits(), each the same over the whole image
 };
 
 struct InputGroup {
@@ -28,6 +30,9 @@ struct InputGroup {
   float scale = 1.0F;
   bool operator==(const InputGroup&) const = default;
 };
+
+/// How many channels the groups make for N patterns.
+[[nodiscard]] size_t num_input_channels(const std::vector<InputGroup>& groups, size_t num_patterns);
 
 using Weights = std::map<std::string, std::vector<float>>;
 
@@ -39,14 +44,15 @@ struct Model {
   std::optional<aperture::Codes> codes;         ///< absent when the patterns belong to somebody's camera
   std::string event_model = "reference-aware";  ///< what it was trained for: "quantised" or "reference-aware"
   bool black_first = true;
-  aperture::SensorConstants constants;  ///< what it was trained for
-  std::vector<InputGroup> input;        ///< in channel order
-  Network network;                      ///< 64 output channels = views, view number = 8 * view_y + view_x
-  Weights weights;                      ///< "<layer>.weight", "<layer>.bias"
-  Json provenance = Json::object();     ///< data, samples seen, seed, command, figures reached: free form
+  aperture::SensorConstants constants;     ///< what it was trained for
+  std::optional<aperture::Camera> camera;  ///< the one it is used with where no other is named; absent: `constants`
+  std::vector<InputGroup> input;           ///< in channel order
+  Network network;                         ///< 64 output channels = views, view number = 8 * view_y + view_x
+  Weights weights;                         ///< "<layer>.weight", "<layer>.bias"
+  Json provenance = Json::object();        ///< data, samples seen, seed, command, figures reached: free form
 };
 
-/// The words of model files: "counts", "cumulative", "intensity".
+/// The words of model files: "counts", "cumulative", "intensity", "camera".
 [[nodiscard]] const char* input_kind_name(InputKind kind);
 
 /// Success when every field fits every other: channels, codes, weights (each present, its size right, all finite).

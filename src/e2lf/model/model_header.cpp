@@ -8,8 +8,10 @@
 namespace e2lf::model {
 namespace {
 
-constexpr std::pair<InputKind, const char*> kInputKinds[] = {
-    {InputKind::kCounts, "counts"}, {InputKind::kCumulative, "cumulative"}, {InputKind::kIntensity, "intensity"}};
+constexpr std::pair<InputKind, const char*> kInputKinds[] = {{InputKind::kCounts, "counts"},
+                                                             {InputKind::kCumulative, "cumulative"},
+                                                             {InputKind::kIntensity, "intensity"},
+                                                             {InputKind::kCamera, "camera"}};
 
 Result<InputGroup> group_from_json(const Json& json, const std::string& location) {
   InputGroup group;
@@ -68,26 +70,36 @@ const char* input_kind_name(InputKind kind) {
       ->second;
 }
 
+size_t num_input_channels(const std::vector<InputGroup>& groups, size_t num_patterns) {
+  size_t channels = 0;
+  for (const InputGroup& group : groups) {
+    channels += group.kind == InputKind::kCamera ? aperture::num_traits(num_patterns) : num_patterns - 1;
+  }
+  return channels;
+}
+
 Json header_to_json(const Model& model) {
   Json input = Json::array();
   for (const InputGroup& group : model.input) {
     input.push_back({{"kind", input_kind_name(group.kind)}, {"scale", json_number(group.scale)}});
   }
-  return {{"format_version", kFormatVersion},
-          {"name", model.name},
-          {"num_patterns", model.num_patterns},
-          {"views_y", model.views_y},
-          {"views_x", model.views_x},
-          {"event_model", model.event_model},
-          {"black_first", model.black_first},
-          {"constants",
-           {{"eps", json_number(model.constants.eps)},
-            {"tau", json_number(model.constants.tau)},
-            {"sigma_w", json_number(model.constants.sigma_w)},
-            {"sigma_z", json_number(model.constants.sigma_z)}}},
-          {"input", std::move(input)},
-          {"network", to_json(model.network)},
-          {"provenance", model.provenance}};
+  Json header = {{"format_version", kFormatVersion},
+                 {"name", model.name},
+                 {"num_patterns", model.num_patterns},
+                 {"views_y", model.views_y},
+                 {"views_x", model.views_x},
+                 {"event_model", model.event_model},
+                 {"black_first", model.black_first},
+                 {"constants",
+                  {{"eps", json_number(model.constants.eps)},
+                   {"tau", json_number(model.constants.tau)},
+                   {"sigma_w", json_number(model.constants.sigma_w)},
+                   {"sigma_z", json_number(model.constants.sigma_z)}}},
+                 {"input", std::move(input)},
+                 {"network", to_json(model.network)},
+                 {"provenance", model.provenance}};
+  if (model.camera) header["camera"] = aperture::to_json(*model.camera);
+  return header;
 }
 
 Result<Model> header_from_json(const Json& json, const std::string& location) {
@@ -105,10 +117,14 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   const Json& input = reader.child("input");
   const Json& network = reader.child("network");
   const Json& provenance = reader.child("provenance");
+  const Json& camera = reader.child("camera");
   E2LF_RETURN_IF_ERROR(reader.finish());
   E2LF_ASSIGN_OR_RETURN(model.constants, constants_from_json(constants, reader.child_location("constants")));
   E2LF_ASSIGN_OR_RETURN(model.input, input_from_json(input, reader.child_location("input")));
   E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
+  if (!camera.is_null()) {
+    E2LF_ASSIGN_OR_RETURN(model.camera, aperture::camera_from_json(camera, reader.child_location("camera")));
+  }
   if (!provenance.is_null()) model.provenance = provenance;
   return model;
 }

@@ -77,11 +77,11 @@ class ModelCheck {
   [[nodiscard]] Result<void> check_network() const {
     const auto shapes = infer_shapes(model_.network);
     if (!shapes) return refuse(cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
-    const size_t inputs = model_.input.size() * (model_.num_patterns - 1);
+    const size_t inputs = num_input_channels(model_.input, model_.num_patterns);
     if (model_.network.input_channels != inputs) {
       return refuse("network.input_channels",
-                    cat(model_.network.input_channels, " channels, ", model_.input.size(), " input groups of ",
-                        model_.num_patterns - 1, " event images make ", inputs, "; make them equal"),
+                    cat(model_.network.input_channels, " channels, ", model_.input.size(), " input groups for ",
+                        model_.num_patterns, " patterns make ", inputs, "; make them equal"),
                     ErrorCode::kShape);
     }
     const LayerShape output = shapes->back();

@@ -32,6 +32,8 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
     case model::InputKind::kCumulative:
       for (size_t x = 0; x < counts.size(); ++x) row[x] = scale * static_cast<float>(state.total[x]);
       break;
+    case model::InputKind::kCamera:
+      break;  // the same in every row
     case model::InputKind::kIntensity:
       for (size_t x = 0; x < counts.size(); ++x) {
         row[x] = scale * std::min(table.at_half_steps(2 * state.total[x] + state.last_change[x]), 1.0F);
@@ -44,20 +46,34 @@ size_t round_up(size_t value, size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
+/// The first channel of each group, and behind them the number of channels.
+std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size_t transitions, size_t num_traits) {
+  std::vector<size_t> begins = {0};
+  for (const model::InputGroup& group : groups) {
+    begins.push_back(begins.back() + (group.kind == model::InputKind::kCamera ? num_traits : transitions));
+  }
+  return begins;
+}
+
+void fill_traits(std::span<const float> traits, float scale, size_t first_channel, InputPlanes& planes) {
+  float* plane = planes.values.data() + first_channel * planes.height * planes.width;
+  for (const float trait : traits) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
+}
+
 }  // namespace
 
 Result<InputPlanes> network_input(const events::EventImages& images, std::span<const model::InputGroup> groups,
-                                  const aperture::SensorConstants& constants, size_t size_multiple) {
+                                  const aperture::SensorConstants& constants, std::span<const float> traits,
+                                  size_t size_multiple) {
   E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
   E2LF_REQUIRE(images.image_size() > 0, "event images must not be empty");
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
     E2LF_RETURN_IF_ERROR(IntensityTable::check(constants));
   }
   const IntensityTable table(constants);
-  InputPlanes planes{groups.size() * images.transitions,
-                     round_up(images.height, size_multiple),
-                     round_up(images.width, size_multiple),
-                     {}};
+  const std::vector<size_t> first_channels = group_begins(groups, images.transitions, traits.size());
+  InputPlanes planes{
+      first_channels.back(), round_up(images.height, size_multiple), round_up(images.width, size_multiple), {}};
   planes.values.resize(planes.channels * planes.height * planes.width);
   parallel_for(planes.height, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
@@ -66,13 +82,17 @@ Result<InputPlanes> network_input(const events::EventImages& images, std::span<c
         const auto counts = images.image(k).subspan(std::min(y, images.height - 1) * images.width, images.width);
         add_counts(counts, state);
         for (size_t g = 0; g < groups.size(); ++g) {
-          float* row = planes.values.data() + ((g * images.transitions + k) * planes.height + y) * planes.width;
+          if (groups[g].kind == model::InputKind::kCamera) continue;
+          float* row = planes.values.data() + ((first_channels[g] + k) * planes.height + y) * planes.width;
           fill_row(groups[g], counts, state, table, row);
           std::fill(row + images.width, row + planes.width, row[images.width - 1]);
         }
       }
     }
   });
+  for (size_t g = 0; g < groups.size(); ++g) {
+    if (groups[g].kind == model::InputKind::kCamera) fill_traits(traits, groups[g].scale, first_channels[g], planes);
+  }
   return planes;
 }
 

@@ -18,12 +18,13 @@ struct InputPlanes {
   std::vector<float> values;
 };
 
-/// The input channels of `groups` one after another, N - 1 each (see model::InputKind; C_k, m and J_k as in
-/// invert_events() with `centred`), with height and width rounded up to multiples of `size_multiple`. The extra rows
-/// and columns at the bottom and right repeat the last ones: no events at all would look like a black frame to a
-/// network. Fails with kInvalidValue when a group needs constants that are not positive.
+/// The input channels of `groups` one after another (see model::InputKind; C_k, m and J_k as in invert_events() with
+/// `centred`; a camera's channels hold `traits`), with height and width rounded up to multiples of `size_multiple`. The
+/// extra rows and columns at the bottom and right repeat the last ones: no events at all would look like a black frame
+/// to a network. Fails with kInvalidValue when a group needs constants that are not positive.
 [[nodiscard]] Result<InputPlanes> network_input(const events::EventImages& images,
                                                 std::span<const model::InputGroup> groups,
-                                                const aperture::SensorConstants& constants, size_t size_multiple = 1);
+                                                const aperture::SensorConstants& constants,
+                                                std::span<const float> traits = {}, size_t size_multiple = 1);
 
 }  // namespace e2lf::recon

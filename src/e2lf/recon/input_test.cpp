@@ -51,10 +51,27 @@ TEST(NetworkInput, DamagedCountsStayFinite) {
   }
 }
 
+TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
+  events::EventImages images(2, 3, 2);
+  images.counts[0] = 5;
+  const std::vector<model::InputGroup> groups = {
+      {InputKind::kCounts, 1.0F}, {InputKind::kCamera, 2.0F}, {InputKind::kCumulative, 1.0F}};
+  const std::vector<float> traits = {0.5F, -1.0F, 3.0F};
+  const auto planes = network_input(images, groups, {}, traits);
+  ASSERT_TRUE(planes);
+  ASSERT_EQ(planes->channels, 7U);
+  EXPECT_EQ(planes->values[0], 5.0F);
+  for (size_t trait = 0; trait < traits.size(); ++trait) {
+    for (size_t i = 0; i < 6; ++i) EXPECT_EQ(planes->values[(2 + trait) * 6 + i], 2.0F * traits[trait]);
+  }
+  EXPECT_EQ(planes->values[5 * 6], 5.0F);
+  EXPECT_EQ(planes->values[6 * 6], 5.0F);
+}
+
 TEST(NetworkInput, PaddingRepeatsTheLastRowAndColumn) {
   events::EventImages images(1, 2, 3);
   images.counts = {1, 2, 3, 4, 5, 6};
-  const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, 4);
+  const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, {}, 4);
   ASSERT_TRUE(planes);
   EXPECT_EQ(planes->height, 4U);
   EXPECT_EQ(planes->width, 4U);

@@ -40,12 +40,15 @@ ProgressFn part_of(const ProgressFn& progress, size_t pass, size_t passes) {
 Result<Reconstructor> Reconstructor::create(model::Model model, const engine::EngineOptions& options) {
   E2LF_RETURN_IF_ERROR(model::validate(model, model.name));
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model.network, model.weights, options));
-  return Reconstructor(std::move(model), std::move(engine));
+  aperture::Camera paper;
+  paper.constants = model.constants;
+  auto traits = aperture::camera_traits(model.camera.value_or(paper), model.num_patterns);
+  return Reconstructor(std::move(model), std::move(engine), std::move(traits));
 }
 
 Result<Reconstructor::Planes> Reconstructor::run(const events::EventImages& images, const ProgressFn& progress) const {
-  E2LF_ASSIGN_OR_RETURN(const InputPlanes input,
-                        network_input(images, model_.input, model_.constants, model::size_multiple(model_.network)));
+  E2LF_ASSIGN_OR_RETURN(const InputPlanes input, network_input(images, model_.input, model_.constants, traits_,
+                                                               model::size_multiple(model_.network)));
   Planes planes{input.height, input.width, {}};
   planes.values.resize(model_.views_y * model_.views_x * input.height * input.width);
   E2LF_RETURN_IF_ERROR(engine_.run(input.values, input.height, input.width, planes.values, progress));

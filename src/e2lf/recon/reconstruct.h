@@ -39,9 +39,11 @@ class Reconstructor {
   /// The network's output, not cropped.
   [[nodiscard]] Result<Planes> run(const events::EventImages& images, const ProgressFn& progress) const;
 
-  Reconstructor(model::Model model, engine::Engine engine) : model_(std::move(model)), engine_(std::move(engine)) {}
+  Reconstructor(model::Model model, engine::Engine engine, std::vector<float> traits)
+      : model_(std::move(model)), engine_(std::move(engine)), traits_(std::move(traits)) {}
   model::Model model_;
   engine::Engine engine_;
+  std::vector<float> traits_;  // of the camera
 };
 
 }  // namespace e2lf::recon
