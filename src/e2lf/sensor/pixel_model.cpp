@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/sensor/pixel_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "e2lf/base/rng.h"
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/sensor/coded_intensity.h"
+
+namespace e2lf::sensor {
+namespace {
+
+using enum aperture::PixelConstant;
+
+constexpr uint64_t kThresholdStream = uint64_t{1} << 33;
+constexpr float kLeastThreshold = 0.3F;  // of the mean one, however unequal pixels are
+constexpr size_t kRowPixels = 1024;      // a piece of work
+
+float uniform(uint32_t word) {
+  return (static_cast<float>(word >> 8) + 0.5F) * 0x1p-24F;
+}
+
+/// Two standard normal draws from two words.
+std::array<float, 2> box_muller(uint32_t word0, uint32_t word1) {
+  const float radius = std::sqrt(-2.0F * std::log(uniform(word0)));
+  const float angle = uniform(word1) * (2.0F * std::numbers::pi_v<float>);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+struct Thresholds {
+  float on = 0.0F, off = 0.0F;
+};
+
+/// The light that a pixel gets in each pattern, J = (I + eps) / eps.
+struct Exposure {
+  float inverse = 1.0F;            ///< of the last pattern's inverse
+  std::vector<float> of_patterns;  ///< from black on
+};
+
+/// One pixel from the inverse of the last pattern to the end of the cycle.
+class Pixel {
+ public:
+  Pixel(const aperture::PixelConstants& constants, Thresholds thresholds, float intensity)
+      : constants_(constants), thresholds_(thresholds), inverse_level_(1.0F / intensity), level_(std::log(intensity)) {}
+
+  void follow(float intensity, float seconds) {
+    const float target = 1.0F / intensity;
+    inverse_level_ = target + (inverse_level_ - target) * std::exp(-constants_[kReceptorRate] * seconds * intensity);
+    const float log_intensity = -std::log(inverse_level_);
+    level_ = log_intensity + (level_ - log_intensity) * std::exp(-constants_[kAmplifierRate] * seconds);
+  }
+
+  /// The reference that the change to black leaves; `draw` is uniform over 0..1.
+  void settle(float draw) {
+    reference_ = level_ + thresholds_.off * constants_[kResetSpan] * draw - constants_[kResetOffset];
+  }
+
+  /// The signed events of one transition.
+  float count_events(float intensity, const std::array<uint32_t, 4>& words) {
+    const float noise = std::sqrt(constants_[kNoise] * constants_[kNoise] +
+                                  constants_[kShotNoise] * constants_[kShotNoise] / intensity);
+    const float difference = level_ + noise * box_muller(words[0], words[1])[0] - reference_;
+    const float threshold = difference > 0.0F ? thresholds_.on : thresholds_.off;
+    float count = std::trunc(difference / threshold);
+    reference_ += threshold * count;
+    const float draw = uniform(words[2]) * intensity;
+    if (draw < constants_[kDarkOff]) {
+      count -= 1.0F;
+      reference_ -= thresholds_.off;
+    }
+    if (intensity - draw < constants_[kDarkOn]) {
+      count += 1.0F;
+      reference_ += thresholds_.on;
+    }
+    return count;
+  }
+
+ private:
+  const aperture::PixelConstants& constants_;
+  Thresholds thresholds_;
+  float inverse_level_, level_, reference_ = 0.0F;
+};
+
+Thresholds draw_thresholds(const aperture::PixelConstants& constants, uint64_t map_seed, uint64_t pixel) {
+  const auto words = CounterRng(map_seed, kThresholdStream).bits(pixel);
+  const auto [both, on] = box_muller(words[0], words[1]);
+  const float off = box_muller(words[2], words[3])[0];
+  const auto factor = [&, both = both](float own) {
+    return std::max(1.0F + constants[kMismatch] * both + constants[kMismatchEach] * own, kLeastThreshold);
+  };
+  return {constants[kThresholdOn] * factor(on), constants[kThresholdOff] * factor(off)};
+}
+
+/// Light through the cells of each pattern: what its open cells pass, and what leaks through the others.
+class ExposureOf {
+ public:
+  ExposureOf(const aperture::Camera& camera, const CodedIntensities& intensities, float gain)
+      : camera_(camera), intensities_(intensities), gain_over_eps_(gain / camera.pixel[kEps]) {}
+
+  /// `intensities` holds one more image than there are patterns: that with all cells open.
+  void operator()(size_t pixel, Exposure& exposure) const {
+    const size_t num_patterns = intensities_.num_patterns - 1;
+    const float full = value(num_patterns, pixel), leak = camera_.pixel[kLeak];
+    exposure.of_patterns.resize(num_patterns);
+    float last = 0.0F;
+    for (size_t n = 0; n < num_patterns; ++n) {
+      const float open = value(n, pixel);
+      last = open * transmission(n);
+      exposure.of_patterns[n] = last + leak * (full - open) + 1.0F;
+    }
+    exposure.inverse = std::max(full - last, 0.0F) + 1.0F;
+  }
+
+ private:
+  [[nodiscard]] float value(size_t n, size_t pixel) const {
+    return std::max(intensities_.image(n)[pixel], 0.0F) * gain_over_eps_;
+  }
+  [[nodiscard]] float transmission(size_t n) const {
+    return n >= 1 && n - 1 < camera_.transmission.size() ? camera_.transmission[n - 1] : 1.0F;
+  }
+
+  const aperture::Camera& camera_;
+  const CodedIntensities& intensities_;
+  float gain_over_eps_;
+};
+
+Result<void> check(const aperture::Codes& codes, const aperture::Camera& camera, const PixelModelOptions& options) {
+  if (!camera.is_pixel()) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the camera \"", camera.name, "\" is of the event model ", camera.event_model,
+                     ", not pixel; use another, or simulate its model"),
+                 ""};
+  }
+  if (!(options.gain >= 0.0F) || !std::isfinite(options.gain)) {
+    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is no brightness; use zero or more"), ""};
+  }
+  if (codes.num_patterns < 2 || !aperture::is_black_first(codes)) {
+    return Error{ErrorCode::kShape, "the event model pixel needs patterns that begin with black; use others", ""};
+  }
+  return {};
+}
+
+/// The patterns, and behind them one with all cells open.
+aperture::Codes with_open_aperture(const aperture::Codes& codes) {
+  aperture::Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
+  std::fill(extended.values.begin(), extended.values.end(), 1.0F);
+  std::copy(codes.values.begin(), codes.values.end(), extended.values.begin());
+  return extended;
+}
+
+}  // namespace
+
+Result<events::EventImages> simulate_pixel_events(const aperture::Codes& codes,
+                                                  const lightfield::LightField& light_field,
+                                                  const aperture::Camera& camera, const PixelModelOptions& options) {
+  E2LF_RETURN_IF_ERROR(check(codes, camera, options));
+  E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities, coded_intensities(with_open_aperture(codes), light_field));
+  const aperture::PixelConstants& constants = camera.pixel;
+  const ExposureOf exposure_of(camera, intensities, options.gain);
+  events::EventImages images(codes.num_patterns - 1, intensities.height, intensities.width);
+  parallel_for(images.image_size(), kRowPixels, [&](size_t begin, size_t end) {
+    Exposure exposure;
+    for (size_t p = begin; p < end; ++p) {
+      exposure_of(p, exposure);
+      Pixel pixel(constants, draw_thresholds(constants, options.map_seed, p), exposure.inverse);
+      pixel.follow(exposure.of_patterns[0], constants[kBlackTime]);
+      pixel.settle(uniform(CounterRng(options.seed, 0).bits(p)[0]));
+      for (size_t n = 1; n < codes.num_patterns; ++n) {
+        pixel.follow(exposure.of_patterns[n], constants[kLitTime]);
+        const float count = pixel.count_events(exposure.of_patterns[n], CounterRng(options.seed, n).bits(p));
+        images.image(n - 1)[p] = static_cast<int16_t>(std::clamp(count, -32768.0F, 32767.0F));
+      }
+    }
+  });
+  return images;
+}
+
+}  // namespace e2lf::sensor

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "e2lf/aperture/camera.h"
+#include "e2lf/aperture/codes.h"
+#include "e2lf/base/result.h"
+#include "e2lf/events/event_images.h"
+#include "e2lf/lightfield/light_field.h"
+
+namespace e2lf::sensor {
+
+struct PixelModelOptions {
+  float gain = 1.0F;      ///< scene brightness: multiplies every intensity
+  uint64_t seed = 0;      ///< of what changes from cycle to cycle: give each its own
+  uint64_t map_seed = 0;  ///< of the pixels' thresholds, which stay
+};
+
+/// Event images of one cycle as physical pixels make them, a closed form of the camera's cycle: the inverse of the last
+/// pattern, black, then patterns 2..N. The photoreceptor's log intensity u obeys du/dt = K (J - exp u), J = (I + eps) /
+/// eps: w = exp(-u) relaxes to 1 / J at the rate K J. The amplifier's level relaxes to u at its own rate. At the end of
+/// each pattern the level with its noise is compared with the reference: count = trunc((level - reference) /
+/// threshold), ON and OFF with thresholds of their own; the reference moves by threshold * count. Black leaves it
+/// somewhere within reset_span OFF thresholds above the level, less reset_offset.
+///
+/// Pixel p draws from CounterRng: thresholds from (map_seed, 2^33), the reference after black from (seed, 0), noise and
+/// dark events of transition k from (seed, k). The same for any number of threads. Counts beyond int16 are saturated.
+///
+/// Fails with kInvalidValue (a camera of another event model, a gain that is negative or not finite) and kShape (codes
+/// that do not fit the light field, or whose first pattern is not black).
+[[nodiscard]] Result<events::EventImages> simulate_pixel_events(const aperture::Codes& codes,
+                                                                const lightfield::LightField& light_field,
+                                                                const aperture::Camera& camera,
+                                                                const PixelModelOptions& options);
+
+}  // namespace e2lf::sensor

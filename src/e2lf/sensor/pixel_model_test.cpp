@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/sensor/pixel_model.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/threads.h"
+#include "e2lf/sensor/event_model.h"
+
+namespace e2lf::sensor {
+namespace {
+
+using enum aperture::PixelConstant;
+
+/// Follows the light at once; pixels are equal and start at black exactly.
+aperture::Camera ideal_camera(float tau = 0.3F) {
+  aperture::Camera camera;
+  camera.event_model = "pixel";
+  camera.pixel[kEps] = 0.01F;
+  camera.pixel[kReceptorRate] = camera.pixel[kAmplifierRate] = 1e9F;
+  camera.pixel[kThresholdOn] = camera.pixel[kThresholdOff] = tau;
+  camera.pixel[kBlackTime] = 0.0156F;
+  camera.pixel[kLitTime] = 0.0104F;
+  return camera;
+}
+
+/// Black, the left half, the right half of 8x8 cells.
+aperture::Codes half_codes() {
+  aperture::Codes codes(3, 8, 8);
+  for (size_t cell = 0; cell < 64; ++cell) codes.values[(cell % 8 < 4 ? 1 : 2) * 64 + cell] = 1.0F;
+  return codes;
+}
+
+/// Every view has the same ramp of brightness.
+lightfield::LightField ramp(size_t height, size_t width, float brightest) {
+  lightfield::LightField field({8, 8, height, width});
+  for (size_t i = 0; i < field.data().size(); ++i) {
+    field.data()[i] = brightest * static_cast<float>(i % (height * width)) / static_cast<float>(height * width);
+  }
+  return field;
+}
+
+TEST(PixelModel, IsEquations9And10WithoutLagAndMismatch) {
+  const auto codes = half_codes();
+  const auto field = ramp(64, 64, 0.8F);
+  EventModelOptions paper;
+  paper.constants = {.eps = 0.01F, .tau = 0.3F, .sigma_w = 0.0F, .sigma_z = 0.0F};
+  const auto expected = simulate_events(codes, field, paper);
+  const auto found = simulate_pixel_events(codes, field, ideal_camera(), {});
+  ASSERT_TRUE(expected && found);
+  size_t different = 0;
+  for (size_t i = 0; i < expected->counts.size(); ++i) different += expected->counts[i] != found->counts[i] ? 1 : 0;
+  EXPECT_LE(different, expected->counts.size() / 500);  // quotients within rounding of a whole number
+}
+
+TEST(PixelModel, CountsFollowThePhotoreceptorsDifferentialEquation) {
+  constexpr float kThreshold = 0.01F, kRate = 30.0F;
+  auto camera = ideal_camera(kThreshold);
+  camera.pixel[kReceptorRate] = kRate;
+  lightfield::LightField field({8, 8, 1, 1});
+  std::fill(field.data().begin(), field.data().end(), 0.2F);
+  const auto counts = simulate_pixel_events(half_codes(), field, camera, {});
+  ASSERT_TRUE(counts);
+  // Half of the cells pass 0.1, that is J = 11; the inverse of the last pattern too.
+  double u = std::log(11.0);
+  const auto integrate = [&](double target, double seconds) {
+    constexpr int kSteps = 100000;
+    for (int i = 0; i < kSteps; ++i) u += seconds / kSteps * kRate * (target - std::exp(u));
+  };
+  integrate(1.0, camera.pixel[kBlackTime]);
+  const double black = u;
+  integrate(11.0, camera.pixel[kLitTime]);
+  EXPECT_NEAR(counts->image(0)[0] * kThreshold, u - black, 2 * kThreshold);
+}
+
+TEST(PixelModel, ThresholdsStayFromCycleToCycleAndNoiseDoesNot) {
+  auto camera = ideal_camera(0.1F);
+  camera.pixel[kMismatch] = 0.1F;
+  const auto codes = half_codes();
+  lightfield::LightField field({8, 8, 64, 64});
+  std::fill(field.data().begin(), field.data().end(), 0.5F);
+  const auto images_of = [&](uint64_t seed, uint64_t map_seed) {
+    return simulate_pixel_events(codes, field, camera, {.seed = seed, .map_seed = map_seed}).value().counts;
+  };
+  EXPECT_EQ(images_of(1, 7), images_of(2, 7));
+  EXPECT_NE(images_of(1, 7), images_of(1, 8));
+  camera.pixel[kNoise] = 0.1F;
+  EXPECT_NE(images_of(1, 7), images_of(2, 7));
+}
+
+TEST(PixelModel, IsTheSameForAnyNumberOfThreads) {
+  auto camera = ideal_camera();
+  camera.pixel[kMismatch] = camera.pixel[kNoise] = camera.pixel[kDarkOff] = 0.1F;
+  const auto field = ramp(70, 50, 1.0F);
+  const int threads = num_threads();
+  set_num_threads(1);
+  const auto one = simulate_pixel_events(half_codes(), field, camera, {.seed = 3});
+  set_num_threads(3);
+  const auto three = simulate_pixel_events(half_codes(), field, camera, {.seed = 3});
+  set_num_threads(threads);
+  ASSERT_TRUE(one && three);
+  EXPECT_EQ(one->counts, three->counts);
+}
+
+TEST(PixelModel, RefusesOtherCamerasAndPatternsWithoutBlack) {
+  const auto field = ramp(4, 4, 1.0F);
+  EXPECT_EQ(simulate_pixel_events(half_codes(), field, {}, {}).error().code, ErrorCode::kInvalidValue);
+  auto open = half_codes();
+  std::fill(open.values.begin(), open.values.end(), 1.0F);
+  EXPECT_EQ(simulate_pixel_events(open, field, ideal_camera(), {}).error().code, ErrorCode::kShape);
+}
+
+}  // namespace
+}  // namespace e2lf::sensor
