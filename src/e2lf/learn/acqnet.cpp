@@ -41,6 +41,23 @@ SampleConstants repeat_constants(const aperture::SensorConstants& constants, int
   return {repeat(constants.eps), repeat(constants.tau), repeat(constants.sigma_w), repeat(constants.sigma_z)};
 }
 
+SampleConstants sample_of(const aperture::Camera& camera, size_t num_patterns, size_t cycles, torch::Device device) {
+  SampleConstants sample = repeat_constants(camera.constants, 1, device);
+  const auto row = [&](const std::vector<float>& values) {
+    return torch::tensor(at::ArrayRef<float>(values)).unsqueeze(0).to(device);
+  };
+  sample.traits = row(aperture::camera_traits(camera, num_patterns, cycles));
+  if (!camera.is_pixel()) return sample;
+  std::vector<float> transmission = {1.0F};
+  for (size_t n = 0; n + 1 < num_patterns; ++n) {
+    transmission.push_back(n < camera.transmission.size() ? camera.transmission[n] : 1.0F);
+  }
+  sample.pixel = {torch::ones({1}, torch::device(device).dtype(torch::kBool)),
+                  row({camera.pixel.values.begin(), camera.pixel.values.end()}), row(transmission),
+                  static_cast<int64_t>(cycles)};
+  return sample;
+}
+
 Patterns::Patterns(size_t num_patterns, PatternTie tie, torch::Device device) : tie_(tie) {
   E2LF_REQUIRE(num_patterns >= 2, "at least two patterns make an event image");
   E2LF_REQUIRE(tie != PatternTie::kComplementary || num_patterns % 2 == 0, "complementary patterns come in pairs");

@@ -5,6 +5,7 @@
 
 #include "e2lf/aperture/codes.h"
 #include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/learn/pixel_model.h"
 
 namespace e2lf::learn {
 
@@ -16,11 +17,17 @@ enum class EventModel {
 /// Sensor constants per sample: float32 [batch, 1, 1] each, on the device of the light fields.
 struct SampleConstants {
   torch::Tensor eps, tau, sigma_w, sigma_z;
+  PixelSamples pixel = {};    ///< for samples of physical pixels; undefined tensors: there are none
+  torch::Tensor traits = {};  ///< float32 [batch, aperture::num_traits(N)]: what the network is told
 };
 
-/// The same constants for every sample.
+/// The same constants for every sample; without traits.
 [[nodiscard]] SampleConstants repeat_constants(const aperture::SensorConstants& constants, int64_t batch,
                                                torch::Device device);
+
+/// One sample of a camera at its stated values, with traits, whose counts are means over `cycles`.
+[[nodiscard]] SampleConstants sample_of(const aperture::Camera& camera, size_t num_patterns, size_t cycles,
+                                        torch::Device device);
 
 /// What ties patterns to each other.
 enum class PatternTie {

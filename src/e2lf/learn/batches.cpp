@@ -22,6 +22,25 @@ uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
   return static_cast<uint64_t>((length - patch) / stride + 1);
 }
 
+/// The camera with each constant somewhere within its uncertainty, and a transmission for every lit pattern.
+aperture::Camera draw_camera(aperture::Camera camera, const SensorConfig& sensor, size_t num_patterns, Draws& draws) {
+  const double spread = draws.chance(sensor.camera_nominal_share) ? 0.0 : sensor.camera_spread;
+  const auto vary = [&](float value, float uncertainty) {
+    return value * static_cast<float>(std::exp(draws.uniform(-1.0, 1.0) * spread * uncertainty));
+  };
+  for (size_t i = 0; i < camera.pixel.values.size(); ++i) {
+    camera.pixel.values[i] = vary(camera.pixel.values[i], camera.uncertainty.values[i]);
+  }
+  camera.transmission.resize(num_patterns - 1, 1.0F);
+  for (size_t k = 1; k < camera.transmission.size(); ++k) {
+    camera.transmission[k] = vary(camera.transmission[k], camera.transmission_uncertainty);
+  }
+  using enum aperture::PixelConstant;
+  camera.constants.eps = camera.pixel[kEps];
+  camera.constants.tau = 0.5F * (camera.pixel[kThresholdOn] + camera.pixel[kThresholdOff]);
+  return camera;
+}
+
 }  // namespace
 
 Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
@@ -32,6 +51,13 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
     for (const std::string& name : *names) {
       const auto found = batches.dataset_.find(name);
       if (!found) return Error{found.error().code, cat(found.error().message, " Or take it out of this list"), key};
+    }
+  }
+  if (!config.sensor.camera.empty()) {
+    E2LF_ASSIGN_OR_RETURN(batches.camera_, aperture::read_camera(config.sensor.camera));
+    if (!batches.camera_->is_pixel() || !config.patterns.black_first) {
+      return Error{ErrorCode::kInvalidValue, "training takes cameras of the event model \"pixel\", with black first",
+                   config.sensor.camera};
     }
   }
   const auto patch = static_cast<int64_t>(config.train.patch);
@@ -117,6 +143,50 @@ Batches::Conditions Batches::random_conditions(Draws& draws) const {
            on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
 }
 
+/// Of the paper's models; apply_camera() replaces those of physical pixels.
+void Batches::tell_traits(Conditions& conditions) const {
+  const SampleConstants& constants = conditions.constants;
+  const auto value = [](const torch::Tensor& values, int64_t i) { return values.flatten()[i].item<float>(); };
+  std::vector<torch::Tensor> rows;
+  for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
+    const auto traits =
+        aperture::camera_traits({.constants = {value(constants.eps, i), value(constants.tau, i),
+                                               value(constants.sigma_w, i), value(constants.sigma_z, i)},
+                                 .residue = value(conditions.residue, i)},
+                                config_.patterns.num_patterns);
+    rows.push_back(torch::tensor(at::ArrayRef<float>(traits)));
+  }
+  conditions.constants.traits = torch::stack(rows).to(device_);
+}
+
+/// Makes a share of the samples ones of the camera, its constants drawn from what they may be. Has draws of its own,
+/// so that runs without a camera see what they always saw.
+void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
+  const SensorConfig& sensor = config_.sensor;
+  const size_t num_patterns = config_.patterns.num_patterns;
+  Draws draws(mix_seed(config_.seed, kSamples, step), 1);
+  const size_t cycles = draws.chance(sensor.cycles_share) ? size_t{2} << draws.below(4) : 1;
+  const auto row = [&](const std::vector<float>& values) { return torch::tensor(at::ArrayRef<float>(values)); };
+  std::vector<torch::Tensor> constants, transmissions, is_pixel;
+  for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
+    aperture::Camera drawn = draw_camera(*camera_, sensor, num_patterns, draws);
+    const bool chosen = draws.chance(sensor.camera_share);
+    const auto gain = static_cast<float>(draws.log_uniform(sensor.camera_gain[0], sensor.camera_gain[1]));
+    is_pixel.push_back(torch::tensor(chosen));
+    constants.push_back(row({drawn.pixel.values.begin(), drawn.pixel.values.end()}));
+    drawn.transmission.insert(drawn.transmission.begin(), 1.0F);  // of black
+    transmissions.push_back(row(drawn.transmission));
+    if (!chosen) continue;
+    drawn.transmission.erase(drawn.transmission.begin());
+    conditions.gain[i] = gain;
+    conditions.constants.eps[i] = drawn.constants.eps;
+    conditions.constants.tau[i] = drawn.constants.tau;
+    conditions.constants.traits[i] = row(aperture::camera_traits(drawn, num_patterns, cycles)).to(device_);
+  }
+  conditions.constants.pixel = {torch::stack(is_pixel).to(device_), torch::stack(constants).to(device_),
+                                torch::stack(transmissions).to(device_), static_cast<int64_t>(cycles)};
+}
+
 Batch Batches::at(uint64_t step, Share share) {
   torch::NoGradGuard no_grad;
   advance_pool(step);
@@ -124,7 +194,10 @@ Batch Batches::at(uint64_t step, Share share) {
   Draws draws(mix_seed(config_.seed, kSamples, step), 0);
   std::vector<torch::Tensor> patches;
   for (uint64_t i = 0; i < config_.train.batch; ++i) patches.push_back(random_patch(draws));
-  auto [gain, most_residue, constants] = random_conditions(draws);
+  Conditions conditions = random_conditions(draws);
+  tell_traits(conditions);
+  if (camera_) apply_camera(step, conditions);
+  const auto& [gain, most_residue, constants] = conditions;
   torch::manual_seed(mix_seed(config_.seed, kNoise, step));
   const auto size = static_cast<int64_t>(config_.train.batch), patch = static_cast<int64_t>(config_.train.patch);
   const auto noise = draw_noise({size, static_cast<int64_t>(config_.patterns.num_patterns) - 1, patch, patch}, device_);
@@ -135,6 +208,11 @@ Batch Batches::at(uint64_t step, Share share) {
   Batch batch;
   batch.gain = own(gain);
   batch.constants = {own(constants.eps), own(constants.tau), own(constants.sigma_w), own(constants.sigma_z)};
+  batch.constants.traits = own(constants.traits);
+  if (camera_) {
+    const PixelSamples& pixel = constants.pixel;
+    batch.constants.pixel = {own(pixel.is_pixel), own(pixel.constants), own(pixel.transmission), pixel.cycles};
+  }
   batch.noise = {own(noise.w), own(noise.z), own(residue)};
   // Stacked with the views last in memory, which is how they and the network's result are used.
   for (auto& field : patches) field = field.permute({1, 2, 0});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <torch/types.h>
 #include <vector>
 
@@ -28,7 +29,7 @@ struct Share {
 class Batches {
  public:
   /// Trains on every scene of the data that is neither validation nor excluded. Fails with kInvalidValue when there is
-  /// nothing to train on, and kNotFound when a named scene is not in the data.
+  /// nothing to train on, kNotFound when a named scene is not in the data, and as read_camera().
   [[nodiscard]] static Result<Batches> create(const Config& config, Dataset dataset, torch::Device device);
 
   /// A share of the batch of a step; the shares make up the batch whatever their number. The batch size must be a
@@ -36,6 +37,9 @@ class Batches {
   [[nodiscard]] Batch at(uint64_t step, Share share = {});
 
   [[nodiscard]] const Dataset& dataset() const { return dataset_; }
+
+  /// The camera of sensor.camera; nothing where none is named.
+  [[nodiscard]] const std::optional<aperture::Camera>& camera() const { return camera_; }
 
  private:
   Batches(Config config, Dataset dataset, torch::Device device)
@@ -49,8 +53,11 @@ class Batches {
     SampleConstants constants;
   };
   [[nodiscard]] Conditions random_conditions(Draws& draws) const;
+  void tell_traits(Conditions& conditions) const;
+  void apply_camera(uint64_t step, Conditions& conditions) const;
 
   Config config_;
+  std::optional<aperture::Camera> camera_;
   Dataset dataset_;
   torch::Device device_;
   std::vector<size_t> scenes_;             // indices of those to train on

@@ -9,7 +9,7 @@ namespace e2lf::learn {
 namespace {
 
 constexpr const char* kEventModels[] = {"quantised", "reference-aware"};
-constexpr const char* kInputKinds[] = {"counts", "cumulative", "intensity"};
+constexpr const char* kInputKinds[] = {"counts", "cumulative", "intensity", "camera"};
 
 Error invalid(const std::string& message, const std::string& location) {
   return Error{ErrorCode::kInvalidValue, message, location};
@@ -56,6 +56,9 @@ Result<void> read_sensor(OptionReader reader, SensorConfig& sensor) {
   reader.read("nominal_sigma_w", sensor.nominal.sigma_w).read("nominal_sigma_z", sensor.nominal.sigma_z);
   reader.read("noise_free_share", sensor.noise_free_share).read("residue_share", sensor.residue_share);
   reader.read("nominal_share", sensor.nominal_share).read("tau", sensor.tau).read("sigma_w", sensor.sigma_w);
+  reader.read("camera", sensor.camera).read("camera_share", sensor.camera_share);
+  reader.read("camera_nominal_share", sensor.camera_nominal_share).read("camera_spread", sensor.camera_spread);
+  reader.read("camera_gain", sensor.camera_gain).read("cycles_share", sensor.cycles_share);
   reader.read("sigma_z", sensor.sigma_z).read("full_gain_share", sensor.full_gain_share).read("gain", sensor.gain);
   return reader.finish();
 }
@@ -72,7 +75,7 @@ Result<void> read_input(const Json& json, const std::string& location, std::vect
     E2LF_RETURN_IF_ERROR(reader.finish());
     const auto* const found = std::find(std::begin(kInputKinds), std::end(kInputKinds), kind);
     if (found == std::end(kInputKinds)) {
-      return invalid(cat("unknown kind \"", kind, "\"; use counts, cumulative or intensity"), location);
+      return invalid(cat("unknown kind \"", kind, "\"; use counts, cumulative, intensity or camera"), location);
     }
     group.kind = static_cast<model::InputKind>(found - std::begin(kInputKinds));
     input.push_back(group);
@@ -203,6 +206,12 @@ Json to_json(const Config& config) {
             {"tau", sensor.tau},
             {"sigma_w", sensor.sigma_w},
             {"sigma_z", sensor.sigma_z},
+            {"camera", sensor.camera},
+            {"camera_share", sensor.camera_share},
+            {"camera_nominal_share", sensor.camera_nominal_share},
+            {"camera_spread", sensor.camera_spread},
+            {"camera_gain", sensor.camera_gain},
+            {"cycles_share", sensor.cycles_share},
             {"full_gain_share", sensor.full_gain_share},
             {"gain", sensor.gain}}},
           {"input", input},
@@ -230,7 +239,7 @@ Json to_json(const Config& config) {
 }
 
 model::Network make_network(const Config& config) {
-  const size_t channels = config.input.size() * (config.patterns.num_patterns - 1);
+  const size_t channels = model::num_input_channels(config.input, config.patterns.num_patterns);
   if (config.network.type == "recnet") return model::recnet(channels);
   return model::unet({.input_channels = channels,
                       .widths = {config.network.widths.begin(), config.network.widths.end()},

@@ -48,7 +48,13 @@ struct SensorConfig {
   std::array<double, 2> tau = {0.27, 0.33};  ///< uniform; known to the network through its inputs
   std::array<double, 2> sigma_w = {0.0, 0.25};
   std::array<double, 2> sigma_z = {0.0, 0.06};
-  double full_gain_share = 0.5;              ///< share of samples with gain 1
+  std::string camera;                 ///< a camera file of the model "pixel"; empty: the paper's model alone
+  double camera_share = 0.5;          ///< share of samples with that camera
+  double camera_nominal_share = 0.3;  ///< of these: share with exactly the stated constants
+  double camera_spread = 1.0;         ///< the others vary over so many times the stated uncertainty
+  std::array<double, 2> camera_gain = {0.15, 1.4};  ///< log-uniform factor on the light field of these
+  double cycles_share = 0.0;     ///< share of steps whose camera samples are means over 2, 4, 8 or 16 cycles
+  double full_gain_share = 0.5;  ///< share of samples with gain 1
   std::array<double, 2> gain = {0.15, 1.0};  ///< log-uniform factor on the light field
 };
 

@@ -8,12 +8,16 @@ namespace e2lf::learn {
 Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field, const SampleConstants& constants,
                            const SensorNoise& noise) {
   const auto intensities = coded_intensities(light_field, pipeline.codes);
-  const auto events = simulate_events(intensities, constants, noise, pipeline.event_model);
+  auto events = simulate_events(intensities, constants, noise, pipeline.event_model);
+  if (constants.pixel.is_pixel.defined()) {
+    const auto of_pixels = simulate_pixel_events(intensities, light_field.mean(1), constants.pixel);
+    events = torch::where(constants.pixel.is_pixel.reshape({-1, 1, 1, 1}), of_pixels, events);
+  }
   const auto inputs = form_inputs(events, pipeline.input, constants);
   return {events, pipeline.network->forward(inputs, pipeline.compute, *pipeline.weights, pipeline.input_means)};
 }
 
-SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const aperture::SensorConstants& constants,
+SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const SampleConstants& constants,
                           uint64_t seed) {
   torch::NoGradGuard no_grad;
   torch::manual_seed(seed);
@@ -21,7 +25,7 @@ SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const ap
   const auto height = scene.views.size(1) / kMultiple * kMultiple, width = scene.views.size(2) / kMultiple * kMultiple;
   const auto truth = scene.views.slice(1, 0, height).slice(2, 0, width).to(torch::kFloat).div(255.0).unsqueeze(0);
   const auto noise = draw_noise({1, pipeline.codes.size(0) - 1, height, width}, truth.device());
-  const auto result = reconstruct(pipeline, truth, repeat_constants(constants, 1, truth.device()), noise);
+  const auto result = reconstruct(pipeline, truth, constants, noise);
   const auto error = (result.light_field.clamp(0.0, 1.0) - truth).square_().mean({2, 3});
   return {scene.name, (-10.0 * error.log10()).mean().item<double>(),
           result.events.abs().sum().item<double>() / static_cast<double>(height * width)};

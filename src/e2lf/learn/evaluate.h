@@ -34,9 +34,9 @@ struct SceneScore {
   double events_per_pixel = 0;
 };
 
-/// Simulates and reconstructs a whole scene. Its right and lower edges are cut to a multiple of 16 px. The noise
-/// depends on `seed` alone, with which torch's generator is reseeded.
-[[nodiscard]] SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene,
-                                        const aperture::SensorConstants& constants, uint64_t seed);
+/// Simulates and reconstructs a whole scene with one sample of constants. Its right and lower edges are cut to a
+/// multiple of 16 px. The noise depends on `seed` alone, with which torch's generator is reseeded.
+[[nodiscard]] SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const SampleConstants& constants,
+                                        uint64_t seed);
 
 }  // namespace e2lf::learn

@@ -36,6 +36,11 @@ torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::
         channels.push_back(eps * torch::expm1(exponent) * group.scale);
         break;
       }
+      case model::InputKind::kCamera: {
+        const auto planes = constants.traits.unsqueeze(2).unsqueeze(3) * group.scale;
+        channels.push_back(planes.expand({-1, -1, events.size(2), events.size(3)}).to(events.scalar_type()));
+        break;
+      }
     }
   }
   return torch::cat(channels, 1);

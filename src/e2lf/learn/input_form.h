@@ -10,7 +10,7 @@
 namespace e2lf::learn {
 
 /// The network's input channels from event images [batch, N - 1, y, x], as model::InputGroup defines them:
-/// [batch, groups * (N - 1), y, x], differentiable. Uses eps and tau of each sample.
+/// [batch, model::num_input_channels(), y, x], differentiable. Uses eps, tau and the traits of each sample.
 [[nodiscard]] torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::InputGroup>& groups,
                                         const SampleConstants& constants);
 

@@ -104,6 +104,28 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
   return x.to(input.scalar_type());
 }
 
+model::Weights widen_inputs(const model::Network& network, model::Weights weights, const model::Network& wider) {
+  if (network.layers != wider.layers || network.input_channels >= wider.input_channels) return weights;
+  const auto shapes = model::infer_shapes(network), wider_shapes = model::infer_shapes(wider);
+  if (!shapes || !wider_shapes) return weights;
+  const auto narrow = model::weight_shapes(network), wide = model::weight_shapes(wider);
+  for (size_t i = 0; i < narrow.size(); ++i) {
+    if (narrow[i].shape == wide[i].shape) continue;
+    // [out, in, kernel, kernel]: each output's block grows by zeros at its end.
+    const auto found = weights.find(narrow[i].name);
+    if (found == weights.end() || narrow[i].shape[0] == 0) continue;
+    const size_t outputs = narrow[i].shape[0], block = found->second.size() / outputs;
+    const size_t wider_block = wide[i].shape[1] * wide[i].shape[2] * wide[i].shape[3];
+    std::vector<float> values(outputs * wider_block);
+    for (size_t out = 0; out < outputs; ++out) {
+      std::copy_n(found->second.begin() + static_cast<ptrdiff_t>(out * block), block,
+                  values.begin() + static_cast<ptrdiff_t>(out * wider_block));
+    }
+    found->second = std::move(values);
+  }
+  return weights;
+}
+
 Result<void> load_weights(const NamedTensors& parameters, const model::Weights& weights, const std::string& location) {
   torch::NoGradGuard no_grad;
   for (const auto& [name, tensor] : parameters) {

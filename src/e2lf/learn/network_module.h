@@ -42,6 +42,12 @@ class NetworkModule {
   NamedTensors parameters_;
 };
 
+/// The weights of a network for another that differs in having more input channels, behind those it has: the layers
+/// that read the input, or its pixels unshuffled, get zeros for them. Weights of other networks are returned as they
+/// are.
+[[nodiscard]] model::Weights widen_inputs(const model::Network& network, model::Weights weights,
+                                          const model::Network& wider);
+
 /// Copies values into tensors of the same names. Fails with kNotFound and kShape, naming the tensor in `location`.
 [[nodiscard]] Result<void> load_weights(const NamedTensors& parameters, const model::Weights& weights,
                                         const std::string& location);

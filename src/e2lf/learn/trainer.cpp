@@ -56,7 +56,8 @@ Result<torch::Tensor> read_codes(const std::filesystem::path& path, const Patter
 
 /// A configuration as a model file keeps it: where files lay is nobody's business.
 Json without_folders(Config config) {
-  for (std::string* path : {&config.start, &config.data.file, &config.patterns.codes, &config.patterns.start}) {
+  for (std::string* path :
+       {&config.start, &config.data.file, &config.sensor.camera, &config.patterns.codes, &config.patterns.start}) {
     *path = std::filesystem::path(*path).filename().string();
   }
   return to_json(config);
@@ -132,7 +133,8 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   }
   if (!config.start.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(config.start));
-    E2LF_RETURN_IF_ERROR(load_weights(trainer.network_.parameters(), model.weights, config.start));
+    const auto widened = widen_inputs(model.network, model.weights, trainer.network_.network());
+    E2LF_RETURN_IF_ERROR(load_weights(trainer.network_.parameters(), widened, config.start));
     trainer.average_ = clone(trainer.network_.parameters());
   }
   return trainer;
@@ -239,7 +241,7 @@ Result<StepReport> Trainer::train_step() {
 }
 
 Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes,
-                                                  const aperture::SensorConstants& constants) const {
+                                                  const aperture::Camera& camera, size_t cycles) const {
   const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
   const Pipeline pipeline{
       &network_,     &average_,     fixed_codes_.defined() ? fixed_codes_ : codes, config_.patterns.event_model,
@@ -247,9 +249,18 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
     E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));
-    scores.push_back(evaluate_scene(pipeline, *scene, constants, kEvaluationSeed));
+    const auto sample = sample_of(camera, config_.patterns.num_patterns, cycles, device_);
+    scores.push_back(evaluate_scene(pipeline, *scene, sample, kEvaluationSeed));
+    if (camera.is_pixel()) scores.back().name += "@" + camera.name;
   }
   return scores;
+}
+
+std::vector<aperture::Camera> Trainer::cameras() const {
+  std::vector<aperture::Camera> list(1);
+  list.front().constants = config_.sensor.nominal;
+  if (batches_.camera()) list.push_back(*batches_.camera());
+  return list;
 }
 
 StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const {
@@ -267,12 +278,15 @@ StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const 
 
 /// Every process evaluates, so that none waits for another longer than its patience; the first one writes.
 Result<void> Trainer::log_evaluation(const RunLog& log) const {
-  E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(config_.data.validation, config_.sensor.nominal));
-  if (!peers_.leads()) return {};
   const uint64_t samples = step_ * config_.train.batch;
-  for (const SceneScore& score : scores) {
-    E2LF_RETURN_IF_ERROR(log.add(ScoreRow{step_, samples, score.name, score.psnr_db, score.events_per_pixel}));
+  for (const aperture::Camera& camera : cameras()) {
+    E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(config_.data.validation, camera));
+    if (!peers_.leads()) continue;
+    for (const SceneScore& score : scores) {
+      E2LF_RETURN_IF_ERROR(log.add(ScoreRow{step_, samples, score.name, score.psnr_db, score.events_per_pixel}));
+    }
   }
+  if (!peers_.leads()) return {};
   const auto codes = current_codes().detach().to(torch::kCPU, torch::kFloat).contiguous();
   const float* cells = codes.data_ptr<float>();
   E2LF_RETURN_IF_ERROR(log.add(PatternRow{step_, samples, {cells, cells + codes.numel()}}));
@@ -331,6 +345,7 @@ model::Model Trainer::to_model() const {
   model.black_first = aperture::is_black_first(*model.codes);  // the first may have closed without being made to
   if (!config_.patterns.in_model) model.codes.reset();
   model.constants = config_.sensor.nominal;
+  model.camera = batches_.camera();
   model.input = config_.input;
   model.network = network_.network();
   model.weights = to_weights(average_);

@@ -47,9 +47,12 @@ class Trainer {
   [[nodiscard]] Result<void> save_checkpoint(const std::filesystem::path& path) const;
   [[nodiscard]] Result<void> load_checkpoint(const std::filesystem::path& path);
 
-  /// Scores of the averaged weights on the named scenes, at the given constants.
+  /// Scores of the averaged weights on the named scenes, recorded by a camera over so many cycles.
   [[nodiscard]] Result<std::vector<SceneScore>> evaluate(const std::vector<std::string>& scenes,
-                                                         const aperture::SensorConstants& constants) const;
+                                                         const aperture::Camera& camera, size_t cycles = 1) const;
+
+  /// The cameras that evaluations are made with: the paper's at its nominal constants, and sensor.camera.
+  [[nodiscard]] std::vector<aperture::Camera> cameras() const;
 
   /// The averaged weights and the patterns as a model. Patterns still being learned are rounded to 0 and 1.
   [[nodiscard]] model::Model to_model() const;
