@@ -5,7 +5,7 @@
 #include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/bundled_model.h"
+#include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/light_field_output.h"
 #include "e2lf/cli/pictures.h"
 #include "e2lf/cli/run_record.h"

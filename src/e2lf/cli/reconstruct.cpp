@@ -13,6 +13,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/event_check.h"
 #include "e2lf/cli/inputs.h"
@@ -32,7 +33,7 @@ namespace {
 struct ReconstructArguments {
   fs::path input, output;
   CodesSource codes;
-  std::string method = "network", precision = "auto", gain = "auto", format = "png";
+  std::string method = "network", precision = "auto", gain = "auto", format = "png", camera;
   size_t passes = 1;
   CycleFlags cycles;
 };
@@ -67,6 +68,26 @@ void tell_patterns(const ReconstructArguments& arguments, const model::Model& mo
                         "they are those of the events"));
 }
 
+bool is_told_the_camera(const model::Model& model) {
+  return std::any_of(model.input.begin(), model.input.end(),
+                     [](const auto& group) { return group.kind == model::InputKind::kCamera; });
+}
+
+/// Gives the network the constants of the camera that --camera names, in place of those that the model was made for.
+Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& model, RunRecord& record) {
+  if (arguments.camera.empty()) {
+    if (is_told_the_camera(model) && model.camera) record.note("camera", aperture::to_json(*model.camera));
+    return {};
+  }
+  if (!is_told_the_camera(model)) {
+    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
+                 "--camera"};
+  }
+  E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(arguments.camera, record));
+  model.constants = model.camera->constants;
+  return {};
+}
+
 Result<Method> network_method(const ReconstructArguments& arguments, const std::optional<KnownCodes>& known,
                               RunRecord& record) {
   if (arguments.codes.model.empty()) {
@@ -75,6 +96,7 @@ Result<Method> network_method(const ReconstructArguments& arguments, const std::
   }
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.codes.model));
   tell_patterns(arguments, model, known, record);
+  E2LF_RETURN_IF_ERROR(tell_camera(arguments, model, record));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor made,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
@@ -338,6 +360,9 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("--method", reconstruction.method, "network, or inversion (closed form, needs no model, only codes)")
       ->check(CLI::IsMember({"network", "inversion"}))
       ->capture_default_str();
+  add_camera_option(
+      app, reconstruction.camera,
+      "the camera that recorded, for networks that are told; default: the one that the model was made for");
   app.add_option("--precision", reconstruction.precision, "arithmetic of the network: auto, float32 or bfloat16")
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
       ->capture_default_str();

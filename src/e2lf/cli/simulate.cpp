@@ -7,6 +7,7 @@
 #include "e2lf/aperture/codes_header.h"
 #include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
@@ -16,6 +17,7 @@
 #include "e2lf/events/event_images.h"
 #include "e2lf/events/synthesise.h"
 #include "e2lf/sensor/event_model.h"
+#include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -24,7 +26,7 @@ namespace {
 struct SimulateArguments {
   fs::path input, output;
   CodesSource codes;
-  std::string event_model;
+  std::string event_model, camera;
   std::optional<float> eps, tau, sigma_w, sigma_z;
   float scene_gain = 1.0F, residue = 0.0F;
   size_t cycles = 1;
@@ -60,6 +62,35 @@ void print_statistics(const events::EventImages& images, const CommonOptions& co
 
 using ImagesOf = std::function<Result<events::EventImages>(uint64_t cycle)>;
 
+/// Physical pixels have no use for the constants of the paper's model.
+Result<void> check_model_flags(const SimulateArguments& arguments, const aperture::Camera& camera) {
+  const bool has_flags = arguments.eps || arguments.tau || arguments.sigma_w || arguments.sigma_z ||
+                         arguments.residue != 0.0F || !arguments.event_model.empty();
+  if (!camera.is_pixel() || !has_flags) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("--event-model, --eps, --tau, --sigma-w, --sigma-z and --residue are of the paper's model; leave ",
+                   "them out, or change the constants in a camera file of your own"),
+               "--camera " + arguments.camera};
+}
+
+/// The images of each cycle by the paper's event model.
+ImagesOf paper_pixels(const SimulateArguments& arguments, const KnownCodes& known, const lightfield::LightField& scene,
+                      sensor::EventModel model, uint64_t seed) {
+  return [&, seed, options = event_model_options(arguments, known, model)](uint64_t cycle) mutable {
+    options.seed = seed + cycle;
+    return sensor::simulate_events(known.codes, scene, options);
+  };
+}
+
+/// The same by a camera's physical pixels, whose thresholds stay from cycle to cycle.
+ImagesOf physical_pixels(const SimulateArguments& arguments, const aperture::Codes& codes,
+                         const lightfield::LightField& scene, const aperture::Camera& camera, uint64_t seed) {
+  return [&, seed](uint64_t cycle) {
+    return sensor::simulate_pixel_events(codes, scene, camera,
+                                         {.gain = arguments.scene_gain, .seed = seed + cycle, .map_seed = seed});
+  };
+}
+
 Result<void> write_images(const SimulateArguments& arguments, const aperture::Codes& codes, const ImagesOf& images_of) {
   events::EventImageFile file;
   for (size_t cycle = 0; cycle < arguments.cycles; ++cycle) {
@@ -90,18 +121,23 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(check_output(arguments.output, verb.common().overwrite));
   RunRecord record("simulate");
   record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(arguments.codes, record));
+  std::optional<aperture::Camera> camera;
+  if (!arguments.camera.empty()) {
+    E2LF_ASSIGN_OR_RETURN(camera, load_camera(arguments.camera, record));
+    E2LF_RETURN_IF_ERROR(check_model_flags(arguments, *camera));
+    known.constants = camera->constants;
+    if (!camera->is_pixel()) known.event_model = camera->event_model;
+  }
   E2LF_ASSIGN_OR_RETURN(
       const auto model,
       sensor::event_model_from_name(arguments.event_model.empty() ? known.event_model : arguments.event_model));
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input));
   record.end_step("read");
 
-  sensor::EventModelOptions options = event_model_options(arguments, known, model);
-  const auto images_of = [&](uint64_t cycle) {
-    options.seed = verb.common().seed + cycle;
-    return sensor::simulate_events(known.codes, scene, options);
-  };
+  const ImagesOf images_of = camera && camera->is_pixel()
+                                 ? physical_pixels(arguments, known.codes, scene, *camera, verb.common().seed)
+                                 : paper_pixels(arguments, known, scene, model, verb.common().seed);
   if (arguments.output.extension() == ".npz") {
     E2LF_RETURN_IF_ERROR(write_images(arguments, known.codes, images_of));
   } else {
@@ -127,6 +163,7 @@ int run_simulate(const std::vector<std::string>& arguments) {
   app.add_option("-o,--output", simulation.output, "event images (.npz) or a recording (.raw, .hdf5, .dat, .csv ...)")
       ->required();
   add_codes_options(app, simulation.codes);
+  add_camera_option(app, simulation.camera, "the camera that records; default: the paper's event model");
   app.add_option("--event-model", simulation.event_model,
                  "quantised (Eq. 8) or reference-aware (Eq. 9, 10); default: the model's");
   app.add_option("--eps", simulation.eps, "dark level added to the intensity; default: the model's, or 0.01");

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "e2lf/aperture/camera.h"
+#include "e2lf/base/result.h"
+#include "e2lf/cli/run_record.h"
+
+namespace e2lf::cli {
+
+/// Declares --camera: a camera file, or the name of a bundled one.
+void add_camera_option(CLI::App& app, std::string& camera, const std::string& help);
+
+/// Reads what --camera names, and keeps it in the record. Fails with kNotFound, naming the bundled ones, and as
+/// aperture::read_camera().
+[[nodiscard]] Result<aperture::Camera> load_camera(const std::string& name, RunRecord& record);
+
+}  // namespace e2lf::cli
