@@ -18,15 +18,41 @@ if(E2LF_SANITIZE)
   target_link_options(e2lf_flags INTERFACE -fsanitize=${E2LF_SANITIZE})
 endif()
 
-# e2lf_add_library(<module> SRCS ... [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...] [PRIVATE_DEFINITIONS ...])
+# Precompiled headers of other libraries, for a build that compiles everything. Builds without them find missing includes.
+# e2lf_add_precompiled(<name> <LIBRARY|PROGRAM> <libraries> <header...>): shared by all targets that name it. GCC takes
+# one only where OpenMP (among the libraries) and the kind, by which code is placed, are the same.
+function(e2lf_add_precompiled name kind libraries)
+  if(NOT E2LF_PRECOMPILE)
+    return()
+  endif()
+  file(WRITE ${PROJECT_BINARY_DIR}/generated/${name}.cpp "")
+  add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/generated/${name}.cpp)
+  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${libraries})
+  target_precompile_headers(${name} PRIVATE ${ARGN})
+  if(kind STREQUAL "PROGRAM")
+    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${name} PRIVATE -fPIE)
+  endif()
+endfunction()
+
+# e2lf_use_precompiled(<target> <name>): where there are precompiled headers of that name.
+function(e2lf_use_precompiled target name)
+  if(TARGET "${name}")
+    target_precompile_headers(${target} REUSE_FROM ${name})
+  endif()
+endfunction()
+
+# e2lf_add_library(<module> SRCS ... [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...] [PRIVATE_DEFINITIONS ...]
+#                  [PRECOMPILED <name>])
 # Makes e2lf_<module> with the alias e2lf::<module>.
 function(e2lf_add_library module)
-  cmake_parse_arguments(ARG "" "" "SRCS;PUBLIC_LINK_LIBS;PRIVATE_LINK_LIBS;PRIVATE_DEFINITIONS" ${ARGN})
+  cmake_parse_arguments(ARG "" "PRECOMPILED" "SRCS;PUBLIC_LINK_LIBS;PRIVATE_LINK_LIBS;PRIVATE_DEFINITIONS" ${ARGN})
   add_library(e2lf_${module} STATIC ${ARG_SRCS})
   add_library(e2lf::${module} ALIAS e2lf_${module})
   target_include_directories(e2lf_${module} PUBLIC ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(e2lf_${module} PUBLIC ${ARG_PUBLIC_LINK_LIBS} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_PRIVATE_LINK_LIBS})
   target_compile_definitions(e2lf_${module} PRIVATE ${ARG_PRIVATE_DEFINITIONS})
+  e2lf_use_precompiled(e2lf_${module} "${ARG_PRECOMPILED}")
 endfunction()
 
 # e2lf_add_executable(<name> SRCS ... [LINK_LIBS ...])
@@ -35,6 +61,9 @@ function(e2lf_add_executable name)
   add_executable(${name} ${ARG_SRCS})
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS})
 endfunction()
+
+# What hangs ends here; the slowest test takes a tenth of it on two busy cores.
+set(E2LF_TEST_LIMIT_S 3600)
 
 # e2lf_add_test(<module> SRCS ... [LINK_LIBS ...] [LABELS ...]): one GoogleTest binary for a module; CTest names are module/Suite.case.
 # Tests that read the data at hand find it through the environment variable E2LF_DATA (see CONTRIBUTING.md).
@@ -50,8 +79,11 @@ function(e2lf_add_test module)
   add_executable(${name} ${ARG_SRCS})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS} GTest::gmock GTest::gtest_main)
+  # The tests' own sources are most of the build and little of the run.
+  target_compile_options(${name} PRIVATE -O1)
+  e2lf_use_precompiled(${name} e2lf_test_headers)
   gtest_discover_tests(${name} TEST_PREFIX "${module}/" DISCOVERY_MODE PRE_TEST
-    PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+    PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${E2LF_TEST_LIMIT_S})
 endfunction()
 
 # e2lf_feature(<name> <ON|OFF> <reason>): a row of the table that configuring ends with.
