@@ -42,6 +42,14 @@ absent() {
   for path in "$@"; do [ ! -e "$path" ] || fail "$path is there but should not be"; done
 }
 
+# wait_for <path> <process id>: until the process has written it, however long that takes; fails when the process ends.
+wait_for() {
+  until [ -s "$1" ]; do
+    kill -0 "$2" 2>/dev/null || [ -s "$1" ] || fail "the process ended before it wrote $1"
+    sleep 0.1
+  done
+}
+
 # json <file> <python expression on the parsed file j>: prints it.
 json() {
   py -c 'import json, sys; j = json.load(open(sys.argv[1])); print(eval(sys.argv[2]))' "$1" "$2"

@@ -5,7 +5,8 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 case_file=$(cd "$(dirname "$1")" && pwd)/$(basename "$1")
 export TESTSUITE=$here
 folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+remove_folder() { rm -rf "$folder"; }
+trap remove_folder EXIT
 cd "$folder"
 # shellcheck source=lib.sh
 source "$here/lib.sh"

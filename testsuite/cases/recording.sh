@@ -25,7 +25,7 @@ exists light_fields/cycle_00000/07_07.png light_fields/cycle_00003/epi.png light
 # Live, at the speed of the recording: the same light fields, and how long each came after its cycle.
 "$E2LF" reconstruct replay:recording.raw --source triggers --method inversion -o live --json >live.json
 cmp live/cycle_00001/03_04.png light_fields/cycle_00001/03_04.png
-check "all(0 < cycle['latency_s'] < 60 and cycle['latency_s'] > cycle['reconstruct_s'] for cycle in $(json live.json "j['cycles']"))"
+check "all(0 < cycle['latency_s'] and cycle['latency_s'] > cycle['reconstruct_s'] for cycle in $(json live.json "j['cycles']"))"
 "$E2LF" info replay:recording.raw --json >replayed.json
 [ "$(json replayed.json "(j['events'], j['triggers'])")" = "$(json info.json "(j['events'], j['triggers'])")" ] || fail "replay"
 cat recording.raw | "$E2LF" accumulate camera://pipe -o camera.npz --source triggers --quiet
@@ -42,7 +42,7 @@ connection, _ = server.accept()
 connection.sendall(open(sys.argv[1], "rb").read())
 connection.close()
 PY
-for _ in $(seq 100); do [ -s port ] && break; sleep 0.1; done
+wait_for port $!
 "$E2LF" accumulate "tcp://127.0.0.1:$(cat port)" -o socket.npz --source triggers --quiet
 cmp socket.npz piped.npz
 fails 1 "cannot connect" "$E2LF" accumulate tcp://127.0.0.1:1 -o none.npz
