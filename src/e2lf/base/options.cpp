@@ -33,12 +33,16 @@ Result<void> apply_override(Json& config, const std::string& assignment) {
     return Error{ErrorCode::kInvalidValue, "an override needs the form key=value; write e.g. train.batch=16",
                  assignment};
   }
+  const auto holds_keys = [](const Json& value) { return value.is_null() || value.is_object(); };
+  if (!holds_keys(config)) {
+    return Error{ErrorCode::kInvalidValue, "the configuration is not an object; write { ... } in its file", assignment};
+  }
   Json* node = &config;
   std::string key = assignment.substr(0, equals);
   for (size_t dot = key.find('.'); dot != std::string::npos; dot = key.find('.')) {
     node = &(*node)[key.substr(0, dot)];
     key = key.substr(dot + 1);
-    if (!node->is_null() && !node->is_object()) {
+    if (!holds_keys(*node)) {
       return Error{ErrorCode::kInvalidValue, "the override goes through a value that is not an object; shorten its key",
                    assignment};
     }
@@ -65,8 +69,9 @@ const Json& OptionReader::child(const std::string& key) {
 
 void OptionReader::fail(const std::string& key, const char* kind) {
   if (error_) return;
-  error_ = Error{ErrorCode::kInvalidValue,
-                 cat("a value of the wrong type or out of range (", object_->at(key).dump(), "); give ", kind),
+  // Text from --set may be no UTF-8, for which dump() alone throws.
+  const std::string text = object_->at(key).dump(-1, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);
+  error_ = Error{ErrorCode::kInvalidValue, cat("a value of the wrong type or out of range (", text, "); give ", kind),
                  child_location(key)};
 }
 

@@ -36,6 +36,12 @@ TEST(OptionReader, ReadsWhatIsThereAndKeepsDefaults) {
   EXPECT_FALSE(read_train(Json())->steps.has_value());
 }
 
+TEST(OptionReader, RefusesATextThatIsNotUtf8) {
+  Json config = Json::object();
+  ASSERT_TRUE(apply_override(config, "batch=\xff").ok());
+  EXPECT_EQ(read_train(config).error().code, ErrorCode::kInvalidValue);
+}
+
 TEST(OptionReader, NamesTheNearestKnownKey) {
   const Error error = read_train(Json::parse(R"({"bacth": 16})")).error();
   EXPECT_EQ(error.code, ErrorCode::kInvalidValue);
@@ -112,6 +118,11 @@ TEST(ApplyOverride, RefusesWhatIsNoAssignmentOrGoesThroughAValue) {
   EXPECT_EQ(apply_override(config, "train.batch").error().code, ErrorCode::kInvalidValue);
   EXPECT_EQ(apply_override(config, "=3").error().code, ErrorCode::kInvalidValue);
   EXPECT_EQ(apply_override(config, "train.batch.size=3").error().code, ErrorCode::kInvalidValue);
+  for (const Json& no_object : {Json("text"), Json(3), Json::array({1})}) {
+    Json other = no_object;
+    EXPECT_EQ(apply_override(other, "batch=3").error().code, ErrorCode::kInvalidValue) << other;
+    EXPECT_EQ(other, no_object);
+  }
   EXPECT_EQ(config, Json::parse(R"({"train": {"batch": 8}})"));
 }
 

@@ -76,7 +76,8 @@ Result<void> RunRecord::write(const fs::path& path, const Verb& verb) const {
   }
   record["timings_s"] = timings_s_;
   if (!notes_.empty()) record["notes"] = notes_;
-  return write_file(path, record.dump(2) + "\n");
+  // Names of files may be no UTF-8, for which dump() alone throws.
+  return write_file(path, record.dump(2, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace e2lf::cli
