@@ -14,6 +14,7 @@
 #include "e2lf/events/registry.h"
 #include "e2lf/events/test_streams.h"
 #include "e2lf/lightfield/image.h"
+#include "reader_seeds.h"
 
 namespace {
 
@@ -139,7 +140,8 @@ Result<void> write_images(const fs::path& folder) {
 Result<void> write_all(const fs::path& folder) {
   E2LF_RETURN_IF_ERROR(write_recordings(folder));
   E2LF_RETURN_IF_ERROR(write_arrays(folder));
-  return write_images(folder);
+  E2LF_RETURN_IF_ERROR(write_images(folder));
+  return fuzz::write_reader_seeds(folder);
 }
 
 }  // namespace

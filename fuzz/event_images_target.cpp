@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The target of event images: the first byte chooses .npz, .npy or a folder's first image, the rest is the file.
+#include "e2lf/events/event_images.h"
+#include "require.h"
+#include "scratch.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace e2lf;
+  using fuzz::require;
+  constexpr const char* kNames[] = {"input.npz", "input.npy", "event_image_00000.npy"};
+  static const fuzz::ScratchFolder folder;
+  folder.clear();
+  std::span<const uint8_t> input(data, size);
+  const size_t choice = fuzz::take_choice(input, std::size(kNames));
+  const auto path = folder.put(kNames[choice], input);
+  const auto file = events::read_event_images(choice == 2 ? folder.path() : path);
+  if (!file) return 0;
+  for (const events::EventImages& images : file->cycles) {
+    require(images.counts.size() == images.transitions * images.image_size(), "images have all their pixels");
+    require(images.transitions == file->cycles[0].transitions, "cycles have one shape");
+  }
+  const auto written = folder.path() / "again.npz";
+  require(events::write_event_images(written, *file).ok(), "they can be written");
+  const auto back = events::read_event_images(written);
+  require(back.ok() && back->cycles == file->cycles, "they come back as written");
+  return 0;
+}

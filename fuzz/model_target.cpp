@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// The target of model files: the input is one.
+#include "e2lf/model/model.h"
+#include "e2lf/model/summary.h"
+#include "require.h"
+#include "scratch.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace e2lf::model;
+  using e2lf::fuzz::require;
+  static const e2lf::fuzz::ScratchFolder folder;
+  const auto model = read_model(folder.put("input.safetensors", {data, size}));
+  if (!model) {
+    require(!model.error().message.empty(), "an error says what is wrong");
+    return 0;
+  }
+  require(validate(*model, "input").ok(), "a model that was read is valid");
+  (void)summary_text(*model);
+  const auto path = folder.path() / "again.safetensors";
+  require(write_model(path, *model).ok(), "it can be written");
+  const auto back = read_model(path);
+  require(back.ok() && back->weights == model->weights && back->codes == model->codes, "it comes back as written");
+  return 0;
+}
