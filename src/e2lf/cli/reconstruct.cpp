@@ -84,7 +84,6 @@ Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& mo
                  "--camera"};
   }
   E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(arguments.camera, record));
-  model.constants = model.camera->constants;
   return {};
 }
 

@@ -23,20 +23,24 @@ void add_counts(std::span<const int16_t> counts, RowState& state) {
 }
 
 void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, const RowState& state,
-              const IntensityTable& table, float* row) {
-  const float scale = group.scale;
+              const IntensityTable& table, size_t cycles, float* row) {
+  const float scale = group.scale, mean_scale = scale / static_cast<float>(cycles);
   switch (group.kind) {
     case model::InputKind::kCounts:
-      for (size_t x = 0; x < counts.size(); ++x) row[x] = scale * static_cast<float>(counts[x]);
+      for (size_t x = 0; x < counts.size(); ++x) row[x] = mean_scale * static_cast<float>(counts[x]);
       break;
     case model::InputKind::kCumulative:
-      for (size_t x = 0; x < counts.size(); ++x) row[x] = scale * static_cast<float>(state.total[x]);
+      for (size_t x = 0; x < counts.size(); ++x) row[x] = mean_scale * static_cast<float>(state.total[x]);
       break;
     case model::InputKind::kCamera:
       break;  // the same in every row
     case model::InputKind::kIntensity:
       for (size_t x = 0; x < counts.size(); ++x) {
-        row[x] = scale * std::min(table.at_half_steps(2 * state.total[x] + state.last_change[x]), 1.0F);
+        const float intensity = cycles == 1
+                                    ? table.at_half_steps(2 * state.total[x] + state.last_change[x])
+                                    : table.at_steps(static_cast<float>(state.total[x]) / static_cast<float>(cycles) +
+                                                     0.5F * static_cast<float>(state.last_change[x]));
+        row[x] = scale * std::min(intensity, 1.0F);
       }
       break;
   }
@@ -63,15 +67,15 @@ void fill_traits(std::span<const float> traits, float scale, size_t first_channe
 }  // namespace
 
 Result<InputPlanes> network_input(const events::EventImages& images, std::span<const model::InputGroup> groups,
-                                  const aperture::SensorConstants& constants, std::span<const float> traits,
-                                  size_t size_multiple) {
+                                  const InputConditions& conditions, size_t size_multiple) {
+  E2LF_REQUIRE(conditions.cycles >= 1, "counts are of one cycle at least");
   E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
   E2LF_REQUIRE(images.image_size() > 0, "event images must not be empty");
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
-    E2LF_RETURN_IF_ERROR(IntensityTable::check(constants));
+    E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
-  const IntensityTable table(constants);
-  const std::vector<size_t> first_channels = group_begins(groups, images.transitions, traits.size());
+  const IntensityTable table(conditions.constants);
+  const std::vector<size_t> first_channels = group_begins(groups, images.transitions, conditions.traits.size());
   InputPlanes planes{
       first_channels.back(), round_up(images.height, size_multiple), round_up(images.width, size_multiple), {}};
   planes.values.resize(planes.channels * planes.height * planes.width);
@@ -84,14 +88,15 @@ Result<InputPlanes> network_input(const events::EventImages& images, std::span<c
         for (size_t g = 0; g < groups.size(); ++g) {
           if (groups[g].kind == model::InputKind::kCamera) continue;
           float* row = planes.values.data() + ((first_channels[g] + k) * planes.height + y) * planes.width;
-          fill_row(groups[g], counts, state, table, row);
+          fill_row(groups[g], counts, state, table, conditions.cycles, row);
           std::fill(row + images.width, row + planes.width, row[images.width - 1]);
         }
       }
     }
   });
   for (size_t g = 0; g < groups.size(); ++g) {
-    if (groups[g].kind == model::InputKind::kCamera) fill_traits(traits, groups[g].scale, first_channels[g], planes);
+    if (groups[g].kind == model::InputKind::kCamera)
+      fill_traits(conditions.traits, groups[g].scale, first_channels[g], planes);
   }
   return planes;
 }

@@ -18,13 +18,20 @@ struct InputPlanes {
   std::vector<float> values;
 };
 
+/// How the counts of event images came about.
+struct InputConditions {
+  aperture::SensorConstants constants = {};  ///< eps and tau, for intensities
+  std::vector<float> traits = {};            ///< what the network is told of the camera: aperture::camera_traits()
+  size_t cycles = 1;                         ///< counts are sums over so many cycles of a scene that stands still
+};
+
 /// The input channels of `groups` one after another (see model::InputKind; C_k, m and J_k as in invert_events() with
-/// `centred`; a camera's channels hold `traits`), with height and width rounded up to multiples of `size_multiple`. The
-/// extra rows and columns at the bottom and right repeat the last ones: no events at all would look like a black frame
-/// to a network. Fails with kInvalidValue when a group needs constants that are not positive.
+/// `centred`; a camera's channels hold its traits; counts are divided by the number of cycles), with height and width
+/// rounded up to multiples of `size_multiple`. The extra rows and columns at the bottom and right repeat the last ones:
+/// no events at all would look like a black frame to a network. Fails with kInvalidValue when a group needs constants
+/// that are not positive.
 [[nodiscard]] Result<InputPlanes> network_input(const events::EventImages& images,
                                                 std::span<const model::InputGroup> groups,
-                                                const aperture::SensorConstants& constants,
-                                                std::span<const float> traits = {}, size_t size_multiple = 1);
+                                                const InputConditions& conditions, size_t size_multiple = 1);
 
 }  // namespace e2lf::recon

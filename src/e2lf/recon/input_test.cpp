@@ -22,7 +22,7 @@ events::EventImages pixel(const std::vector<int16_t>& counts) {
 
 std::vector<float> values(const events::EventImages& images, const std::vector<model::InputGroup>& groups,
                           const aperture::SensorConstants& constants = {}) {
-  const auto planes = network_input(images, groups, constants);
+  const auto planes = network_input(images, groups, {.constants = constants});
   EXPECT_TRUE(planes);
   return planes ? planes->values : std::vector<float>();
 }
@@ -57,7 +57,7 @@ TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1.0F}, {InputKind::kCamera, 2.0F}, {InputKind::kCumulative, 1.0F}};
   const std::vector<float> traits = {0.5F, -1.0F, 3.0F};
-  const auto planes = network_input(images, groups, {}, traits);
+  const auto planes = network_input(images, groups, {.traits = traits});
   ASSERT_TRUE(planes);
   ASSERT_EQ(planes->channels, 7U);
   EXPECT_EQ(planes->values[0], 5.0F);
@@ -68,10 +68,22 @@ TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
   EXPECT_EQ(planes->values[6 * 6], 5.0F);
 }
 
+TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
+  events::EventImages sums(1, 1, 1);
+  sums.counts[0] = 5;
+  const std::vector<model::InputGroup> groups = {
+      {InputKind::kCounts, 1.0F}, {InputKind::kCumulative, 2.0F}, {InputKind::kIntensity, 1.0F}};
+  const auto planes = network_input(sums, groups, {.constants = {.eps = 0.01F, .tau = 0.3F}, .cycles = 4});
+  ASSERT_TRUE(planes);
+  EXPECT_FLOAT_EQ(planes->values[0], 1.25F);
+  EXPECT_FLOAT_EQ(planes->values[1], 2.5F);
+  EXPECT_NEAR(planes->values[2], 0.01 * std::expm1(0.3 * 1.75), 1e-7);
+}
+
 TEST(NetworkInput, PaddingRepeatsTheLastRowAndColumn) {
   events::EventImages images(1, 2, 3);
   images.counts = {1, 2, 3, 4, 5, 6};
-  const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, {}, 4);
+  const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, 4);
   ASSERT_TRUE(planes);
   EXPECT_EQ(planes->height, 4U);
   EXPECT_EQ(planes->width, 4U);
@@ -92,8 +104,8 @@ TEST(NetworkInput, IsTheSameForAnyThreadCount) {
 
 TEST(NetworkInput, IntensityNeedsPositiveConstants) {
   const aperture::SensorConstants no_threshold{.tau = 0};
-  const auto planes =
-      network_input(pixel({1}), std::vector<model::InputGroup>{{InputKind::kIntensity, 1}}, no_threshold);
+  const auto planes = network_input(pixel({1}), std::vector<model::InputGroup>{{InputKind::kIntensity, 1}},
+                                    {.constants = no_threshold});
   ASSERT_FALSE(planes);
   EXPECT_EQ(planes.error().code, ErrorCode::kInvalidValue);
 }

@@ -31,10 +31,13 @@ class IntensityTable {
     return h >= -kRange && h <= kRange ? table_[static_cast<size_t>(h + kRange)] : compute(h);
   }
 
+  /// The same for any number of thresholds.
+  [[nodiscard]] float at_steps(float steps) const { return compute(2.0 * double{steps}); }
+
  private:
   static constexpr int kRange = 127;
 
-  [[nodiscard]] float compute(int h) const {
+  [[nodiscard]] float compute(double h) const {
     const double level = std::min(0.5 * h * double{constants_.tau}, 80.0);
     return static_cast<float>(std::min(double{constants_.eps} * std::expm1(level), 1e30));
   }

@@ -40,15 +40,22 @@ ProgressFn part_of(const ProgressFn& progress, size_t pass, size_t passes) {
 Result<Reconstructor> Reconstructor::create(model::Model model, const engine::EngineOptions& options) {
   E2LF_RETURN_IF_ERROR(model::validate(model, model.name));
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model.network, model.weights, options));
-  aperture::Camera paper;
-  paper.constants = model.constants;
-  auto traits = aperture::camera_traits(model.camera.value_or(paper), model.num_patterns);
-  return Reconstructor(std::move(model), std::move(engine), std::move(traits));
+  if (!model.camera) model.camera.emplace().constants = model.constants;
+  return Reconstructor(std::move(model), std::move(engine));
 }
 
-Result<Reconstructor::Planes> Reconstructor::run(const events::EventImages& images, const ProgressFn& progress) const {
-  E2LF_ASSIGN_OR_RETURN(const InputPlanes input, network_input(images, model_.input, model_.constants, traits_,
-                                                               model::size_multiple(model_.network)));
+bool Reconstructor::is_told_the_camera() const {
+  return std::any_of(model_.input.begin(), model_.input.end(),
+                     [](const auto& group) { return group.kind == model::InputKind::kCamera; });
+}
+
+Result<Reconstructor::Planes> Reconstructor::run(const events::EventImages& images, size_t cycles,
+                                                 const ProgressFn& progress) const {
+  const InputConditions conditions{model_.camera->constants,
+                                   aperture::camera_traits(*model_.camera, model_.num_patterns, cycles), cycles};
+
+  E2LF_ASSIGN_OR_RETURN(const InputPlanes input,
+                        network_input(images, model_.input, conditions, model::size_multiple(model_.network)));
   Planes planes{input.height, input.width, {}};
   planes.values.resize(model_.views_y * model_.views_x * input.height * input.width);
   E2LF_RETURN_IF_ERROR(engine_.run(input.values, input.height, input.width, planes.values, progress));
@@ -61,7 +68,8 @@ size_t Reconstructor::num_passes(size_t wanted) const {
 }
 
 Result<lightfield::LightField> Reconstructor::reconstruct(const events::EventImages& images, const ProgressFn& progress,
-                                                          size_t passes) const {
+                                                          size_t passes, size_t cycles) const {
+  E2LF_REQUIRE(cycles == 1 || is_told_the_camera(), "the network must know of several cycles");
   if (images.transitions + 1 != model_.num_patterns || images.image_size() == 0) {
     return Error{ErrorCode::kShape,
                  cat("there are ", images.transitions, " event images of ", images.width, "x", images.height,
@@ -74,7 +82,7 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const events::EventIma
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
     const events::EventImages extended = extend(images, shifts[pass]);
-    E2LF_ASSIGN_OR_RETURN(Planes planes, run(extended, part_of(progress, pass, shifts.size())));
+    E2LF_ASSIGN_OR_RETURN(Planes planes, run(extended, cycles, part_of(progress, pass, shifts.size())));
     if (shifts.size() == 1 && planes.height == images.height && planes.width == images.width) {
       return lightfield::LightField(shape, std::move(planes.values));
     }

@@ -26,7 +26,11 @@ class Reconstructor {
   /// cropped, a second light field needs room. Fails with kShape when the number of event images is not N - 1 or they
   /// are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const events::EventImages& images,
-                                                           const ProgressFn& progress = {}, size_t passes = 1) const;
+                                                           const ProgressFn& progress = {}, size_t passes = 1,
+                                                           size_t cycles = 1) const;
+
+  /// Whether the network is told the camera's constants and the number of cycles.
+  [[nodiscard]] bool is_told_the_camera() const;
 
   /// How many passes are made when `wanted` are: at least one, at most model::size_multiple() squared.
   [[nodiscard]] size_t num_passes(size_t wanted) const;
@@ -37,13 +41,11 @@ class Reconstructor {
  private:
   struct Planes;
   /// The network's output, not cropped.
-  [[nodiscard]] Result<Planes> run(const events::EventImages& images, const ProgressFn& progress) const;
+  [[nodiscard]] Result<Planes> run(const events::EventImages& images, size_t cycles, const ProgressFn& progress) const;
 
-  Reconstructor(model::Model model, engine::Engine engine, std::vector<float> traits)
-      : model_(std::move(model)), engine_(std::move(engine)), traits_(std::move(traits)) {}
+  Reconstructor(model::Model model, engine::Engine engine) : model_(std::move(model)), engine_(std::move(engine)) {}
   model::Model model_;
   engine::Engine engine_;
-  std::vector<float> traits_;  // of the camera
 };
 
 }  // namespace e2lf::recon

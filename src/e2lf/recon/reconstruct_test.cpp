@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/reconstruct.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
@@ -47,6 +48,39 @@ TEST(Reconstructor, OddSizesAreExtendedAndCropped) {
       ASSERT_NEAR(light_field->view(view / 8, view % 8)[i], static_cast<float>(view) * images.counts[i], 1e-3);
     }
   }
+}
+
+/// View 0 is the intensity that the camera's threshold gives a count, view 1 the trait that tells it from the paper's,
+/// view 2 the one of several cycles.
+model::Model told_model() {
+  model::Model model = toy_model();
+  model.input = {{model::InputKind::kIntensity, 1.0F}, {model::InputKind::kCamera, 1.0F}};
+  const size_t channels = model::num_input_channels(model.input, 2);
+  model.network.input_channels = channels;
+  model.network.layers = {
+      {.name = "views", .op = model::Op::kConv, .inputs = {"input"}, .out_channels = 64, .residual = ""}};
+  auto& weights = model.weights["views.weight"];
+  weights.assign(64 * channels, 0.0F);
+  weights[0] = weights[channels + 1] = weights[2 * channels + 16] = 1.0F;
+  return model;
+}
+
+TEST(Reconstructor, TellsTheNetworkTheCameraAndTheCycles) {
+  model::Model model = told_model();
+  aperture::Camera& camera = model.camera.emplace();
+  camera.event_model = "pixel";
+  camera.constants = {.eps = 0.02F, .tau = 0.4F};
+  const auto reconstructor = Reconstructor::create(model, {engine::Precision::kFloat32});
+  ASSERT_TRUE(reconstructor) << reconstructor.error().text();
+  events::EventImages images(1, 2, 2);
+  images.counts.assign(4, 2);
+  const auto once = reconstructor->reconstruct(images).value();
+  EXPECT_NEAR(once.view(0, 0)[0], 0.02 * std::expm1(0.4 * 2.5), 1e-6);
+  EXPECT_NEAR(once.view(0, 1)[0], 1.0, 1e-6);
+  EXPECT_NEAR(once.view(0, 2)[0], 0.0, 1e-6);
+  const auto four = reconstructor->reconstruct(images, {}, 1, 4).value();
+  EXPECT_NEAR(four.view(0, 0)[0], 0.02 * std::expm1(0.4 * 1.0), 1e-6);
+  EXPECT_NEAR(four.view(0, 2)[0], 0.5, 1e-6);
 }
 
 /// Every view is the count times 1, 2, 3 or 4, by where the pixel falls on the network's grid of 2x2.
