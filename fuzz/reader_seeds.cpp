@@ -3,6 +3,8 @@
 
 #include <zlib.h>
 
+#include "e2lf/aperture/camera.h"
+#include "e2lf/aperture/codes_header.h"
 #include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/file.h"
 #include "e2lf/base/npy.h"
@@ -145,6 +147,15 @@ Result<void> write_patterns(const fs::path& folder) {
   E2LF_RETURN_IF_ERROR(write_choice(out / "numbers", 0, bytes_of(numbers)));
   E2LF_RETURN_IF_ERROR(write_choice(out / "npy", 1, encode_npy(array)));
   E2LF_RETURN_IF_ERROR(write_choice(out / "npz", 2, encode_npz({{"codes", array}})));
+  std::string header;
+  for (const auto& [key, value] : aperture::codes_to_header(codes)) header += key + " " + value + "\n";
+  E2LF_RETURN_IF_ERROR(write_choice(out / "header", 3, bytes_of(header)));
+  aperture::Camera camera;
+  E2LF_RETURN_IF_ERROR(write_file(folder / "camera" / "paper", to_json(camera).dump()));
+  camera.event_model = "pixel";
+  camera.pixel.values.fill(0.5F);
+  camera.transmission = {1.0F, 0.9F};
+  E2LF_RETURN_IF_ERROR(write_file(folder / "camera" / "pixel", to_json(camera).dump()));
   E2LF_RETURN_IF_ERROR(write_file(folder / "schedule" / "paper", schedule_text(events::paper_schedule())));
   return write_file(folder / "schedule" / "plain", schedule_text(events::plain_schedule(4, 5000)));
 }

@@ -38,7 +38,7 @@ fixed_runs() {
     evt3 | evt2.1 | hdf5_chunks) echo 10000 ;;
     evt2 | dat) echo 20000 ;;
     aedat4 | csv | txt | npy) echo 50000 ;;
-    schedule | settings) echo 50000 ;;
+    camera | schedule | settings) echo 50000 ;;
     safetensors) echo 120000 ;;
     ecf | npz | side_triggers) echo 250000 ;;
     *) echo 1000000 ;;
