@@ -22,6 +22,11 @@ def end(process):
     return process.returncode, said.decode(errors="replace")
 
 
+def undisturbed(verb, out, dice):
+    """The fault is elsewhere: in the disk."""
+    return end(start(verb.command(out)))[0], False
+
+
 def kill(verb, out, dice):
     """kill -9 at a random moment."""
     process = start(verb.command(out))

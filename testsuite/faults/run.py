@@ -8,7 +8,6 @@ import argparse
 import collections
 import pathlib
 import random
-import subprocess
 import sys
 import tempfile
 import time
@@ -17,6 +16,7 @@ import faults
 from disk import SmallDisk
 from verbs import digest, files_in, prepare
 
+PAGE_BYTES = 4096
 USER_FILES = {"notes.txt": b"keep\n", "o_backup.csv": b"1,2,3,4\n", "recon_old/00_00.png": b"mine", "data.part": b"mine"}
 
 
@@ -112,11 +112,13 @@ class Machine:
         """A disk that is full at a random size; then there is room, and the rerun must work."""
         with tempfile.TemporaryDirectory(prefix="out_", dir=self.folder) as name:
             with SmallDisk(pathlib.Path(name)) as disk:
-                whole = disk.bytes_of(verb, self.make_out)
+                self.make_out(disk.path)
+                least = disk.used_bytes() + PAGE_BYTES
+                faults.end(faults.start(verb.command(disk.path)))
+                most = disk.used_bytes() * 5 // 4 + PAGE_BYTES
                 for _ in range(count):
-                    disk.empty(self.dice.randrange(disk.LEAST_BYTES, whole + whole // 5))
-                    run = lambda v, out, _: (faults.end(faults.start(v.command(out)))[0], False)
-                    self.trial("full disk", verb, disk.path, run, lambda: disk.grow())
+                    disk.empty(self.dice.randrange(least, most))
+                    self.trial("full disk", verb, disk.path, faults.undisturbed, disk.grow)
 
     def print_table(self, fault_names, verbs):
         print(f"\n{'fault':<14}" + "".join(f"{verb.name:>16}" for verb in verbs) + "   (losses / trials)")
