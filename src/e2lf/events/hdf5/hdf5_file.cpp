@@ -140,8 +140,6 @@ Result<GrowingDataset> GrowingDataset::create(hid_t parent, const std::string& n
   const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_chunk(properties.get(), 1, &chunk);
-  // The same recording makes the same file whenever it is written.
-  H5Pset_obj_track_times(properties.get(), false);
   // Optional: the file can be created and looked at where the filter is not installed.
   if (filter != 0) H5Pset_filter(properties.get(), filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
   GrowingDataset result;
