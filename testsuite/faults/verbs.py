@@ -149,7 +149,7 @@ def prepare(e2lf, folder):
         Verb("accumulate", e2lf, ["accumulate", "{source}", "-o", "{result}", "--source", "triggers", "--quiet"],
              "events.npz", recording, True),
         Verb("reconstruct", e2lf, ["reconstruct", "{source}", "-o", "{result}", "--source", "triggers", "--method",
-                                   "inversion", "--quiet"], "recon", recording, True),
+                                   "inversion", "--max-cycles", "4", "--quiet"], "recon", recording, True),
         Verb("simulate", e2lf, ["simulate", "{source}", "-o", "{result}", "--cycles", "4", "--quiet"],
              "simulated.npz", scene, False),
     ]
