@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf codes show
+// e2lf codes: show; render (codes_render.cpp)
 #include <cstdio>
 
 #include "e2lf/aperture/codes_io.h"
@@ -56,8 +56,11 @@ int run_codes_show(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int run_codes(const std::vector<std::string>& arguments) {
-  return run_subverb("codes", {{"show", "print patterns, black-first check and light efficiency", run_codes_show}},
-                     arguments);
+  return run_subverb(
+      "codes",
+      {{"show", "print patterns, black-first check and light efficiency", run_codes_show},
+       {"render", "make the pictures and the schedule that an aperture display shows", run_codes_render}},
+      arguments);
 }
 
 }  // namespace e2lf::cli

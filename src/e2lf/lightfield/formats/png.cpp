@@ -106,10 +106,10 @@ class PngWriter {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_write_fn(png_, &bytes, write_bytes, flush);
     png_set_IHDR(png_, info_, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
-                 static_cast<int>(8 * image.sample_bytes),
+                 image.is_bilevel ? 1 : static_cast<int>(8 * image.sample_bytes),
                  image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_set_filter(png_, PNG_FILTER_TYPE_BASE, image.is_bilevel ? PNG_FILTER_NONE : PNG_FILTER_SUB);
     png_set_compression_level(png_, 1);
     // After a difference filter, matches are rare in real pictures and looking for them is what takes time.
     png_set_compression_strategy(png_, Z_HUFFMAN_ONLY);

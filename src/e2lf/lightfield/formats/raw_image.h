@@ -15,9 +15,10 @@ struct RawImage {
   size_t width = 0, height = 0;
   size_t channels = 1;      ///< 1 or 3
   size_t sample_bytes = 1;  ///< 1 or 2
+  bool is_bilevel = false;  ///< written only: grey with one bit per pixel, eight to a byte, the first in the high bit
   std::vector<uint8_t> samples;
 
-  [[nodiscard]] size_t row_bytes() const { return width * channels * sample_bytes; }
+  [[nodiscard]] size_t row_bytes() const { return is_bilevel ? (width + 7) / 8 : width * channels * sample_bytes; }
 };
 
 [[nodiscard]] bool is_png(std::span<const uint8_t> bytes);
