@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "e2lf/base/is_stream.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf {
@@ -51,6 +52,14 @@ Result<void> write_all(int descriptor, const fs::path& path, std::span<const uin
   return {};
 }
 
+Result<void> write_stream(const fs::path& path, std::span<const uint8_t> bytes) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return system_error(path, "write", errno);
+  const Result<void> status = write_all(descriptor, path, bytes);
+  if (::close(descriptor) != 0 && status.ok()) return system_error(path, "write", errno);
+  return status;
+}
+
 }  // namespace
 
 Result<std::vector<uint8_t>> read_file(const fs::path& path) {
@@ -76,7 +85,13 @@ Result<std::vector<uint8_t>> read_file(const fs::path& path) {
   return bytes;
 }
 
+bool is_stream(const fs::path& path) {
+  std::error_code error;
+  return fs::is_other(fs::status(path, error)) && !error;
+}
+
 Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {
+  if (is_stream(path)) return write_stream(path, bytes);
   E2LF_RETURN_IF_ERROR(make_parent(path));
   const fs::path staging = staging_name(path);
   const int descriptor = ::open(staging.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -94,13 +109,21 @@ Result<void> write_file(const fs::path& path, const std::string& text) {
 
 Result<void> check_output(const fs::path& path, bool overwrite) {
   std::error_code error;
-  if (!overwrite && fs::exists(path, error)) {
+  if (fs::is_directory(path, error)) {
+    return Error{ErrorCode::kExists, "the output is a file, and a folder has this name; name another", path.string()};
+  }
+  if (!overwrite && !is_stream(path) && fs::exists(fs::symlink_status(path, error))) {
     return Error{ErrorCode::kExists, "the output exists already; give --overwrite or another name", path.string()};
   }
   return {};
 }
 
 Result<AtomicFile> AtomicFile::create(const fs::path& target) {
+  if (is_stream(target)) {
+    return Error{ErrorCode::kUnsupported,
+                 "this is a device or a pipe, and what is written needs a file to go back in; name a file",
+                 target.string()};
+  }
   E2LF_RETURN_IF_ERROR(make_parent(target));
   return AtomicFile(target, staging_name(target));
 }

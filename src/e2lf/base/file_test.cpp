@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "e2lf/base/is_stream.h"
 #include "e2lf/base/test_files.h"
 
 namespace e2lf {
@@ -74,6 +75,13 @@ TEST(File, CheckOutputAsksForOverwrite) {
   EXPECT_THAT(error.message, HasSubstr("--overwrite"));
   EXPECT_TRUE(check_output(folder / "a", /*overwrite=*/true).ok());
   EXPECT_TRUE(check_output(folder / "b", /*overwrite=*/false).ok());
+}
+
+TEST(File, ADeviceIsWrittenToAndNotReplaced) {
+  ASSERT_TRUE(write_file("/dev/null", std::string("x")).ok());
+  EXPECT_TRUE(is_stream("/dev/null"));
+  EXPECT_EQ(write_file("/dev/full", std::string("x")).error().code, ErrorCode::kIo);
+  EXPECT_EQ(AtomicFile::create("/dev/null").error().code, ErrorCode::kUnsupported);
 }
 
 TEST(AtomicFolder, AppearsOnlyWhenCommitted) {

@@ -7,6 +7,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
@@ -56,20 +57,28 @@ void keep_codes(const aperture::Codes& codes, const fs::path& input, size_t tran
                   transitions, " event images: leaving them out"));
 }
 
+Result<std::optional<OutputFile>> open_picture(const fs::path& path, OutputRules rules) {
+  if (path.empty()) return std::optional<OutputFile>();
+  rules.streams = true;
+  E2LF_ASSIGN_OR_RETURN(OutputFile picture, OutputFile::create(path, rules));
+  return std::optional(std::move(picture));
+}
+
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   if (arguments.output.extension() != ".npz") {
     return Error{ErrorCode::kUnsupported, "event images are written as .npz; give it such a name",
                  arguments.output.string()};
   }
-  E2LF_RETURN_IF_ERROR(check_output(arguments.output, common.overwrite));
-  if (!arguments.plot.empty()) E2LF_RETURN_IF_ERROR(check_output(arguments.plot, common.overwrite));
+  const OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule}, .overwrite = common.overwrite};
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
+  E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> picture, open_picture(arguments.plot, rules));
   RunRecord record("accumulate");
   CyclePlot plot;
   const bool is_plotted = !arguments.plot.empty();
   E2LF_ASSIGN_OR_RETURN(events::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, is_plotted ? plot.observer() : CycleObserver()));
-  E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(arguments.output));
+  E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(const auto codes, recorded_codes(arguments.input, reader.recording().info()));
   ConfidenceWatch confidence;
   Json cycles = Json::array();
@@ -85,7 +94,10 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.end_step("accumulate");
   const events::CycleReport report = reader.report();
   // The picture comes first: it tells why, where no cycle was found.
-  if (is_plotted) E2LF_RETURN_IF_ERROR(write_file(arguments.plot, plot.svg()));
+  if (picture) {
+    E2LF_RETURN_IF_ERROR(write_file(picture->path(), plot.svg()));
+    E2LF_RETURN_IF_ERROR(picture->commit());
+  }
   confidence.warn(arguments.input);
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
   E2LF_RETURN_IF_ERROR(writer.finish());
@@ -94,7 +106,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note("each", cycles);
   std::error_code error;
   if (fs::is_regular_file(arguments.input, error)) record.add_input(arguments.input);
-  E2LF_RETURN_IF_ERROR(record.write(record_path_beside(arguments.output), verb));
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(output.commit());
   if (common.json) {
     Json json = report_json(report);
     json["least_confidence"] = confidence.least();

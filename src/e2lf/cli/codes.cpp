@@ -5,6 +5,7 @@
 #include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/file.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"
 
 namespace e2lf::cli {
@@ -41,8 +42,10 @@ int run_codes_show(const std::vector<std::string>& arguments) {
     RunRecord record("codes show");
     E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(source, record));
     if (!output.empty()) {
-      E2LF_RETURN_IF_ERROR(check_output(output, verb.common().overwrite));
-      E2LF_RETURN_IF_ERROR(aperture::write_codes(output, known.codes));
+      E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {source.model, source.codes},
+                                                                         .overwrite = verb.common().overwrite}));
+      E2LF_RETURN_IF_ERROR(aperture::write_codes(file.path(), known.codes));
+      E2LF_RETURN_IF_ERROR(file.commit());
     }
     if (verb.common().json) {
       std::printf("%s\n", codes_json(known.codes).dump(2).c_str());

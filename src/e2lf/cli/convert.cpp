@@ -8,8 +8,11 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/output.h"
+#include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/events/live/camera.h"
+#include "e2lf/events/recording_place.h"
 #include "e2lf/events/tcp_source.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -38,17 +41,40 @@ Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& 
                arguments.output.string()};
 }
 
-Result<void> convert_light_field(const ConvertArguments& arguments, const CommonOptions& common) {
+bool is_folder(lightfield::LightFieldFormat format) {
+  using lightfield::LightFieldFormat;
+  return format == LightFieldFormat::kPng8 || format == LightFieldFormat::kPng16 || format == LightFieldFormat::kHci;
+}
+
+Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
   lightfield::ReadOptions read;
   read.colour = arguments.colour;
   read.views_y.count = read.views_x.count = 0;  // all views that are stored
   read.range = lightfield::RangePolicy::kKeep;
   lightfield::WriteOptions write;
-  write.overwrite = common.overwrite;
   E2LF_ASSIGN_OR_RETURN(write.format, light_field_format(arguments));
+  const OutputRules rules{.inputs = {arguments.input}, .overwrite = common.overwrite};
+  std::optional<ResultFolder> folder;
+  std::optional<OutputFile> file;
+  if (is_folder(write.format)) {
+    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, rules));
+  } else {
+    E2LF_ASSIGN_OR_RETURN(file, OutputFile::create(arguments.output, rules));
+  }
+  RunRecord record("convert");
+  record.add_input(arguments.input);
   ProgressBar bar("convert", common.quiet);
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(arguments.input, read));
-  E2LF_RETURN_IF_ERROR(lightfield::write_light_field(arguments.output, light_field, write, bar.callback()));
+  if (folder) {
+    E2LF_RETURN_IF_ERROR(lightfield::write_views(folder->path(), light_field, write.format, bar.callback()));
+    record.end_step("convert");
+    E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+    E2LF_RETURN_IF_ERROR(folder->commit(std::move(about)));
+  } else {
+    E2LF_RETURN_IF_ERROR(lightfield::write_light_field(file->path(), light_field, write));
+    E2LF_RETURN_IF_ERROR(file->commit());
+  }
   const lightfield::Shape& shape = light_field.shape();
   if (common.json) {
     const Json json = {{"views", {shape.views_y, shape.views_x}}, {"height", shape.height}, {"width", shape.width}};
@@ -61,7 +87,12 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Common
 }
 
 Result<void> convert_events(const ConvertArguments& arguments, const CommonOptions& common) {
-  E2LF_RETURN_IF_ERROR(check_output(arguments.output, common.overwrite));
+  E2LF_ASSIGN_OR_RETURN(const events::RecordingPlace place,
+                        events::place_of_recording(arguments.output, arguments.format));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
+                                                                                 .overwrite = common.overwrite,
+                                                                                 .streams = place.streams,
+                                                                                 .side_file = place.side_file}));
   events::OpenOptions open;
   open.format = arguments.input_format;
   open.time = arguments.shift_time ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;
@@ -72,16 +103,19 @@ Result<void> convert_events(const ConvertArguments& arguments, const CommonOptio
   open.threads = 0;
   E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(arguments.input.string(), open));
   E2LF_ASSIGN_OR_RETURN(const events::ConvertReport report,
-                        events::convert_recording(*reader, arguments.output, {.format = arguments.format}));
+                        events::convert_recording(*reader, output.path(), {.format = arguments.format}));
+  E2LF_RETURN_IF_ERROR(output.commit());
+  fs::path trigger_file = report.trigger_file;
+  if (!trigger_file.empty()) trigger_file = arguments.output.parent_path() / trigger_file;
   if (common.json) {
     const Json json = {{"events", report.events},
                        {"triggers", report.triggers},
-                       {"trigger_file", report.trigger_file.string()},
+                       {"trigger_file", trigger_file.string()},
                        {"warnings", report.warnings}};
-    std::printf("%s\n", json.dump(2).c_str());
+    std::fprintf(output.text(), "%s\n", json.dump(2).c_str());
   } else if (!common.quiet) {
-    std::printf("%llu events and %llu triggers in %s\n", static_cast<unsigned long long>(report.events),
-                static_cast<unsigned long long>(report.triggers), arguments.output.c_str());
+    std::fprintf(output.text(), "%llu events and %llu triggers in %s\n", static_cast<unsigned long long>(report.events),
+                 static_cast<unsigned long long>(report.triggers), arguments.output.c_str());
   }
   return {};
 }
@@ -110,7 +144,7 @@ int run_convert(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&] {
     const bool is_live = conversion.input == "-" || events::is_camera_name(conversion.input.string());
     const bool is_light_field = !is_live && lightfield::detect_kind(conversion.input).ok();
-    return is_light_field ? convert_light_field(conversion, verb.common()) : convert_events(conversion, verb.common());
+    return is_light_field ? convert_light_field(conversion, verb) : convert_events(conversion, verb.common());
   });
 }
 

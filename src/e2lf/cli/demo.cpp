@@ -7,6 +7,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/light_field_output.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/pictures.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -82,7 +83,9 @@ void print_result(const DemoArguments& arguments, const Camera& camera, const ev
 
 Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  E2LF_ASSIGN_OR_RETURN(AtomicFolder output, AtomicFolder::create(arguments.output, common.overwrite));
+  const auto bundled = arguments.model.empty() ? bundled_model() : arguments.model;
+  const OutputRules rules{.inputs = {bundled.value_or("")}, .overwrite = common.overwrite};
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("demo");
   E2LF_ASSIGN_OR_RETURN(const Camera camera, make_camera(arguments.model));
   const lightfield::Shape shape{8, 8, arguments.height, arguments.width, 1};
@@ -108,18 +111,19 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   record.end_step("evaluate");
 
   const fs::path& folder = output.path();
-  E2LF_RETURN_IF_ERROR(lightfield::write_light_field(folder / "scene", scene));
+  std::error_code ignored;
+  fs::create_directory(folder / "scene", ignored);
+  E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
   E2LF_RETURN_IF_ERROR(
       events::write_event_images(folder / "events.npz", {{images}, aperture::codes_to_npy(camera.codes)}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
-  std::error_code ignored;
   fs::create_directory(folder / "recon", ignored);
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}));
   E2LF_RETURN_IF_ERROR(write_refocused(folder, light_field));
   record.end_step("write");
   record.note("quality", eval::to_json(row));
-  E2LF_RETURN_IF_ERROR(record.write(folder / "run.json", verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));
   if (common.json) {
     std::printf("%s\n", eval::to_json(row).dump(2).c_str());
   } else if (!common.quiet) {

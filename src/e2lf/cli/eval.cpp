@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // e2lf eval: a reconstruction against the truth
 #include <cstdio>
+#include <optional>
 
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/metrics.h"
@@ -32,7 +34,14 @@ void print_result(const eval::EvalRow& row, const EvalArguments& arguments, cons
 }
 
 Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
-  if (!arguments.output.empty()) E2LF_RETURN_IF_ERROR(check_output(arguments.output, verb.common().overwrite));
+  std::optional<OutputFile> output;
+  if (!arguments.output.empty()) {
+    E2LF_ASSIGN_OR_RETURN(
+        output,
+        OutputFile::create(arguments.output, {.inputs = {arguments.truth, arguments.reconstruction, arguments.events},
+                                              .overwrite = verb.common().overwrite,
+                                              .streams = true}));
+  }
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth));
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField reconstruction, load_reconstruction(arguments.reconstruction));
   eval::EvalRow row{arguments.reconstruction.string(), arguments.truth.string(), {}, {}};
@@ -41,8 +50,9 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(const events::EventImageFile file, events::read_event_images(arguments.events));
     row.events = eval::event_statistics(file.cycles.front());
   }
-  if (!arguments.output.empty()) {
-    E2LF_RETURN_IF_ERROR(write_file(arguments.output, eval::to_json(row).dump(2) + "\n"));
+  if (output) {
+    E2LF_RETURN_IF_ERROR(write_file(output->path(), eval::to_json(row).dump(2) + "\n"));
+    E2LF_RETURN_IF_ERROR(output->commit());
   }
   print_result(row, arguments, verb.common());
   return {};

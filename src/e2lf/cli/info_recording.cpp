@@ -6,6 +6,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
 #include "e2lf/events/tcp_source.h"
 
@@ -75,7 +76,11 @@ void print_text(const events::RecordingInfo& info, const events::DecodeSummary& 
 
 Result<void> print_recording_info(const fs::path& path, const RecordingInfoOptions& options,
                                   const CommonOptions& common) {
-  if (!options.plot.empty()) E2LF_RETURN_IF_ERROR(check_output(options.plot, common.overwrite));
+  std::optional<OutputFile> picture;
+  if (!options.plot.empty()) {
+    E2LF_ASSIGN_OR_RETURN(
+        picture, OutputFile::create(options.plot, {.inputs = {path}, .overwrite = common.overwrite, .streams = true}));
+  }
   events::OpenOptions open;
   open.format = options.format;
   open.policy = events::DecodePolicy::kSkip;  // the summary tells what was damaged
@@ -95,8 +100,9 @@ Result<void> print_recording_info(const fs::path& path, const RecordingInfoOptio
   } else {
     print_text(reader->info(), reader->summary());
   }
-  if (options.plot.empty()) return {};
-  return write_file(options.plot, rate_plot_svg(rate.rate()));
+  if (!picture) return {};
+  E2LF_RETURN_IF_ERROR(write_file(picture->path(), rate_plot_svg(rate.rate())));
+  return picture->commit();
 }
 
 }  // namespace e2lf::cli

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/model/summary.h"
@@ -35,13 +36,18 @@ int run_model_import(const std::vector<std::string>& arguments) {
   verb.app().add_option("--release", release, "folder with RecNet.safetensors and AcqNet.safetensors")->required();
   verb.app().add_option("-o,--output", output, "model file to write")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_RETURN_IF_ERROR(check_output(output, verb.common().overwrite));
+    // Beside the released weights is where many will put it: only they are the inputs, not their folder.
+    E2LF_ASSIGN_OR_RETURN(
+        OutputFile file,
+        OutputFile::create(output, {.inputs = {release / "RecNet.safetensors", release / "AcqNet.safetensors"},
+                                    .overwrite = verb.common().overwrite}));
     RunRecord record("model import");
     for (const char* name : {"RecNet.safetensors", "AcqNet.safetensors"}) record.add_input(release / name);
     E2LF_ASSIGN_OR_RETURN(const model::Model model, model::import_release(release));
-    E2LF_RETURN_IF_ERROR(model::write_model(output, model));
+    E2LF_RETURN_IF_ERROR(model::write_model(file.path(), model));
     record.end_step("import");
-    E2LF_RETURN_IF_ERROR(record.write(record_path_beside(output), verb));
+    E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
+    E2LF_RETURN_IF_ERROR(file.commit());
     if (!verb.common().quiet) std::printf("%s: %s", output.c_str(), model::summary_text(model).c_str());
     return {};
   });

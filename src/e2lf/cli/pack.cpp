@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"
 
 namespace e2lf::cli {
@@ -21,9 +22,12 @@ int run_pack(const std::vector<std::string>& arguments) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("-o,--output", output, "file to write (.safetensors)")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    options.overwrite = verb.common().overwrite;
+    OutputRules rules{.inputs = options.light_fields, .overwrite = verb.common().overwrite};
+    rules.inputs.insert(rules.inputs.end(), options.textures.begin(), options.textures.end());
+    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, rules));
     ProgressBar bar("pack", verb.common().quiet);
-    E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(output, options, bar.callback()));
+    E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));
+    E2LF_RETURN_IF_ERROR(file.commit());
     if (verb.common().json) {
       std::printf("{\"light_fields\": %zu, \"textures\": %zu, \"bytes\": %zu}\n", summary.light_fields,
                   summary.textures, summary.bytes);

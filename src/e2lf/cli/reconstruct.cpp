@@ -18,6 +18,7 @@
 #include "e2lf/cli/event_check.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -162,6 +163,8 @@ class CycleInput {
   }
 
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
+  /// Of a recording nobody knows.
+  [[nodiscard]] bool has_one_cycle() const { return !reader_ && file_.cycles.size() == 1; }
   [[nodiscard]] const events::EventImageFile& file() const { return file_; }
   [[nodiscard]] const events::RecordingInfo& recording_info() const { return reader_->recording().info(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
@@ -257,37 +260,22 @@ class CycleWriter {
   Json cycles_ = Json::array();
 };
 
-/// A file of event images: one folder that appears whole; with several cycles, a folder in it for each.
-Result<void> process_file(CycleInput& input, CycleWriter& writer, const fs::path& folder) {
-  const bool single = input.file().cycles.size() == 1;
+/// One cycle goes into the folder itself. Of several, the folder of each appears, whole, as soon as it is done, since
+/// earlier cycles are of use while later ones are still being made. The folder of all appears with the first, so that
+/// an input without any replaces nothing.
+Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder& output, const RunRecord& record,
+                            const Verb& verb) {
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
     if (!images) return {};
-    const fs::path target = single ? folder : folder / cycle_name(writer.cycles().size());
-    std::error_code ignored;
-    fs::create_directories(target, ignored);
-    E2LF_RETURN_IF_ERROR(writer.process(*images, target));
-  }
-}
-
-/// A recording: the folder of each cycle appears, whole, as soon as it is done, since earlier cycles are of use while
-/// later ones are still being recorded. The folder of all appears with the first, so that a recording without any
-/// replaces nothing.
-Result<void> process_recording(CycleInput& input, CycleWriter& writer, AtomicFolder& output,
-                               const ReconstructArguments& arguments) {
-  for (;;) {
-    E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
-    if (!images) break;
+    if (input.has_one_cycle()) return writer.process(*images, output.path());
     const bool first = writer.cycles().empty();
-    const fs::path& folder = first ? output.path() : arguments.output;
-    E2LF_ASSIGN_OR_RETURN(AtomicFolder target,
-                          AtomicFolder::create(folder / cycle_name(writer.cycles().size()), false));
-    E2LF_RETURN_IF_ERROR(writer.process(*images, target.path()));
-    E2LF_RETURN_IF_ERROR(target.commit());
-    if (first) E2LF_RETURN_IF_ERROR(output.commit());
+    const std::string name = cycle_name(writer.cycles().size());
+    E2LF_ASSIGN_OR_RETURN(const fs::path folder, output.begin_part(name));
+    E2LF_RETURN_IF_ERROR(writer.process(*images, folder));
+    E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", writer.cycles().back()}}));
+    if (first) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
   }
-  if (!writer.cycles().empty()) return {};
-  return no_cycle_error(arguments.input, input.report());
 }
 
 void print_event_error(const Json& cycle) {
@@ -315,7 +303,10 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  E2LF_ASSIGN_OR_RETURN(AtomicFolder output, AtomicFolder::create(arguments.output, common.overwrite));
+  const OutputRules rules{
+      .inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.cycles.schedule},
+      .overwrite = common.overwrite};
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_input(arguments));
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, input, record));
@@ -325,19 +316,19 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
   if (!are_patterns_told(codes)) codes.reset();
   CycleWriter writer(arguments, common, std::move(method), std::move(codes));
+  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, verb));
   if (input.is_recording()) {
-    E2LF_RETURN_IF_ERROR(process_recording(input, writer, output, arguments));
+    if (writer.cycles().empty()) return no_cycle_error(arguments.input, input.report());
     input.confidence().warn(arguments.input);
     record.note("found", report_json(input.report()));
-  } else {
-    E2LF_RETURN_IF_ERROR(process_file(input, writer, output.path()));
   }
   record.end_step("reconstruct");
   record.note("cycles", writer.cycles());
   std::error_code error;
   if (fs::exists(arguments.input, error)) record.add_input(arguments.input);
-  E2LF_RETURN_IF_ERROR(record.write((input.is_recording() ? arguments.output : output.path()) / "run.json", verb));
-  if (!input.is_recording()) E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_RETURN_IF_ERROR(input.has_one_cycle() ? output.commit(std::move(about))
+                                             : output.update_record(std::move(about)));
   print_result(arguments, common, writer.cycles());
   return {};
 }

@@ -62,13 +62,21 @@ fs::path record_path_beside(const fs::path& output) {
   return path;
 }
 
-Result<void> RunRecord::write(const fs::path& path, const Verb& verb) const {
+Json RunRecord::json_so_far(const Verb& verb) const {
   Json record;
+  record["written_by"] = "e2lf";
   record["verb"] = verb_;
   record["version"] = kVersion;
   record["options"] = verb.resolved_options();
   record["seed"] = verb.common().seed;
   record["threads"] = num_threads();
+  record["complete"] = false;
+  return record;
+}
+
+Result<Json> RunRecord::json(const Verb& verb) const {
+  Json record = json_so_far(verb);
+  record.erase("complete");
   record["inputs"] = Json::array();
   for (const fs::path& input : inputs_) {
     E2LF_ASSIGN_OR_RETURN(const std::string hash, sha256_of(input));
@@ -76,6 +84,11 @@ Result<void> RunRecord::write(const fs::path& path, const Verb& verb) const {
   }
   record["timings_s"] = timings_s_;
   if (!notes_.empty()) record["notes"] = notes_;
+  return record;
+}
+
+Result<void> RunRecord::write(const fs::path& path, const Verb& verb) const {
+  E2LF_ASSIGN_OR_RETURN(const Json record, json(verb));
   // Names of files may be no UTF-8, for which dump() alone throws.
   return write_file(path, record.dump(2, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace) + "\n");
 }

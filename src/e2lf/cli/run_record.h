@@ -29,7 +29,13 @@ class RunRecord {
 
   [[nodiscard]] const Json& timings_s() const { return timings_s_; }
 
-  /// Writes the record. `path` is run.json in a folder of results, or "<file>.run.json" beside a single file.
+  /// The record; ResultFolder writes it as run.json. Reads the inputs.
+  [[nodiscard]] Result<Json> json(const Verb& verb) const;
+
+  /// The record of a result of which parts are still being made: nothing of inputs and results yet.
+  [[nodiscard]] Json json_so_far(const Verb& verb) const;
+
+  /// Writes the record beside a single file, to OutputFile::record_path().
   [[nodiscard]] Result<void> write(const std::filesystem::path& path, const Verb& verb) const;
 
  private:

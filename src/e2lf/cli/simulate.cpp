@@ -9,12 +9,14 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/events/event_images.h"
+#include "e2lf/events/recording_place.h"
 #include "e2lf/events/synthesise.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -91,25 +93,26 @@ ImagesOf physical_pixels(const SimulateArguments& arguments, const aperture::Cod
   };
 }
 
-Result<void> write_images(const SimulateArguments& arguments, const aperture::Codes& codes, const ImagesOf& images_of) {
+Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const aperture::Codes& codes,
+                          const ImagesOf& images_of) {
   events::EventImageFile file;
   for (size_t cycle = 0; cycle < arguments.cycles; ++cycle) {
     E2LF_ASSIGN_OR_RETURN(events::EventImages images, images_of(cycle));
     file.cycles.push_back(std::move(images));
   }
   file.codes = aperture::codes_to_npy(codes);
-  return events::write_event_images(arguments.output, file);
+  return events::write_event_images(path, file);
 }
 
 /// A recording as the paper's camera makes it: every pattern after its inverse ones, bursts of events after each
 /// change.
-Result<void> write_recording(const SimulateArguments& arguments, const aperture::Codes& codes,
+Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path, const aperture::Codes& codes,
                              const lightfield::Shape& shape, const ImagesOf& images_of) {
   events::RecordingInfo info;
   info.width = shape.width;
   info.height = shape.height;
   info.header = aperture::codes_to_header(codes);
-  E2LF_ASSIGN_OR_RETURN(const auto writer, events::create_recording(arguments.output, "", info));
+  E2LF_ASSIGN_OR_RETURN(const auto writer, events::create_recording(path, "", info));
   events::SynthesisOptions synthesis;
   synthesis.schedule = events::paper_schedule(codes.num_patterns);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
@@ -117,8 +120,19 @@ Result<void> write_recording(const SimulateArguments& arguments, const aperture:
   return writer->finish();
 }
 
+Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_images, bool overwrite) {
+  OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera}, .overwrite = overwrite};
+  if (!as_images) {
+    E2LF_ASSIGN_OR_RETURN(const events::RecordingPlace place, events::place_of_recording(arguments.output, ""));
+    rules.streams = place.streams;
+    rules.side_file = place.side_file;
+  }
+  return OutputFile::create(arguments.output, rules);
+}
+
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
-  E2LF_RETURN_IF_ERROR(check_output(arguments.output, verb.common().overwrite));
+  const bool as_images = arguments.output.extension() == ".npz";
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments, as_images, verb.common().overwrite));
   RunRecord record("simulate");
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(arguments.codes, record));
@@ -138,14 +152,15 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   const ImagesOf images_of = camera && camera->is_pixel()
                                  ? physical_pixels(arguments, known.codes, scene, *camera, verb.common().seed)
                                  : paper_pixels(arguments, known, scene, model, verb.common().seed);
-  if (arguments.output.extension() == ".npz") {
-    E2LF_RETURN_IF_ERROR(write_images(arguments, known.codes, images_of));
+  if (as_images) {
+    E2LF_RETURN_IF_ERROR(write_images(arguments, output.path(), known.codes, images_of));
   } else {
-    E2LF_RETURN_IF_ERROR(write_recording(arguments, known.codes, scene.shape(), images_of));
-    note_recorded_codes(record, known.codes, arguments.output);
+    E2LF_RETURN_IF_ERROR(write_recording(arguments, output.path(), known.codes, scene.shape(), images_of));
+    if (!output.is_stream()) note_recorded_codes(record, known.codes, output.path());
   }
   record.end_step("simulate");
-  E2LF_RETURN_IF_ERROR(record.write(record_path_beside(arguments.output), verb));
+  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(output.commit());
   E2LF_ASSIGN_OR_RETURN(const events::EventImages first, images_of(0));
   print_statistics(first, verb.common());
   return {};

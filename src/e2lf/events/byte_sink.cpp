@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "e2lf/base/file.h"
+#include "e2lf/base/is_stream.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::events {
@@ -73,6 +74,11 @@ class DescriptorSink final : public ByteSink {
 
 Result<std::unique_ptr<ByteSink>> open_file_sink(const std::filesystem::path& path) {
   if (path == "-") return make_descriptor_sink(STDOUT_FILENO, /*owned=*/false, "stdout");
+  if (is_stream(path)) {
+    const int stream = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (stream < 0) return write_error(path.string(), errno);
+    return make_descriptor_sink(stream, /*owned=*/true, path.string());
+  }
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
   const int descriptor = ::open(file.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) return write_error(path.string(), errno);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/events/convert.h"
 
+#include "e2lf/base/is_stream.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/events/read_ahead.h"
@@ -20,6 +21,8 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
                                         const ConvertOptions& options) {
   E2LF_ASSIGN_OR_RETURN(auto writer, create_recording(output, options.format, reader.info()));
   SideTriggerWriter side(output);
+  const bool has_side = output != "-" && !is_stream(output);
+  const std::string name = output == "-" ? "standard output" : output.filename().string();
   ConvertReport report;
   ReadAhead ahead(reader);
   EventBatch batch;
@@ -27,7 +30,7 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
     E2LF_ASSIGN_OR_RETURN(const bool more, ahead.read(batch));
     if (!more) break;
     E2LF_RETURN_IF_ERROR(writer->write(batch));
-    if (!writer->holds_triggers() && output != "-") E2LF_RETURN_IF_ERROR(side.write(batch.triggers));
+    if (!writer->holds_triggers() && has_side) E2LF_RETURN_IF_ERROR(side.write(batch.triggers));
     report.events += batch.events.size();
     report.triggers += batch.triggers.size();
     if (options.progress) options.progress(report.events, 0);
@@ -36,13 +39,13 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
   E2LF_RETURN_IF_ERROR(side.finish());
 
   if (report.triggers > 0 && !writer->holds_triggers()) {
-    const bool is_kept = output != "-";
-    if (is_kept) report.trigger_file = side.path();
-    warn(report, cat(output.string(), ": the format has no place for ", report.triggers, " triggers; ",
-                     is_kept ? cat("they are in ", side.path().string()) : "they are lost, write to a file instead"));
+    if (has_side) report.trigger_file = side.path().filename();
+    warn(report, cat(name, ": the format has no place for ", report.triggers, " triggers; ",
+                     has_side ? cat("they are in ", side.path().filename().string(), " beside it")
+                              : "they are lost, write to a file instead"));
   }
   if (!writer->holds_absolute_time()) {
-    warn(report, cat(output.string(), ": the format does not keep the sensor's absolute time; ask for times from zero ",
+    warn(report, cat(name, ": the format does not keep the sensor's absolute time; ask for times from zero ",
                      "on reading other formats too"));
   }
   return report;

@@ -19,7 +19,8 @@ struct ConvertOptions {
 struct ConvertReport {
   uint64_t events = 0;
   uint64_t triggers = 0;
-  std::filesystem::path trigger_file;  ///< where triggers went that the format does not hold; empty = none
+  std::filesystem::path trigger_file;  ///< where triggers went that the format does not hold: a name beside the
+                                       ///< output; empty = none
   std::vector<std::string> warnings;   ///< what the output cannot hold, for people; also logged
 };
 

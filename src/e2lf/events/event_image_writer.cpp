@@ -164,7 +164,9 @@ class EventImageWriter::Impl {
         "all cycles of a file have one shape");
     ++cycles_;
     const auto* bytes = reinterpret_cast<const uint8_t*>(images.counts.data());
-    return pack({bytes, images.counts.size() * sizeof(int16_t)}, Z_NO_FLUSH);
+    // All of the cycle goes to the file, so that it can be recovered.
+    E2LF_RETURN_IF_ERROR(pack({bytes, images.counts.size() * sizeof(int16_t)}, Z_SYNC_FLUSH));
+    return std::fflush(stream_) == 0 ? Result<void>() : io_error();
   }
 
   Result<void> finish() {

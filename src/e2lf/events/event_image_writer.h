@@ -37,4 +37,9 @@ class EventImageWriter {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Writes the whole cycles of a file that was never finished, without codes, to `path`, and returns how many there are;
+/// no file when there is none. Fails with kIo, and kFormat for a file of another kind.
+[[nodiscard]] Result<uint64_t> recover_event_images(const std::filesystem::path& unfinished,
+                                                    const std::filesystem::path& path);
+
 }  // namespace e2lf::events

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "e2lf/base/is_stream.h"
 #include "e2lf/base/text.h"
 #include "e2lf/events/aedat4/aedat4.h"
 #include "e2lf/events/csv/csv.h"
@@ -12,6 +13,8 @@
 #include "e2lf/events/npy_events/npy_events.h"
 #include "e2lf/events/raw/raw_codec.h"
 #include "e2lf/events/raw/raw_header.h"
+#include "e2lf/events/recording_place.h"
+#include "e2lf/events/side_triggers.h"
 
 namespace e2lf::events {
 namespace {
@@ -24,7 +27,8 @@ const std::vector<Codec>& table() {
        .detect = dat::detect,
        .open = dat::open,
        .create = dat::create,
-       .create_file = dat::create_file},
+       .create_file = dat::create_file,
+       .side_file = dat::trigger_path},
       {.name = "raw",
        .extensions = {".raw"},
        .description = "Prophesee RAW in the encoding its header names",
@@ -44,7 +48,8 @@ const std::vector<Codec>& table() {
        .extensions = {".h5"},
        .description = "HDF5 with columns as in the DSEC data set",
        .open = hdf5::open,
-       .create_file = hdf5::create_dsec_file},
+       .create_file = hdf5::create_dsec_file,
+       .side_file = side_trigger_path},
       {.name = "aedat4",
        .extensions = {".aedat4"},
        .description = "iniVation AEDAT 4",
@@ -55,7 +60,8 @@ const std::vector<Codec>& table() {
        .description = "numpy array of records x, y, p, t",
        .detect = npy_events::detect_npy,
        .open = npy_events::open_npy,
-       .create_file = npy_events::create_npy_file},
+       .create_file = npy_events::create_npy_file,
+       .side_file = side_trigger_path},
       {.name = "npz",
        .extensions = {".npz"},
        .description = "numpy arrays x, y, p, t, held in memory",
@@ -67,13 +73,15 @@ const std::vector<Codec>& table() {
        .description = "text, x,y,p,t with t in microseconds",
        .detect = csv::detect_csv,
        .open = csv::open_csv,
-       .create = csv::create_csv},
+       .create = csv::create_csv,
+       .side_file = side_trigger_path},
       {.name = "txt",
        .extensions = {".txt"},
        .description = "text, t x y p with t in seconds",
        .detect = csv::detect_txt,
        .open = csv::open_txt,
-       .create = csv::create_txt},
+       .create = csv::create_txt,
+       .side_file = side_trigger_path},
   };
   return codecs;
 }
@@ -154,10 +162,22 @@ Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::p
   return open_recording(std::move(source), options);
 }
 
+Result<RecordingPlace> place_of_recording(const std::filesystem::path& path, const std::string& format) {
+  E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
+  return RecordingPlace{codec->create != nullptr, codec->side_file};
+}
+
 Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem::path& path, const std::string& format,
                                                           const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
-  if (codec->create_file != nullptr) return codec->create_file(path, info);
+  const bool to_stream = path == "-" || is_stream(path);
+  if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
+    return Error{
+        ErrorCode::kUnsupported,
+        cat("the format ", codec->name, " goes back in its file, which a pipe or device cannot do; name a file"),
+        path.string()};
+  }
+  if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info);
   if (codec->create == nullptr) return unsupported(*codec, "write", path.string());
   E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
   return codec->create(std::move(sink), info);

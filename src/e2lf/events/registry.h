@@ -32,6 +32,9 @@ struct Codec {
   /// For formats that write their file themselves (in place of `create`).
   Result<std::unique_ptr<RecordingWriter>> (*create_file)(const std::filesystem::path& path,
                                                           const RecordingInfo& info) = nullptr;
+
+  /// Where the triggers of a file are that the format has no place for, when the reader looks for them there.
+  std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
 };
 
 /// All formats, in the order in which detection asks them.

@@ -4,6 +4,7 @@
 
 #include "e2lf/base/file.h"
 #include "e2lf/base/npy.h"
+#include "e2lf/base/result_folder.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/axes.h"
@@ -38,7 +39,7 @@ Image view_image(const LightField& light_field, size_t view_y, size_t view_x) {
 
 Result<void> write_folder(const fs::path& path, const LightField& light_field, const WriteOptions& options,
                           const ProgressFn& progress) {
-  E2LF_ASSIGN_OR_RETURN(AtomicFolder folder, AtomicFolder::create(path, options.overwrite));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, ResultFolder::create(path, options.overwrite));
   E2LF_RETURN_IF_ERROR(write_views(folder.path(), light_field, options.format, progress));
   return folder.commit();
 }

@@ -114,7 +114,7 @@ Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, 
 
 Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
-  return start(std::move(sink), info, path == "-" ? std::filesystem::path() : trigger_path(path));
+  return start(std::move(sink), info, trigger_path(path));
 }
 
 }  // namespace e2lf::events::dat

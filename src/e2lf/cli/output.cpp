@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/output.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "e2lf/base/file.h"
+#include "e2lf/base/is_stream.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/run_record.h"
+#include "e2lf/events/recording_place.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+Error exists(const fs::path& path, const std::string& what) {
+  return {ErrorCode::kExists, what, path.string()};
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(path, error));
+}
+
+bool is_standard_output(const fs::path& path) {
+  return path == "-" || path == "/dev/stdout" || path == "/dev/fd/1" || path == "/proc/self/fd/1";
+}
+
+/// The file or folder behind the name of an input; empty when there is none (a socket, a camera).
+fs::path file_of_input(const fs::path& named) {
+  constexpr std::string_view kReplay = "replay:";
+  std::string name = named.string();
+  if (name.starts_with(kReplay)) name = name.substr(kReplay.size());
+  if (name == "-") name = "/proc/self/fd/0";
+  std::error_code error;
+  const fs::path path = fs::canonical(name, error);
+  const bool is_file = !error && (fs::is_regular_file(path, error) || fs::is_directory(path, error));
+  return is_file ? path : fs::path();
+}
+
+/// Whether `inner` is `outer` or lies in it, by what the names stand for and not by how they are spelled.
+bool is_within(fs::path inner, const fs::path& outer) {
+  for (;;) {
+    std::error_code error;
+    if (inner == outer || fs::equivalent(inner, outer, error)) return true;
+    const fs::path parent = inner.parent_path();
+    if (parent == inner || parent.empty()) return false;
+    inner = parent;
+  }
+}
+
+/// The name with links resolved. A link to nothing is refused: what would be written is not where it points.
+Result<fs::path> resolve(const fs::path& named) {
+  const fs::path path = named.has_filename() ? named : named.parent_path();
+  std::error_code error;
+  if (path.empty()) return Error{ErrorCode::kInvalidValue, "the output has no name; give it one", "--output"};
+  if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
+    return exists(path, "the output is a link to nothing; remove it or name another output");
+  }
+  fs::path resolved = fs::weakly_canonical(path, error);
+  return error ? path : resolved;
+}
+
+/// Another recording in the folder whose triggers are in that file too; empty when there is none.
+fs::path other_owner(const fs::path& triggers, const fs::path& target) {
+  std::error_code error;
+  for (fs::directory_iterator entry(target.parent_path(), error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    if (entry->path() == target || !entry->is_regular_file(ignored)) continue;
+    const auto place = events::place_of_recording(entry->path(), "");
+    if (place && place->side_file != nullptr && place->side_file(entry->path()) == triggers) return entry->path();
+  }
+  return {};
+}
+
+/// Whether a file of triggers is one that e2lf writes, by its first bytes.
+bool is_our_trigger_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  return path.extension() == ".csv" ? line == "p,id,t" : line.starts_with("% ");
+}
+
+bool is_same_content(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  if (fs::file_size(a, error) != fs::file_size(b, error) || error) return false;
+  std::ifstream of_a(a, std::ios::binary), of_b(b, std::ios::binary);
+  return std::equal(std::istreambuf_iterator<char>(of_a), {}, std::istreambuf_iterator<char>(of_b));
+}
+
+Error foreign_side(const fs::path& side, const fs::path& target, bool overwrite) {
+  const std::string name = target.filename().string();
+  return exists(
+      side, overwrite ? cat("this file would belong to ", name,
+                            ", but e2lf did not write it, so it is not replaced; move it away or name "
+                            "another output")
+                      : cat("this file would belong to ", name, "; move it away, give --overwrite or another name"));
+}
+
+Error shared_triggers(const fs::path& triggers, const fs::path& target, const fs::path& owner) {
+  return exists(triggers,
+                cat("these triggers belong to ", owner.filename().string(), ", and would be read as those of ",
+                    target.filename().string(), " too; name another output"));
+}
+
+Result<void> move_into_place(const fs::path& from, const fs::path& to) {
+  if (::rename(from.c_str(), to.c_str()) == 0) return {};
+  return Error{ErrorCode::kIo,
+               cat("cannot put the file in place (", std::strerror(errno), "); check the disk and the path"),
+               to.string()};
+}
+
+}  // namespace
+
+Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& inputs) {
+  E2LF_ASSIGN_OR_RETURN(const fs::path resolved, resolve(output));
+  for (const fs::path& input : inputs) {
+    if (input.empty()) continue;
+    const fs::path file = file_of_input(input);
+    if (file.empty()) continue;
+    const bool output_within = is_within(resolved, file), input_within = is_within(file, resolved);
+    if (!output_within && !input_within) continue;
+    const char* how = output_within && input_within ? "is" : output_within ? "lies in" : "contains";
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the output ", how, " an input (", input.string(), "), which would be lost; name another output"),
+                 output.string()};
+  }
+  return {};
+}
+
+Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& rules,
+                                      const Workspace::OnDead& on_dead) {
+  OutputFile output;
+  const bool is_stdout = is_standard_output(named);
+  if (is_stdout || e2lf::is_stream(named)) {
+    if (!rules.streams) {
+      return Error{ErrorCode::kUnsupported, "this output is written as a file, not to a pipe or a device; name a file",
+                   named.string()};
+    }
+    output.place_ = is_stdout ? fs::path("-") : named;
+    return output;
+  }
+  E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
+  E2LF_ASSIGN_OR_RETURN(output.target_, resolve(named));
+  E2LF_RETURN_IF_ERROR(check_output(output.target_, rules.overwrite));
+  if (rules.side_file != nullptr) output.triggers_ = rules.side_file(output.target_);
+  E2LF_RETURN_IF_ERROR(check_apart(record_path_beside(output.target_), rules.inputs));
+  if (!output.triggers_.empty()) E2LF_RETURN_IF_ERROR(check_apart(output.triggers_, rules.inputs));
+  output.overwrite_ = rules.overwrite;
+  output.is_live_ = std::none_of(rules.inputs.begin(), rules.inputs.end(),
+                                 [](const fs::path& input) { return !file_of_input(input).empty(); });
+  E2LF_RETURN_IF_ERROR(output.check_place());
+  E2LF_ASSIGN_OR_RETURN(Workspace workspace, Workspace::create(output.target_, on_dead));
+  output.place_ = workspace.path() / output.target_.filename();
+  output.workspace_.emplace(std::move(workspace));
+  return output;
+}
+
+fs::path OutputFile::record_path() const {
+  return record_path_beside(place_);
+}
+
+Result<void> OutputFile::check_place() const {
+  E2LF_RETURN_IF_ERROR(check_output(target_, overwrite_));
+  const fs::path record = record_path_beside(target_);
+  // The record of a result that is gone is of no use to anyone.
+  if (is_there(record) && !(is_our_record(record) && (overwrite_ || !is_there(target_)))) {
+    return foreign_side(record, target_, overwrite_);
+  }
+  if (triggers_.empty() || !is_there(triggers_)) return {};
+  if (const fs::path owner = other_owner(triggers_, target_); !owner.empty()) {
+    // The same triggers will do; a recording that cannot be made again is not put at that risk.
+    return is_live_ ? shared_triggers(triggers_, target_, owner) : Result<void>();
+  }
+  if (overwrite_ && is_our_trigger_file(triggers_)) return {};
+  return foreign_side(triggers_, target_, overwrite_);
+}
+
+Result<void> OutputFile::commit() {
+  if (!workspace_) return {};
+  // What is there may have changed since create().
+  E2LF_RETURN_IF_ERROR(check_place());
+  bool keeps_triggers = triggers_.empty();
+  const fs::path new_triggers = workspace_->path() / triggers_.filename();
+  if (!triggers_.empty() && is_there(triggers_)) {
+    const fs::path owner = other_owner(triggers_, target_);
+    keeps_triggers = is_there(new_triggers) && is_same_content(new_triggers, triggers_);
+    if (!owner.empty() && !keeps_triggers) return shared_triggers(triggers_, target_, owner);
+  }
+  // Old side files go first: a result without its triggers is poorer, one with those of another is wrong.
+  std::error_code error;
+  fs::remove(record_path_beside(target_), error);
+  if (!keeps_triggers) fs::remove(triggers_, error);
+  E2LF_RETURN_IF_ERROR(move_into_place(place_, target_));
+  if (!keeps_triggers && is_there(new_triggers)) E2LF_RETURN_IF_ERROR(move_into_place(new_triggers, triggers_));
+  if (is_there(record_path())) return move_into_place(record_path(), record_path_beside(target_));
+  return {};
+}
+
+Result<ResultFolder> open_output_folder(const fs::path& named, const OutputRules& rules) {
+  if (is_standard_output(named)) {
+    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; name a folder", named.string()};
+  }
+  E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
+  E2LF_ASSIGN_OR_RETURN(const fs::path target, resolve(named));
+  return ResultFolder::create(target, rules.overwrite);
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/base/result_folder.h"
+#include "e2lf/base/workspace.h"
+
+namespace e2lf::cli {
+
+/// The one place that decides where a verb may write and what that may replace. Every output of every verb goes through
+/// OutputFile or open_output_folder().
+struct OutputRules {
+  std::vector<std::filesystem::path> inputs = {};  ///< what the verb reads; "" and names that are no path are left out
+  bool overwrite = false;
+  bool streams = false;  ///< the format is written front to back, so "-", devices and pipes will do
+  /// Where a recording's triggers go that its format has no place for; null = nowhere.
+  std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
+};
+
+/// A file of results with the files that belong to it: its record (<file>.run.json) and its triggers
+/// (<stem>_triggers.csv, <stem>_trigger.dat). They are checked together, appear together and are replaced together.
+/// A file of triggers that another recording has too (a.csv, a.npy) stays as it is, and must be what this one needs.
+class OutputFile {
+ public:
+  /// Resolves links in `named` and checks it and its side files. Fails with kExists (something is there that may not be
+  /// replaced), kInvalidValue (the output is, contains or lies in an input), kUnsupported (a stream, where the format
+  /// needs a file) and kIo.
+  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const OutputRules& rules,
+                                                 const Workspace::OnDead& on_dead = {});
+
+  /// Where to write: a name in a workspace, or the stream itself ("-" for standard output).
+  [[nodiscard]] const std::filesystem::path& path() const { return place_; }
+  /// Where to write the record.
+  [[nodiscard]] std::filesystem::path record_path() const;
+  [[nodiscard]] bool is_stream() const { return !workspace_.has_value(); }
+
+  /// Where what is said to people goes: standard error when standard output holds data.
+  [[nodiscard]] std::FILE* text() const { return place_ == "-" ? stderr : stdout; }
+
+  /// Puts all that was written to path() and beside it in place, and removes side files of the result that was
+  /// replaced. Nothing to do for a stream. Fails with kExists and kIo.
+  [[nodiscard]] Result<void> commit();
+
+ private:
+  OutputFile() = default;
+  [[nodiscard]] Result<void> check_place() const;
+  std::filesystem::path target_, place_;
+  std::filesystem::path triggers_;  ///< where they go; empty = nowhere
+  bool overwrite_ = false, is_live_ = false;
+  std::optional<Workspace> workspace_;
+};
+
+/// A folder of results; see ResultFolder for what it replaces. Fails as OutputFile::create().
+[[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const OutputRules& rules);
+
+/// Fails with kInvalidValue when an output is, contains or lies in one of the inputs, through links or not.
+[[nodiscard]] Result<void> check_apart(const std::filesystem::path& output,
+                                       const std::vector<std::filesystem::path>& inputs);
+
+}  // namespace e2lf::cli

@@ -1,0 +1,53 @@
+# No output takes away what is not e2lf's own: inputs, folders of others, files in them, what links lead to.
+"$E2LF" demo -o demo --width 48 --height 32 --quiet
+mkdir cap && echo mine >cap/notes
+"$E2LF" simulate demo/scene -o cap/rec.raw --cycles 2 --quiet
+"$E2LF" simulate demo/scene -o ev.npz --quiet
+find . -type f -print0 | sort -z | xargs -0 sha256sum >before.txt
+sha256sum --quiet -c before.txt
+ln -s cap link
+untouched() { grep -v -F -e stdout.txt -e stderr.txt before.txt | sha256sum --quiet -c || fail "a file changed after: $*"; }
+refused() { # <text> <command...>
+  fails 1 "$@"
+  untouched "$@"
+}
+by_inversion=("$E2LF" reconstruct --method inversion --overwrite)
+refused "contains an input" "${by_inversion[@]}" cap/rec.raw -o cap
+refused "contains an input" "${by_inversion[@]}" cap/rec.raw -o link
+refused "contains an input" "${by_inversion[@]}" link/rec.raw -o .
+refused "contains an input" "${by_inversion[@]}" replay:cap/rec.raw -o cap
+refused "is an input" "${by_inversion[@]}" ev.npz -o ev.npz
+refused "a file or link has this name" "${by_inversion[@]}" cap/rec.raw -o ev.npz
+refused "lies in an input" "$E2LF" convert demo/scene demo/scene/again --overwrite
+refused "is an input" "$E2LF" convert demo/scene demo/scene --overwrite
+refused "e2lf did not write this folder" "$E2LF" convert demo/scene cap --overwrite
+refused "e2lf did not write this folder" "$E2LF" demo -o cap --overwrite --width 48 --height 32
+refused "is an input" "$E2LF" convert cap/rec.raw link/rec.raw --overwrite
+refused "is an input" "$E2LF" convert - cap/rec.raw --format evt3 --overwrite <cap/rec.raw
+refused "lies in an input" "$E2LF" simulate demo/scene -o demo/scene/ev.npz
+refused "is an input" "$E2LF" accumulate cap/rec.raw -o x.npz --plot cap/rec.raw --overwrite
+refused "is an input" "$E2LF" pack demo/scene ev.npz -o ev.npz --overwrite
+refused "is an input" "$E2LF" eval demo/scene demo/recon -o ev.npz --events ev.npz --overwrite
+refused "a folder has this name" "$E2LF" simulate demo/scene -o demo/recon --overwrite
+ln "$PWD/cap/rec.raw" same.raw
+refused "is an input" "$E2LF" convert cap/rec.raw same.raw --overwrite
+ln -s nowhere dangling.npz
+refused "a link to nothing" "$E2LF" simulate demo/scene -o dangling.npz --overwrite
+
+# A folder of e2lf's own is replaced, but for what others put there.
+"${by_inversion[@]}" cap/rec.raw -o out --quiet
+echo mine >out/notes && mkdir out/more && echo mine >out/more/notes && ln -s ../cap out/link
+"${by_inversion[@]}" ev.npz -o out --quiet
+exists out/00_00.png out/run.json
+absent out/cycle_00000 out/cycle_00001
+[ "$(cat out/notes out/more/notes)" = $'mine\nmine' ] || fail "a note is gone"
+[ "$(readlink out/link)" = ../cap ] || fail "a link is gone"
+untouched "the replacing"
+[ "$(json out/run.json "'00_00.png' in j['files'] and 'notes' not in j['files'] and j['written_by']")" = e2lf ] || fail "the list of files"
+rm out/00_00.png && ln -s ../cap/notes out/00_00.png
+refused "which e2lf did not write" "${by_inversion[@]}" ev.npz -o out
+# A result through a link goes where the link points.
+mkdir elsewhere && ln -s elsewhere/e.npz far.npz && cp ev.npz elsewhere/e.npz
+"$E2LF" simulate demo/scene -o far.npz --seed 2 --quiet --overwrite
+[ -L far.npz ] && ! cmp -s ev.npz elsewhere/e.npz || fail "the link was replaced"
+[ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind"
