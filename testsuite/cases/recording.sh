@@ -52,10 +52,12 @@ absent none.npz
 fails 1 "nothing.raw" "$E2LF" reconstruct nothing.raw --method inversion -o nothing
 fails 1 "give it such a name" "$E2LF" accumulate recording.raw -o images.raw
 # A recording in which nothing is found replaces nothing and leaves nothing.
-mkdir kept && echo keep >kept/file
+"$E2LF" reconstruct truth.npz --method inversion -o kept --quiet
+echo keep >kept/file
 none=("$E2LF" reconstruct recording.raw --method inversion --source triggers --channel 5)
 fails 1 "no complete pattern cycle" "${none[@]}" -o kept --overwrite
 [ "$(cat kept/file)" = keep ] || fail "a recording without cycles took the old result away"
+exists kept/cycle_00003/07_07.png
 fails 1 "recording.raw" "${none[@]}" -o new
 absent new
 [ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind"

@@ -28,7 +28,8 @@ refused "lies in an input" "$E2LF" simulate demo/scene -o demo/scene/ev.npz
 refused "is an input" "$E2LF" accumulate cap/rec.raw -o x.npz --plot cap/rec.raw --overwrite
 refused "is an input" "$E2LF" pack demo/scene ev.npz -o ev.npz --overwrite
 refused "is an input" "$E2LF" eval demo/scene demo/recon -o ev.npz --events ev.npz --overwrite
-refused "a folder has this name" "$E2LF" simulate demo/scene -o demo/recon --overwrite
+mkdir folder.npz
+refused "a folder has this name" "$E2LF" simulate demo/scene -o folder.npz --overwrite
 ln "$PWD/cap/rec.raw" same.raw
 refused "is an input" "$E2LF" convert cap/rec.raw same.raw --overwrite
 ln -s nowhere dangling.npz

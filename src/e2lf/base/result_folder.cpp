@@ -228,7 +228,8 @@ ResultFolder::ResultFolder(fs::path target, bool overwrite, Workspace workspace)
 
 Result<ResultFolder> ResultFolder::create(const fs::path& named, bool overwrite) {
   std::error_code unknown;
-  fs::path target = fs::weakly_canonical(named.has_filename() ? named : named.parent_path(), unknown);
+  fs::path target =
+      fs::weakly_canonical(fs::absolute(named.has_filename() ? named : named.parent_path(), unknown), unknown);
   if (unknown) target = named;
   E2LF_RETURN_IF_ERROR(check_replaceable(target, overwrite));
   E2LF_ASSIGN_OR_RETURN(Workspace workspace, Workspace::create(target));

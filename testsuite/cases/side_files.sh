@@ -1,0 +1,52 @@
+# A result and its side files are one thing: checked together, replaced together, never taken from another result.
+"$E2LF" demo -o demo --width 48 --height 32 --quiet
+"$E2LF" simulate demo/scene -o with.raw --cycles 2 --quiet
+"$E2LF" simulate demo/scene -o without.raw --cycles 2 --no-triggers --quiet
+triggers() { "$E2LF" info "$1" --json >info.json && json info.json "j['triggers']"; }
+for name in o.csv o.npy o.txt; do
+  rm -f o.*  o_*
+  side=o_triggers.csv
+  "$E2LF" convert with.raw "$name" --quiet 2>warnings.txt
+  all=$(triggers "$name")
+  check "$all > 0"
+  # The triggers of the old result are not those of the new one.
+  "$E2LF" convert without.raw "$name" --overwrite --quiet
+  absent "$side"
+  [ "$(triggers "$name")" = 0 ] || fail "$name has triggers of the result that it replaced"
+  "$E2LF" convert with.raw "$name" --overwrite --quiet 2>warnings.txt
+  [ "$(triggers "$name")" = "$all" ] || fail "$name: triggers"
+  rm "$name"
+  fails 1 "would belong to $name" "$E2LF" convert without.raw "$name"
+  absent "$name"
+  exists "$side"
+done
+"$E2LF" convert with.raw d.dat --quiet
+exists d_trigger.dat
+"$E2LF" convert without.raw d.dat --overwrite --quiet
+absent d_trigger.dat
+# Files of the user with such names are not touched, asked to overwrite or not.
+for pair in "p.csv p_triggers.csv" "p_cd.dat p_trigger.dat" "p.npy p_triggers.csv"; do
+  # shellcheck disable=SC2086
+  set -- $pair
+  echo "my notes" >"$2"
+  fails 1 "$2" "$E2LF" convert with.raw "$1"
+  fails 1 "e2lf did not write it" "$E2LF" convert with.raw "$1" --overwrite
+  [ "$(cat "$2")" = "my notes" ] || fail "$2 was overwritten"
+  absent "$1"
+done
+for name in s.npz s.raw; do
+  echo '{"mine": 1}' >"$name.run.json"
+  fails 1 "$name.run.json" "$E2LF" simulate demo/scene -o "$name"
+  fails 1 "$name.run.json" "$E2LF" simulate demo/scene -o "$name" --overwrite
+  [ "$(cat "$name.run.json")" = '{"mine": 1}' ] || fail "$name.run.json was overwritten"
+  absent "$name"
+done
+# Two recordings may share a file of triggers while the triggers are the same.
+rm -f o.* o_*
+"$E2LF" convert with.raw o.csv --quiet 2>warnings.txt
+"$E2LF" convert with.raw o.npy --quiet 2>warnings.txt
+"$E2LF" simulate demo/scene -o more.raw --cycles 3 --quiet
+fails 1 "belong to o.csv" "$E2LF" convert more.raw o.npy --overwrite
+fails 1 "belong to o.npy" "$E2LF" convert without.raw o.csv --overwrite
+[ "$(triggers o.csv)" = "$(triggers o.npy)" ] || fail "shared triggers"
+[ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind"
