@@ -7,8 +7,11 @@
 #include "e2lf/base/text.h"
 #include "e2lf/events/batch_check.h"
 #include "e2lf/events/time_search.h"
+#include "e2lf/hdf5/checked_file.h"
 
 namespace e2lf::events::hdf5 {
+using e2lf::hdf5::CheckedFile;
+
 namespace {
 
 constexpr uint64_t kBlock = uint64_t{1} << 17;
@@ -92,10 +95,7 @@ class DsecWriter final : public RecordingWriter {
 
   Result<void> begin(const RecordingInfo& info) {
     const LibraryLock lock;
-    hdf5_file_ = Handle(H5Fcreate(file_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-    if (!hdf5_file_.valid()) {
-      return Error{ErrorCode::kIo, "cannot create the file; check the folder's permissions", name_};
-    }
+    E2LF_ASSIGN_OR_RETURN(hdf5_file_, CheckedFile::create(file_.path(), name_));
     const hid_t file = hdf5_file_.get();
     if (info.width != 0 && info.height != 0) {
       E2LF_RETURN_IF_ERROR(write_text_attribute(file, "geometry", cat(info.width, "x", info.height)));
@@ -135,7 +135,8 @@ class DsecWriter final : public RecordingWriter {
     E2LF_RETURN_IF_ERROR(x_.append(H5T_NATIVE_UINT16, events.x.data(), count));
     E2LF_RETURN_IF_ERROR(y_.append(H5T_NATIVE_UINT16, events.y.data(), count));
     E2LF_RETURN_IF_ERROR(p_.append(H5T_NATIVE_UINT8, events.p.data(), count));
-    return t_.append(H5T_NATIVE_UINT32, times.data(), count);
+    E2LF_RETURN_IF_ERROR(t_.append(H5T_NATIVE_UINT32, times.data(), count));
+    return hdf5_file_.check();
   }
 
   Result<void> finish() override {
@@ -145,9 +146,7 @@ class DsecWriter final : public RecordingWriter {
     E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, &end, 1));
     E2LF_RETURN_IF_ERROR(write_offset());
     for (GrowingDataset* column : {&x_, &y_, &p_, &t_, &ms_to_idx_}) *column = {};
-    if (!hdf5_file_.close()) {
-      return Error{ErrorCode::kIo, "the HDF5 library could not finish the file; check the disk's free space", name_};
-    }
+    E2LF_RETURN_IF_ERROR(hdf5_file_.close());
     return file_.commit();
   }
 
@@ -166,7 +165,7 @@ class DsecWriter final : public RecordingWriter {
   AtomicFile file_;
   std::string name_;
   BatchCheck check_;
-  Handle hdf5_file_;
+  CheckedFile hdf5_file_;
   GrowingDataset x_, y_, p_, t_, ms_to_idx_;
   int64_t offset_us_ = 0;
   uint64_t next_ms_ = 0;

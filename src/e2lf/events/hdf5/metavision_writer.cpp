@@ -9,8 +9,11 @@
 #include "e2lf/events/ecf/ecf_chunk.h"
 #include "e2lf/events/hdf5/metavision_hdf5.h"
 #include "e2lf/events/hdf5/metavision_layout.h"
+#include "e2lf/hdf5/checked_file.h"
 
 namespace e2lf::events::hdf5 {
+using e2lf::hdf5::CheckedFile;
+
 namespace {
 
 /// Chunks that are compressed at once, each on a thread.
@@ -110,7 +113,7 @@ class MetavisionWriter final : public RecordingWriter {
   AtomicFile file_;
   BatchCheck check_;
   bool has_small_sensor_;
-  Handle hdf5_file_;
+  CheckedFile hdf5_file_;
   GrowingDataset events_, triggers_;
   TimeIndex event_index_, trigger_index_;
   EventColumns pending_;
@@ -133,10 +136,7 @@ Result<void> write_header(hid_t file, const RecordingInfo& info) {
 
 Result<void> MetavisionWriter::begin(const RecordingInfo& info) {
   const LibraryLock lock;
-  hdf5_file_ = Handle(H5Fcreate(file_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-  if (!hdf5_file_.valid()) {
-    return Error{ErrorCode::kIo, "cannot create the file; check the folder's permissions", file_.target().string()};
-  }
+  E2LF_ASSIGN_OR_RETURN(hdf5_file_, CheckedFile::create(file_.path(), file_.target().string()));
   E2LF_RETURN_IF_ERROR(write_header(hdf5_file_.get(), info));
   const auto make_group = [&](const char* name) {
     return Handle(H5Gcreate2(hdf5_file_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
@@ -161,7 +161,8 @@ Result<void> MetavisionWriter::write(const EventBatch& batch) {
   for (const Trigger& trigger : batch.triggers) {
     records.push_back({static_cast<int16_t>(trigger.p), trigger.t, static_cast<int16_t>(trigger.id)});
   }
-  return triggers_.append(trigger_type().get(), records.data(), records.size());
+  E2LF_RETURN_IF_ERROR(triggers_.append(trigger_type().get(), records.data(), records.size()));
+  return hdf5_file_.check();
 }
 
 /// What ecf::can_encode() says, without looking again at what the check of batches has seen.
@@ -224,10 +225,7 @@ Result<void> MetavisionWriter::finish() {
   triggers_ = {};
   event_index_ = {};
   trigger_index_ = {};
-  if (!hdf5_file_.close()) {
-    return Error{ErrorCode::kIo, "the HDF5 library could not finish the file; check the disk's free space",
-                 file_.target().string()};
-  }
+  E2LF_RETURN_IF_ERROR(hdf5_file_.close());
   return file_.commit();
 }
 
