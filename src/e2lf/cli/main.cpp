@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <iostream>
 #include <string>
 #include <vector>
 
@@ -30,6 +33,15 @@ const std::vector<VerbEntry>& verbs() {
   return list;
 }
 
+/// A result that did not reach its reader is a failure.
+int check_standard_output(int code) {
+  const bool is_written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (is_written) return code;
+  std::fprintf(stderr, "e2lf: cannot write to standard output (%s); free some disk space or check where it goes\n",
+               std::strerror(errno));
+  return code == 0 ? 1 : code;
+}
+
 int run(const std::vector<std::string>& arguments) {
   if (!arguments.empty() && (arguments.front() == "--version" || arguments.front() == "version")) {
     std::printf("e2lf %s\n", kVersion);
@@ -42,7 +54,7 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   try {
-    return run({argv + 1, argv + argc});
+    return check_standard_output(run({argv + 1, argv + argc}));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "e2lf: internal error: %s; please report it with the command you ran\n", error.what());
     return 1;

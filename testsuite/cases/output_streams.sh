@@ -1,0 +1,56 @@
+# Output to pipes, devices and full disks: data and text never mix, devices stay devices, and nothing fails in silence.
+"$E2LF" demo -o demo --width 48 --height 32 --quiet
+"$E2LF" simulate demo/scene -o rec.raw --cycles 2 --quiet
+"$E2LF" convert rec.raw file.raw --format evt3 --quiet
+for flag in "" --json; do
+  # shellcheck disable=SC2086
+  "$E2LF" convert rec.raw - --format evt3 $flag >piped.raw 2>text.txt
+  cmp file.raw piped.raw || fail "the data on standard output ($flag)"
+  grep -q events text.txt || fail "no summary on standard error ($flag)"
+done
+"$E2LF" convert rec.raw /dev/stdout --format evt3 2>text.txt >piped.raw
+cmp file.raw piped.raw
+for format in npy hdf5 dsec; do
+  fails 1 "name a file" "$E2LF" convert rec.raw - --format "$format"
+  [ ! -s stdout.txt ] || fail "$format wrote something"
+done
+absent ./-
+fails 1 "give it such a name" "$E2LF" accumulate rec.raw -o /dev/null
+fails 1 "as .raw or .hdf5" "$E2LF" simulate demo/scene -o - </dev/null
+absent ./-
+
+mkfifo pipe.raw
+cat pipe.raw >piped.raw &
+"$E2LF" convert rec.raw pipe.raw --quiet
+wait $!
+cmp file.raw piped.raw
+[ -p pipe.raw ] || fail "the named pipe was replaced"
+"$E2LF" convert rec.raw /dev/null --format csv 2>text.txt
+[ -c /dev/null ] || fail "/dev/null was replaced"
+absent /dev/null.run.json /dev/null_triggers.csv
+fails 1 "name a file" "$E2LF" convert rec.raw /dev/null --format hdf5
+"$E2LF" eval demo/scene demo/recon -o /dev/null --quiet
+if [ "$(id -u)" = 0 ]; then
+  mknod null.npz c 1 3 2>/dev/null || true
+  if [ -c null.npz ]; then
+    fails 1 "name a file" "$E2LF" simulate demo/scene -o null.npz --overwrite
+    [ -c null.npz ] || fail "a device was replaced"
+  fi
+fi
+
+# A full disk behind standard output is an error of every verb.
+full() {
+  local got=0
+  "$@" >/dev/full 2>stderr.txt || got=$?
+  [ "$got" -eq 1 ] || fail "exit code $got from: $*"
+  grep -q "standard output" stderr.txt || fail "nothing said about standard output by: $*"
+}
+full "$E2LF" info rec.raw
+full "$E2LF" info rec.raw --json
+full "$E2LF" eval demo/scene demo/recon
+full "$E2LF" codes show
+full "$E2LF" model info "$TESTSUITE/../models/e2lf-n4.safetensors"
+full "$E2LF" --help
+full "$E2LF" convert --help
+full "$E2LF" --version
+fails 1 "cannot write" "$E2LF" convert rec.raw /dev/full --format evt3
