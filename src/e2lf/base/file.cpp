@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -96,6 +97,8 @@ Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {
   const fs::path staging = staging_name(path);
   const int descriptor = ::open(staging.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) return system_error(path, "write", errno);
+  // The lock tells that the writer is alive; see remove_dead_parts().
+  static_cast<void>(::flock(descriptor, LOCK_EX | LOCK_NB));
   Result<void> status = write_all(descriptor, path, bytes);
   if (::close(descriptor) != 0 && status.ok()) status = system_error(path, "write", errno);
   if (status.ok() && ::rename(staging.c_str(), path.c_str()) != 0) status = system_error(path, "write", errno);

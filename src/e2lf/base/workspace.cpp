@@ -93,6 +93,24 @@ Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead
 
 }  // namespace
 
+void remove_dead_parts(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    const std::string name = entry->path().filename().string();
+    const std::string target = entry->path().stem().stem().stem().string();
+    const bool is_part = !target.empty() && is_workspace_name(name, target + ".");
+    if (is_part && fs::is_regular_file(entry->symlink_status(ignored))) found.push_back(entry->path());
+  }
+  for (const fs::path& part : found) {
+    const Descriptor lock(::open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    if (!lock.is_open() || !lock.locks(LOCK_EX | LOCK_NB)) continue;
+    fs::remove(part, error);
+    log_warning(cat(part.string(), ": removed, an interrupted run had left it"));
+  }
+}
+
 Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dead) {
   static int counter = 0;
   std::error_code error;

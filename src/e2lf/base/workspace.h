@@ -32,4 +32,7 @@ class Workspace {
   int lock_ = -1;
 };
 
+/// Removes the temporary files of write_file() in a folder whose writers are dead.
+void remove_dead_parts(const std::filesystem::path& folder);
+
 }  // namespace e2lf

@@ -11,8 +11,11 @@
 #include <cstdlib>
 #include <thread>
 
+#include "e2lf/base/isa.h"
+#include "e2lf/base/workspace.h"
 #include "e2lf/learn/benchmark.h"
 #include "e2lf/learn/device.h"
+#include "e2lf/learn/run_log.h"
 #include "e2lf/learn/trainer.h"
 
 namespace e2lf::learn {
@@ -47,6 +50,9 @@ void take_denormals_as_zero() {
 template <typename Work>
 auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(work()) {
   try {
+#ifdef E2LF_LEARN_KERNELS
+    E2LF_RETURN_IF_ERROR(apply_isa_cap());
+#endif
     use_all_cores();
     take_denormals_as_zero();
     return work();
@@ -69,10 +75,20 @@ Result<Config> read_config(const std::filesystem::path& path, const std::vector<
   return config_from_json(json, path.string() + ": $");
 }
 
-Result<void> check_holds_no_run(const std::filesystem::path& folder) {
-  if (check_output(folder / "config.json", /*overwrite=*/false)) return {};
-  return Error{ErrorCode::kExists, "this folder holds a run already; `e2lf resume` it, or name another",
-               folder.string()};
+/// A new run writes over nothing: neither another run nor a file that has one of its names by chance.
+Result<void> check_is_free(const std::filesystem::path& folder, const std::string& model) {
+  if (!check_output(folder / "config.json", /*overwrite=*/false)) {
+    return Error{ErrorCode::kExists, "this folder holds a run already; `e2lf resume` it, or name another",
+                 folder.string()};
+  }
+  std::vector<std::string> names = RunLog::file_names();
+  names.insert(names.end(), {kCheckpoint, model + ".safetensors"});
+  for (const std::string& name : names) {
+    if (check_output(folder / name, /*overwrite=*/false)) continue;
+    return Error{ErrorCode::kExists, "training would write over this file; move it away or name another folder",
+                 (folder / name).string()};
+  }
+  return {};
 }
 
 Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std::string>& overrides) {
@@ -85,6 +101,7 @@ Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std
 Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesystem::path& run, const Peers& peers,
                                              const ProgressFn& progress, const std::function<bool()>& keep_going) {
   keep_freed_memory();
+  if (peers.leads()) remove_dead_parts(run);
   E2LF_RETURN_IF_ERROR(trainer.run(run, progress, keep_going));
   const auto model = run / (trainer.config().name + ".safetensors");
   if (peers.leads()) E2LF_RETURN_IF_ERROR(model::write_model(model, trainer.to_model()));
@@ -98,8 +115,8 @@ Result<std::filesystem::path> train(const std::filesystem::path& config_path, co
                                     const std::function<bool()>& keep_going) {
   return guarded(config_path, [&]() -> Result<std::filesystem::path> {
     E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
-    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_holds_no_run(run));
     E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
+    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_is_free(run, config.name));
     E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
     E2LF_RETURN_IF_ERROR(peers.connect(device));
     E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
@@ -115,8 +132,11 @@ Result<std::filesystem::path> resume(const std::filesystem::path& run, const std
     E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
     E2LF_RETURN_IF_ERROR(peers.connect(device));
     E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
-    // The others take the state from the first.
-    if (peers.leads()) E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
+    // The others take the state from the first. A run that was killed before its first checkpoint begins anew.
+    std::error_code error;
+    if (peers.leads() && std::filesystem::exists(run / kCheckpoint, error)) {
+      E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
+    }
     return run_and_export(trainer, run, peers, progress, keep_going);
   });
 }

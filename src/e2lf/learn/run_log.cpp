@@ -16,6 +16,7 @@ namespace {
 constexpr const char* kSteps = "log.csv";
 constexpr const char* kScores = "evaluation.csv";
 constexpr const char* kPatterns = "patterns.csv";
+constexpr const char* kCurves = "curves.html";
 
 Result<void> append_line(const std::filesystem::path& path, const std::string& header, const std::string& line) {
   const bool fresh = !std::filesystem::exists(path);
@@ -64,6 +65,10 @@ Result<void> rewind_table(const std::filesystem::path& path, uint64_t step) {
 
 }  // namespace
 
+std::vector<std::string> RunLog::file_names() {
+  return {kSteps, kScores, kPatterns, kCurves};
+}
+
 Result<void> RunLog::rewind(uint64_t step) const {
   for (const char* table : {kSteps, kScores, kPatterns}) E2LF_RETURN_IF_ERROR(rewind_table(folder_ / table, step));
   return {};
@@ -109,7 +114,7 @@ Result<void> RunLog::draw_curves(const std::string& title) const {
     for (size_t i = 2; i < field.size(); ++i) state.cells.push_back(number(field[i]));
     patterns.push_back(std::move(state));
   }
-  return write_file(folder_ / "curves.html", curves_page(title, loss, psnr, patterns));
+  return write_file(folder_ / kCurves, curves_page(title, loss, psnr, patterns));
 }
 
 }  // namespace e2lf::learn

@@ -39,6 +39,9 @@ class RunLog {
   /// Drops the rows behind a step, which a run that was killed after its last checkpoint would otherwise have twice.
   [[nodiscard]] Result<void> rewind(uint64_t step) const;
 
+  /// The names of the files that it writes.
+  [[nodiscard]] static std::vector<std::string> file_names();
+
   [[nodiscard]] Result<void> add(const StepRow& row) const;
   [[nodiscard]] Result<void> add(const ScoreRow& row) const;
   [[nodiscard]] Result<void> add(const PatternRow& row) const;

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
 // e2lf-train: the training verbs alone, for machines that have torch and little else.
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "e2lf/base/stop.h"
 #include "e2lf/learn/commands.h"
 
 namespace {
-
-volatile std::sig_atomic_t g_stop = 0;
 
 void print_usage(std::FILE* where) {
   std::fputs(
@@ -78,9 +76,9 @@ int main(int argc, char** argv) {
   }
   const bool benches = names.size() == 1 && names[0] == "bench";
   if (names.size() < 2 && !benches) return usage_error();
-  std::signal(SIGINT, [](int) { g_stop = 1; });
-  std::signal(SIGTERM, [](int) { g_stop = 1; });
-  const auto keep_going = [] { return g_stop == 0; };
+  // The first signal ends the step and writes the checkpoint; everything else has nothing to keep.
+  if (names[0] == "train" || names[0] == "resume") e2lf::stop_on_signals();
+  const auto keep_going = [] { return !e2lf::stop_requested(); };
 
   e2lf::ProgressBar bar(names[0], quiet);
   e2lf::Result<void> result;
@@ -97,7 +95,10 @@ int main(int argc, char** argv) {
   } else {
     return usage_error();
   }
+  if (result && (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)) {
+    result = e2lf::Error{e2lf::ErrorCode::kIo, "cannot write to standard output; check where it goes", ""};
+  }
   if (result) return 0;
   std::fprintf(stderr, "e2lf-train: %s: %s\n", names[0].c_str(), result.error().text().c_str());
-  return 1;
+  return e2lf::stop_requested() ? 128 + e2lf::stop_signal() : 1;
 }
