@@ -144,8 +144,12 @@ Result<void> AtomicFile::commit() {
   return {};
 }
 
-Result<AtomicFolder> AtomicFolder::create(const fs::path& target, bool overwrite) {
-  E2LF_RETURN_IF_ERROR(check_output(target, overwrite));
+Result<AtomicFolder> AtomicFolder::create(const fs::path& target, bool) {
+  // What may be replaced only ResultFolder knows.
+  std::error_code unknown;
+  if (fs::exists(fs::symlink_status(target, unknown))) {
+    return Error{ErrorCode::kExists, "the folder is there already; name another", target.string()};
+  }
   E2LF_RETURN_IF_ERROR(make_parent(target));
   fs::path staging = staging_name(target);
   std::error_code error;
@@ -165,20 +169,11 @@ AtomicFolder::~AtomicFolder() {
 
 Result<void> AtomicFolder::commit() {
   std::error_code error;
-  fs::path replaced;
-  if (fs::exists(target_, error)) {
-    replaced = staging_name(target_);
-    fs::rename(target_, replaced, error);
-    if (error) return system_error(target_, "replace", error.value());
-  }
   fs::rename(staging_, target_, error);
   if (error) {
-    std::error_code ignored;
-    if (!replaced.empty()) fs::rename(replaced, target_, ignored);
     return system_error(target_, "put the folder in place", error.value());
   }
   staging_.clear();
-  if (!replaced.empty()) fs::remove_all(replaced, error);
   return {};
 }
 

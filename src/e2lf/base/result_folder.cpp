@@ -112,6 +112,7 @@ Result<void> carry_over(const fs::path& from, const fs::path& to, const fs::path
   for (const fs::path& inner : foreign) {
     const fs::path old_name = from / inner, new_name = to / inner;
     std::error_code error;
+    fs::create_directories(new_name.parent_path(), error);
     if (fs::is_directory(fs::symlink_status(old_name, error))) {
       if (::mkdir(new_name.c_str(), 0777) == 0) fs::permissions(new_name, fs::status(old_name).permissions(), error);
       if (fs::is_directory(fs::symlink_status(new_name, error))) continue;
@@ -203,7 +204,8 @@ Json complete_record(Json record, const fs::path& folder, const std::string& run
 
 Result<void> write_record(const fs::path& folder, const Json& record) {
   // Names of files may be no UTF-8, for which dump() alone throws.
-  return write_file(folder / kRecord, record.dump(2, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace) + "\n");
+  return write_file(folder / kRecord,
+                    record.dump(2, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace) + "\n");
 }
 
 std::string new_run() {

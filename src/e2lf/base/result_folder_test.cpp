@@ -186,10 +186,12 @@ TEST(ResultFolder, ClearsAwayWhatAKilledProcessLeft) {
 
 TEST(ResultFolder, TakesANameWithATrailingSlash) {
   const TestFolder folder;
-  auto output = ResultFolder::create(folder.path() / "out/", /*overwrite=*/false);
-  ASSERT_TRUE(output.ok()) << output.error().text();
-  ASSERT_TRUE(write_file(output->path() / "a", std::string("x")).ok());
-  ASSERT_TRUE(output->commit().ok());
+  {
+    auto output = ResultFolder::create(folder.path() / "out/", /*overwrite=*/false);
+    ASSERT_TRUE(output.ok()) << output.error().text();
+    ASSERT_TRUE(write_file(output->path() / "a", std::string("x")).ok());
+    ASSERT_TRUE(output->commit().ok());
+  }
   EXPECT_EQ(text_of(folder / "out/a"), "x");
   EXPECT_EQ(count_entries(folder.path()), 1U);
 }

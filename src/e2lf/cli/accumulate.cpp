@@ -70,9 +70,10 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     return Error{ErrorCode::kUnsupported, "event images are written as .npz; give it such a name",
                  arguments.output.string()};
   }
-  const OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule}, .overwrite = common.overwrite};
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
+  OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule}, .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> picture, open_picture(arguments.plot, rules));
+  rules.recover = recover_cycles;
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   RunRecord record("accumulate");
   CyclePlot plot;
   const bool is_plotted = !arguments.plot.empty();
@@ -134,6 +135,7 @@ int run_accumulate(const std::vector<std::string>& arguments) {
   verb.app().add_option("--plot", accumulation.plot,
                         "write the event rate with the triggers or bursts and the cycles found, as an SVG picture");
   add_cycle_options(verb.app(), accumulation.cycles);
+  verb.stop_gently();
   return verb.run(arguments, [&] { return accumulate(accumulation, verb); });
 }
 

@@ -92,7 +92,8 @@ Result<void> convert_events(const ConvertArguments& arguments, const CommonOptio
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
                                                                                  .overwrite = common.overwrite,
                                                                                  .streams = place.streams,
-                                                                                 .side_file = place.side_file}));
+                                                                                 .side_file = place.side_file,
+                                                                                 .recover = recover_live_recording}));
   events::OpenOptions open;
   open.format = arguments.input_format;
   open.time = arguments.shift_time ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;
@@ -141,6 +142,7 @@ int run_convert(const std::vector<std::string>& arguments) {
   add_time_options(app, conversion.from_us, conversion.to_us);
   app.add_option("--sensor-width", conversion.width, "px, where the recording does not tell");
   app.add_option("--sensor-height", conversion.height, "px, where the recording does not tell");
+  verb.stop_gently();
   return verb.run(arguments, [&] {
     const bool is_live = conversion.input == "-" || events::is_camera_name(conversion.input.string());
     const bool is_light_field = !is_live && lightfield::detect_kind(conversion.input).ok();

@@ -124,6 +124,7 @@ int run_info(const std::vector<std::string>& arguments) {
   verb.app().add_option("--event-format,--format", recording.format,
                         "recordings: the format, where the file does not tell");
   add_time_options(verb.app(), recording.from_us, recording.to_us);
+  verb.stop_gently();
   return verb.run(arguments, [&] { return print_info(path, recording, verb); });
 }
 

@@ -10,13 +10,17 @@
 
 #include "e2lf/base/file.h"
 #include "e2lf/base/is_stream.h"
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/run_record.h"
+#include "e2lf/events/event_image_writer.h"
 #include "e2lf/events/recording_place.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr char kLive[] = "e2lf.live";  ///< in a workspace: what is made there cannot be made again
 
 Error exists(const fs::path& path, const std::string& what) {
   return {ErrorCode::kExists, what, path.string()};
@@ -62,7 +66,7 @@ Result<fs::path> resolve(const fs::path& named) {
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
     return exists(path, "the output is a link to nothing; remove it or name another output");
   }
-  fs::path resolved = fs::weakly_canonical(path, error);
+  fs::path resolved = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? path : resolved;
 }
 
@@ -110,6 +114,34 @@ Error shared_triggers(const fs::path& triggers, const fs::path& target, const fs
                     target.filename().string(), " too; name another output"));
 }
 
+/// "events-interrupted-1.npz", or the next one that is free.
+fs::path free_name(const fs::path& target) {
+  for (int number = 1;; ++number) {
+    fs::path name = target;
+    name.replace_filename(cat(target.stem().string(), "-interrupted-", number, target.extension().string()));
+    if (!is_there(name)) return name;
+  }
+}
+
+/// Keeps what a killed run had finished of a target.
+Workspace::OnDead keeper(const fs::path& target, const Recover& recover) {
+  if (!recover) return {};
+  return [target, recover](const fs::path& workspace) {
+    std::error_code error;
+    const std::string name = target.filename().string();
+    for (fs::directory_iterator entry(workspace, error), end; !error && entry != end; entry.increment(error)) {
+      const std::string found = entry->path().filename().string();
+      if (!found.starts_with(name) || found.ends_with(".json")) continue;
+      const fs::path kept = free_name(target);
+      const std::string what = recover(entry->path(), kept);
+      if (!what.empty()) {
+        log_warning(cat("an interrupted run had written ", what, " of ", name, "; they are kept in ", kept.string()));
+      }
+      return;
+    }
+  };
+}
+
 Result<void> move_into_place(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) == 0) return {};
   return Error{ErrorCode::kIo,
@@ -135,8 +167,22 @@ Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& in
   return {};
 }
 
-Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& rules,
-                                      const Workspace::OnDead& on_dead) {
+std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
+  const auto cycles = events::recover_event_images(partial, kept);
+  if (!cycles || *cycles == 0) return {};
+  return cat(*cycles, *cycles == 1 ? " cycle" : " cycles");
+}
+
+std::string recover_live_recording(const fs::path& partial, const fs::path& kept) {
+  std::error_code error;
+  if (!fs::exists(partial.parent_path() / kLive, error)) return {};
+  const auto bytes = fs::file_size(partial, error);
+  if (error || bytes == 0) return {};
+  fs::rename(partial, kept, error);
+  return error ? "" : cat(bytes, " bytes");
+}
+
+Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& rules) {
   OutputFile output;
   const bool is_stdout = is_standard_output(named);
   if (is_stdout || e2lf::is_stream(named)) {
@@ -157,8 +203,9 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   output.is_live_ = std::none_of(rules.inputs.begin(), rules.inputs.end(),
                                  [](const fs::path& input) { return !file_of_input(input).empty(); });
   E2LF_RETURN_IF_ERROR(output.check_place());
-  E2LF_ASSIGN_OR_RETURN(Workspace workspace, Workspace::create(output.target_, on_dead));
+  E2LF_ASSIGN_OR_RETURN(Workspace workspace, Workspace::create(output.target_, keeper(output.target_, rules.recover)));
   output.place_ = workspace.path() / output.target_.filename();
+  if (output.is_live_) E2LF_RETURN_IF_ERROR(write_file(workspace.path() / kLive, std::string("live\n")));
   output.workspace_.emplace(std::move(workspace));
   return output;
 }

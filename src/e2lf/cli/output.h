@@ -3,7 +3,9 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -14,13 +16,24 @@ namespace e2lf::cli {
 
 /// The one place that decides where a verb may write and what that may replace. Every output of every verb goes through
 /// OutputFile or open_output_folder().
+///
+/// A run that was killed leaves its workspace. The next run to the same place removes it, and keeps what can be used:
+using Recover = std::function<std::string(const std::filesystem::path& partial, const std::filesystem::path& kept)>;
+/// writes what is finished in `partial` to `kept` and returns what that is ("12 cycles"), or "" when it is nothing.
+
 struct OutputRules {
   std::vector<std::filesystem::path> inputs = {};  ///< what the verb reads; "" and names that are no path are left out
   bool overwrite = false;
   bool streams = false;  ///< the format is written front to back, so "-", devices and pipes will do
   /// Where a recording's triggers go that its format has no place for; null = nowhere.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
+  Recover recover = {};
 };
+
+/// For event images, and for a recording of live input, which cannot be made again.
+[[nodiscard]] std::string recover_cycles(const std::filesystem::path& partial, const std::filesystem::path& kept);
+[[nodiscard]] std::string recover_live_recording(const std::filesystem::path& partial,
+                                                 const std::filesystem::path& kept);
 
 /// A file of results with the files that belong to it: its record (<file>.run.json) and its triggers
 /// (<stem>_triggers.csv, <stem>_trigger.dat). They are checked together, appear together and are replaced together.
@@ -30,8 +43,7 @@ class OutputFile {
   /// Resolves links in `named` and checks it and its side files. Fails with kExists (something is there that may not be
   /// replaced), kInvalidValue (the output is, contains or lies in an input), kUnsupported (a stream, where the format
   /// needs a file) and kIo.
-  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const OutputRules& rules,
-                                                 const Workspace::OnDead& on_dead = {});
+  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const OutputRules& rules);
 
   /// Where to write: a name in a workspace, or the stream itself ("-" for standard output).
   [[nodiscard]] const std::filesystem::path& path() const { return place_; }

@@ -12,6 +12,7 @@
 #include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_options.h"
@@ -265,9 +266,9 @@ class CycleWriter {
 /// an input without any replaces nothing.
 Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder& output, const RunRecord& record,
                             const Verb& verb) {
-  for (;;) {
+  while (writer.cycles().empty() || !stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
-    if (!images) return {};
+    if (!images) break;
     if (input.has_one_cycle()) return writer.process(*images, output.path());
     const bool first = writer.cycles().empty();
     const std::string name = cycle_name(writer.cycles().size());
@@ -276,6 +277,7 @@ Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder
     E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", writer.cycles().back()}}));
     if (first) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
   }
+  return {};
 }
 
 void print_event_error(const Json& cycle) {
@@ -303,9 +305,9 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  const OutputRules rules{
-      .inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.cycles.schedule},
-      .overwrite = common.overwrite};
+  const OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes,
+                                     arguments.cycles.schedule, arguments.camera},
+                          .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_input(arguments));
@@ -368,6 +370,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->check(CLI::IsMember({"png", "png16", "npy"}))
       ->capture_default_str();
   add_cycle_options(app, reconstruction.cycles);
+  verb.stop_gently();
   return verb.run(arguments, [&] { return reconstruct(reconstruction, verb); });
 }
 

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <memory>
 #include <openssl/evp.h>
+#include <span>
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -13,17 +16,39 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
+std::string hex(std::span<const unsigned char> bytes) {
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    text += kDigits[byte >> 4];
+    text += kDigits[byte & 15];
+  }
+  return text;
+}
+
 std::string sha256(const void* data, size_t size) {
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int length = 0;
   EVP_Digest(data, size, digest, &length, EVP_sha256(), nullptr);
-  std::string hex;
-  for (unsigned int i = 0; i < length; ++i) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    hex += kDigits[digest[i] >> 4];
-    hex += kDigits[digest[i] & 15];
-  }
-  return hex;
+  return hex({digest, length});
+}
+
+/// In constant memory: recordings are larger than that.
+Result<std::string> sha256_of_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
+  std::vector<char> chunk(size_t{1} << 20);
+  do {
+    file.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
+    EVP_DigestUpdate(context.get(), chunk.data(), static_cast<size_t>(file.gcount()));
+  } while (file);
+  if (!file.eof())
+    return Error{ErrorCode::kIo, "cannot read the input again for its hash; check the disk", path.string()};
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int length = 0;
+  EVP_DigestFinal_ex(context.get(), digest, &length);
+  return hex({digest, length});
 }
 
 }  // namespace
@@ -31,8 +56,7 @@ std::string sha256(const void* data, size_t size) {
 Result<std::string> sha256_of(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) {
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
-    return sha256(bytes.data(), bytes.size());
+    return sha256_of_file(path);
   }
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(path, error)) {

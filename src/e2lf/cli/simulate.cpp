@@ -6,6 +6,7 @@
 
 #include "e2lf/aperture/codes_header.h"
 #include "e2lf/aperture/codes_io.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/inputs.h"
@@ -15,6 +16,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
+#include "e2lf/events/event_image_writer.h"
 #include "e2lf/events/event_images.h"
 #include "e2lf/events/recording_place.h"
 #include "e2lf/events/synthesise.h"
@@ -95,13 +97,13 @@ ImagesOf physical_pixels(const SimulateArguments& arguments, const aperture::Cod
 
 Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const aperture::Codes& codes,
                           const ImagesOf& images_of) {
-  events::EventImageFile file;
-  for (size_t cycle = 0; cycle < arguments.cycles; ++cycle) {
-    E2LF_ASSIGN_OR_RETURN(events::EventImages images, images_of(cycle));
-    file.cycles.push_back(std::move(images));
+  E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(path));
+  writer.set_codes(aperture::codes_to_npy(codes));
+  for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
+    E2LF_ASSIGN_OR_RETURN(const events::EventImages images, images_of(cycle));
+    E2LF_RETURN_IF_ERROR(writer.add(images));
   }
-  file.codes = aperture::codes_to_npy(codes);
-  return events::write_event_images(path, file);
+  return writer.finish();
 }
 
 /// A recording as the paper's camera makes it: every pattern after its inverse ones, bursts of events after each
@@ -121,8 +123,11 @@ Result<void> write_recording(const SimulateArguments& arguments, const fs::path&
 }
 
 Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_images, bool overwrite) {
-  OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera}, .overwrite = overwrite};
-  if (!as_images) {
+  OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera},
+                    .overwrite = overwrite};
+  if (as_images) {
+    rules.recover = recover_cycles;
+  } else {
     E2LF_ASSIGN_OR_RETURN(const events::RecordingPlace place, events::place_of_recording(arguments.output, ""));
     rules.streams = place.streams;
     rules.side_file = place.side_file;
@@ -197,6 +202,7 @@ int run_simulate(const std::vector<std::string>& arguments) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_flag("--no-triggers", simulation.no_triggers, "recordings: leave out the trigger at each pattern's start");
+  verb.stop_gently();
   return verb.run(arguments, [&] { return simulate(simulation, verb); });
 }
 

@@ -2,11 +2,13 @@
 #include "e2lf/cli/verb.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/version.h"
@@ -169,10 +171,16 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   if (const auto capped = apply_isa_cap(); !capped) return usage_error(capped.error().text());
   set_num_threads(common_.threads);
   if (!common_.quiet) set_log_sink(print_log);
-  const Result<void> result = work();
-  if (result) return 0;
-  std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), result.error().text().c_str());
-  return 1;
+  if (stops_gently_) stop_on_signals();
+  return exit_code(work());
+}
+
+int Verb::exit_code(const Result<void>& result) const {
+  if (!result) std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), result.error().text().c_str());
+  if (!stop_requested()) return result ? 0 : 1;
+  std::fprintf(stderr, "e2lf: %s: ended by %s; %s\n", name_.c_str(), stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",
+               result ? "what was complete by then is written" : "nothing was complete by then");
+  return 128 + stop_signal();
 }
 
 Json Verb::resolved_options() const {

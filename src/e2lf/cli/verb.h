@@ -43,8 +43,12 @@ class Verb {
   void keep_overrides();
   [[nodiscard]] const std::vector<std::string>& overrides() const { return overrides_; }
 
+  /// For a verb whose work asks stop_requested(): the first SIGINT or SIGTERM ends it early with what is complete. A
+  /// second one, and the first one of any other verb, ends the process at once.
+  void stop_gently() { stops_gently_ = true; }
+
   /// Parses, runs `work` and prints its error as "e2lf: <verb>: <what>; <what to do>".
-  /// Returns the process's exit code: 0 done, 1 failed, 2 usage.
+  /// Returns the process's exit code: 0 done, 1 failed, 2 usage, 130 and 143 ended by SIGINT and SIGTERM.
   int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
 
   /// Every flag with the value it has after parsing, for run.json.
@@ -52,12 +56,13 @@ class Verb {
 
  private:
   int usage_error(const std::string& message) const;
+  [[nodiscard]] int exit_code(const Result<void>& result) const;
   std::string name_;
   CLI::App app_;
   CommonOptions common_;
   std::string config_;
   std::vector<std::string> overrides_;
-  bool keeps_overrides_ = false;
+  bool keeps_overrides_ = false, stops_gently_ = false;
 };
 
 /// Turns a configuration object into flags: {"tau": 0.3, "overwrite": true} -> {"--tau=0.3", "--overwrite"}. Keys may

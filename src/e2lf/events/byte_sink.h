@@ -28,8 +28,7 @@ class ByteSink {
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
-/// A file that appears whole at commit() or not at all; "-" is standard output. What is written there or to a device or
-/// pipe cannot be taken back.
+/// A file that appears whole at commit() or not at all; "-" is standard output (nothing to take back there).
 [[nodiscard]] Result<std::unique_ptr<ByteSink>> open_file_sink(const std::filesystem::path& path);
 
 /// Appends to `bytes`, which must outlive the sink.

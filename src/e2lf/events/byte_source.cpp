@@ -5,10 +5,12 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::events {
@@ -100,6 +102,10 @@ class DescriptorSource final : public ByteSource {
     // Grown step by step: `wanted` may be more than there is.
     const size_t room = std::max(kReadBytes, std::min(wanted, 2 * end_));
     if (buffer_.size() < end_ + room) buffer_.resize(end_ + room);
+    if (!regular_ && !wait_for_bytes()) {
+      ended_ = true;
+      return {};
+    }
     const ssize_t count = ::read(descriptor_, buffer_.data() + end_, buffer_.size() - end_);
     if (count < 0) {
       if (errno == EINTR) return {};
@@ -108,6 +114,17 @@ class DescriptorSource final : public ByteSource {
     ended_ = count == 0;
     end_ += static_cast<size_t>(count);
     return {};
+  }
+
+  /// Waits until a pipe has bytes or ends; false when a stop is asked for before.
+  [[nodiscard]] bool wait_for_bytes() const {
+    constexpr int kNapMs = 100;
+    while (!stop_requested()) {
+      pollfd waiting = {descriptor_, POLLIN, 0};
+      const int ready = ::poll(&waiting, 1, kNapMs);
+      if (ready > 0 || (ready < 0 && errno != EINTR)) return true;
+    }
+    return false;
   }
 
   int descriptor_;

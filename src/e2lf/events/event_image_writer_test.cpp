@@ -76,7 +76,7 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
   for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
   const fs::path partial = fs::directory_iterator(folder)->path();
   const auto all = fs::file_size(partial);
-  for (const auto size : {all, all - 1, all / 2, uintmax_t{300}, uintmax_t{0}}) {
+  for (const auto size : {all, all - 100, all / 2, uintmax_t{300}, uintmax_t{0}}) {
     fs::copy_file(partial, folder / "cut", fs::copy_options::overwrite_existing);
     fs::resize_file(folder / "cut", size);
     const auto cycles = recover_event_images(folder / "cut", folder / "found.npz");
@@ -85,7 +85,7 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
       continue;
     }
     ASSERT_TRUE(cycles) << size << cycles.error().text();
-    EXPECT_EQ(*cycles, size == all ? 4U : size == all - 1 ? 3U : size == all / 2 ? 1U : 0U) << size;
+    EXPECT_EQ(*cycles, size == all ? 4U : size == all - 100 ? 3U : size == all / 2 ? 1U : 0U) << size;
     if (*cycles == 0) continue;
     const auto file = read_event_images(folder / "found.npz");
     ASSERT_TRUE(file) << file.error().text();

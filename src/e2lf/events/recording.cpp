@@ -6,6 +6,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/log.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/events/count_on.h"
 
@@ -122,6 +123,8 @@ void RecordingReader::end_at(int64_t absolute_us, EventBatch& batch) {
 Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   E2LF_REQUIRE(max_events >= kMinBatch, "a batch holds at least kMinBatch events");
   batch.clear();
+  // A live source ends by itself, behind what has arrived.
+  if (stop_requested() && !arrival()) return false;
   E2LF_RETURN_IF_ERROR(find_shift());
   if (has_ended_) return false;
   if (!std::exchange(has_begun_, true) && options_.from_us != INT64_MIN) {

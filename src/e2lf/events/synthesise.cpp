@@ -8,6 +8,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/rng.h"
+#include "e2lf/base/stop.h"
 
 namespace e2lf::events {
 namespace {
@@ -131,7 +132,7 @@ SynthesisedCycle synthesise_cycle(const EventImages& images, uint64_t number, co
 
 Result<void> synthesise_recording(RecordingWriter& writer, uint64_t cycles, const SynthesisOptions& options,
                                   const std::function<Result<EventImages>(uint64_t number)>& images_of) {
-  for (uint64_t number = 0; number < cycles; ++number) {
+  for (uint64_t number = 0; number < cycles && !(number > 0 && stop_requested()); ++number) {
     E2LF_ASSIGN_OR_RETURN(const EventImages images, images_of(number));
     E2LF_RETURN_IF_ERROR(writer.write(synthesise_cycle(images, number, options).batch));
   }

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/stop.h"
 
 namespace e2lf::events {
 namespace {
@@ -32,7 +33,15 @@ class CameraSource final : public ByteSource {
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
     std::unique_lock<std::mutex> lock(mutex_);
     while (buffer_.size() - begin_ < wanted) {
-      changed_.wait(lock, [this] { return !waiting_.empty() || has_ended_; });
+      // A signal wakes nobody here.
+      while (waiting_.empty() && !has_ended_ && !stop_requested()) changed_.wait_for(lock, kNap);
+      if (stop_requested() && !is_stopped_) {
+        is_stopped_ = true;  // takes no more than what has arrived
+        lock.unlock();
+        camera_->stop();
+        changed_.notify_all();
+        lock.lock();
+      }
       if (waiting_.empty()) break;
       append_waiting();
     }
@@ -54,6 +63,8 @@ class CameraSource final : public ByteSource {
   std::optional<Clock::time_point> arrival() const override { return arrival_; }
 
  private:
+  static constexpr auto kNap = std::chrono::milliseconds(50);
+
   struct Chunk {
     std::vector<uint8_t> bytes;
     Clock::time_point arrival;

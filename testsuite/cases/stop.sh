@@ -1,0 +1,94 @@
+# The first SIGINT or SIGTERM ends long work with what is complete (130, 143), also of live input; SIGKILL leaves what
+# the next run finds, names and removes.
+"$E2LF" demo -o demo --width 48 --height 32 --quiet
+"$E2LF" simulate demo/scene -o rec.raw --cycles 4 --quiet
+"$E2LF" accumulate rec.raw -o all.npz --source triggers --quiet
+"$E2LF" simulate demo/scene -o long.raw --cycles 100 --quiet
+
+# A sender that stays connected and never ends, as a camera does; it tells when everything is sent.
+py - rec.raw <<'PY' &
+import socket, sys
+server = socket.socket()
+server.bind(("127.0.0.1", 0))
+server.listen(8)
+open("port", "w").write(str(server.getsockname()[1]))
+data = open(sys.argv[1], "rb").read()
+kept = []
+while True:
+    connection, _ = server.accept()
+    connection.sendall(data)
+    kept.append(connection)
+PY
+sender=$!
+trap 'kill "$sender"; remove_folder' EXIT
+until [ -s port ]; do sleep 0.1; done
+address=tcp://127.0.0.1:$(cat port)
+
+# ended <signal> <exit code> <condition> <command...>: sends the signal when the condition holds.
+ended() {
+  local signal=$1 code=$2 condition=$3 got=0 process
+  shift 3
+  "$@" >stdout.txt 2>stderr.txt &
+  process=$!
+  until eval "$condition"; do
+    kill -0 "$process" 2>/dev/null || fail "ended before the signal: $* ($(cat stderr.txt))"
+    sleep 0.1
+  done
+  kill "-$signal" "$process"
+  wait "$process" || got=$?
+  [ "$got" -eq "$code" ] || fail "exit code $got instead of $code after $signal from: $* ($(cat stderr.txt))"
+}
+# The data of the file that is being written in the workspace of an output.
+grown() { [ "$(cat "$1".*.part/* 2>/dev/null | wc -c)" -gt "$2" ]; }
+
+size=$(stat -c %s rec.raw)
+ended INT 130 'grown live.raw 20000' "$E2LF" convert "$address" live.raw --event-format evt3
+grep -q "ended by SIGINT; what was complete by then is written" stderr.txt || fail "nothing was said"
+[ "$("$E2LF" info live.raw --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" -gt 0 ] || fail "live.raw"
+ended TERM 143 'grown live.npz 1000' "$E2LF" accumulate "$address" -o live.npz --source triggers
+py - <<'PY'
+import numpy as np
+whole, live = np.load("all.npz")["events"], np.load("live.npz")["events"]
+assert 0 < len(live) <= len(whole) and np.array_equal(live, whole[: len(live)]), live.shape
+PY
+exists live.npz.run.json
+ended INT 130 '[ -e live/cycle_00000 ]' "$E2LF" reconstruct "$address" --method inversion --source triggers -o live
+exists live/run.json live/cycle_00000/07_07.png
+[ "$(json live/run.json "len(j['notes']['cycles']) > 0 and j.get('complete', True)")" = True ] || fail "run.json of live"
+ended INT 130 '[ -e replayed/cycle_00000 ]' "$E2LF" reconstruct replay:long.raw --method inversion --source triggers -o replayed
+mkfifo fifo
+(exec 3>fifo; cat rec.raw >&3; until [ -e done ]; do sleep 0.1; done) &
+ended TERM 143 'grown piped.npz 1000' "$E2LF" accumulate fifo --event-format evt3 -o piped.npz --source triggers
+touch done
+ended INT 130 'grown many.npz 20000' "$E2LF" simulate demo/scene -o many.npz --cycles 1000000
+check "$(py -c 'import numpy as np; print(len(np.load("many.npz")["events"]))') > 0"
+ended INT 130 'grown many.raw 100000' "$E2LF" simulate demo/scene -o many.raw --cycles 1000000
+[ "$("$E2LF" accumulate many.raw -o of_many.npz --source triggers --json | py -c "import json, sys; print(json.load(sys.stdin)['complete'])")" -gt 0 ] || fail "many.raw"
+# A signal before there is anything to keep leaves nothing.
+ended INT 130 'ls none.npz.*.part >/dev/null 2>&1' "$E2LF" accumulate "$address" -o none.npz --source triggers --channel 9
+absent none.npz
+[ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind: $(find . -name '*.part')"
+
+# SIGKILL: what was finished is kept and named by the next run to the same place.
+ended KILL 137 'grown killed.npz 20000' "$E2LF" simulate demo/scene -o killed.npz --cycles 1000000
+[ -n "$(find . -name 'killed.npz.*.part')" ] || fail "no partial file"
+absent killed.npz
+"$E2LF" simulate demo/scene -o killed.npz --cycles 2 --quiet
+absent killed.npz.*.part
+"$E2LF" simulate demo/scene -o expected.npz --cycles 2 --quiet
+py - <<'PY'
+import numpy as np
+kept, new = np.load("killed-interrupted-1.npz")["events"], np.load("expected.npz")["events"]
+assert len(kept) > 0 and np.array_equal(kept[:2], new[: len(kept)]), kept.shape
+PY
+ended KILL 137 'grown taken.raw 20000' "$E2LF" convert "$address" taken.raw --event-format evt3
+"$E2LF" convert rec.raw taken.raw 2>stderr.txt
+grep -q "kept in .*taken-interrupted-1.raw" stderr.txt || fail "the partial recording was not named"
+[ "$("$E2LF" info taken-interrupted-1.raw --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" -gt 0 ] || fail "taken-interrupted-1.raw"
+ended KILL 137 '[ -e dead/cycle_00001 ]' "$E2LF" reconstruct replay:long.raw --method inversion --source triggers -o dead
+cmp dead/cycle_00000/03_04.png live/cycle_00000/03_04.png
+exists dead/cycle_00001/epi.png dead/cycle_00001/run.json
+"$E2LF" reconstruct rec.raw --method inversion --source triggers -o dead --overwrite --quiet
+exists dead/cycle_00003
+[ "$(json dead/run.json "j.get('complete', True)")" = True ] || fail "run.json of the rerun"
+[ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind: $(find . -name '*.part')"
