@@ -80,12 +80,12 @@ inline constexpr size_t kNumFixedTraits = 16;
 
 /// The camera in the form in which traits are made of it, for one sample of training or one recording.
 struct TraitSource {
-  bool pixel = false;         ///< "pixel" or one of the paper's models
-  SensorConstants constants;  ///< of the paper's models
-  float residue = 0.0F;       ///< of the paper's models: references start up to this many thresholds above black
-  PixelConstants values;      ///< of "pixel"
-  std::span<const float> transmission;  ///< for patterns 2, 3, ...
-  size_t cycles = 1;                    ///< counts are means over so many cycles
+  bool pixel = false;          ///< "pixel" or one of the paper's models
+  SensorConstants constants;   ///< of the paper's models
+  float residue = 0.0F;        ///< of the paper's models: references start up to this many thresholds above black
+  PixelConstants values = {};  ///< of "pixel"
+  std::span<const float> transmission = {};  ///< for patterns 2, 3, ...
+  size_t cycles = 1;                         ///< counts are means over so many cycles
 };
 
 /// The traits, num_traits(num_patterns) of them: a flag for "pixel", thresholds, noises, mismatch, residue, how far
