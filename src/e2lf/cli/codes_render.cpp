@@ -8,6 +8,7 @@
 #include "e2lf/base/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/events/cycles/schedule.h"
 #include "e2lf/lightfield/formats/bitmap.h"
@@ -114,15 +115,17 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(check_depth(arguments, known.codes));
   const Sequence sequence = sequence_of(arguments, known.codes);
   E2LF_ASSIGN_OR_RETURN(const auto frames, render_frames(arguments, sequence));
-  E2LF_ASSIGN_OR_RETURN(AtomicFolder folder, AtomicFolder::create(arguments.output, verb.common().overwrite));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder,
+                        open_output_folder(arguments.output, {.inputs = {arguments.codes.model, arguments.codes.codes},
+                                                              .overwrite = verb.common().overwrite}));
   for (const NamedFrame& frame : frames) E2LF_RETURN_IF_ERROR(write_frame(folder.path(), frame, arguments));
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", events::schedule_text(sequence.schedule)));
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.csv", csv_of(sequence.schedule, frames)));
   E2LF_RETURN_IF_ERROR(aperture::write_codes(folder.path() / "codes.json", known.codes));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder.path() / "contact_sheet.png", sheet_of(frames)));
   record.end_step("render");
-  E2LF_RETURN_IF_ERROR(record.write(folder.path() / "run.json", verb));
-  E2LF_RETURN_IF_ERROR(folder.commit());
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_RETURN_IF_ERROR(folder.commit(std::move(about)));
   if (!verb.common().quiet) {
     std::printf("%zu frames of %zux%zu px in %s: look at contact_sheet.png; schedule.json is for --schedule\n",
                 frames.size(), arguments.layout.width_px, arguments.layout.height_px, arguments.output.c_str());

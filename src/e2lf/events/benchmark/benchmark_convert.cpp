@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "e2lf/base/file.h"
+#include "e2lf/base/result_folder.h"
 #include "e2lf/events/benchmark/benchmark_streams.h"
 #include "e2lf/events/convert.h"
 
@@ -43,7 +44,7 @@ Result<std::vector<ConvertBenchmarkRow>> benchmark_conversion(const ConvertBench
   } else {
     E2LF_ASSIGN_OR_RETURN(stream, repeat_recording(options.input, options.events));
   }
-  E2LF_ASSIGN_OR_RETURN(const AtomicFolder folder, AtomicFolder::create(options.folder / "e2lf_bench_convert", false));
+  E2LF_ASSIGN_OR_RETURN(const ResultFolder folder, ResultFolder::create(options.folder / "e2lf_bench_convert", false));
   const fs::path recording = folder.path() / "recording.raw";
   E2LF_RETURN_IF_ERROR(write_file(recording, stream.bytes));
   std::vector<ConvertBenchmarkRow> rows;
