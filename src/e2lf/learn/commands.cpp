@@ -75,14 +75,24 @@ Result<Config> read_config(const std::filesystem::path& path, const std::vector<
   return config_from_json(json, path.string() + ": $");
 }
 
+/// Whether a folder holds this very run, killed before its first checkpoint: nothing of it is worth more than a new
+/// start.
+bool holds_a_false_start(const std::filesystem::path& folder, const Config& config) {
+  const auto written = read_json(folder / "config.json");
+  std::error_code error;
+  return written && *written == to_json(config) && !std::filesystem::exists(folder / kCheckpoint, error) &&
+         !std::filesystem::exists(folder / (config.name + ".safetensors"), error);
+}
+
 /// A new run writes over nothing: neither another run nor a file that has one of its names by chance.
-Result<void> check_is_free(const std::filesystem::path& folder, const std::string& model) {
+Result<void> check_is_free(const std::filesystem::path& folder, const Config& config) {
+  if (holds_a_false_start(folder, config)) return {};
   if (!check_output(folder / "config.json", /*overwrite=*/false)) {
     return Error{ErrorCode::kExists, "this folder holds a run already; `e2lf resume` it, or name another",
                  folder.string()};
   }
   std::vector<std::string> names = RunLog::file_names();
-  names.insert(names.end(), {kCheckpoint, model + ".safetensors"});
+  names.insert(names.end(), {kCheckpoint, config.name + ".safetensors"});
   for (const std::string& name : names) {
     if (check_output(folder / name, /*overwrite=*/false)) continue;
     return Error{ErrorCode::kExists, "training would write over this file; move it away or name another folder",
@@ -116,7 +126,7 @@ Result<std::filesystem::path> train(const std::filesystem::path& config_path, co
   return guarded(config_path, [&]() -> Result<std::filesystem::path> {
     E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
     E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
-    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_is_free(run, config.name));
+    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_is_free(run, config));
     E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
     E2LF_RETURN_IF_ERROR(peers.connect(device));
     E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
