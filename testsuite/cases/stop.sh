@@ -69,17 +69,20 @@ ended INT 130 'ls none.npz.*.part >/dev/null 2>&1' "$E2LF" accumulate "$address"
 absent none.npz
 [ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind: $(find . -name '*.part')"
 
-# SIGKILL: what was finished is kept and named by the next run to the same place.
+# SIGKILL: the next run to the same place names and removes what is left. What was made of live input it keeps.
 ended KILL 137 'grown killed.npz 20000' "$E2LF" simulate demo/scene -o killed.npz --cycles 1000000
 [ -n "$(find . -name 'killed.npz.*.part')" ] || fail "no partial file"
 absent killed.npz
-"$E2LF" simulate demo/scene -o killed.npz --cycles 2 --quiet
-absent killed.npz.*.part
-"$E2LF" simulate demo/scene -o expected.npz --cycles 2 --quiet
+"$E2LF" simulate demo/scene -o killed.npz --cycles 2 2>stderr.txt
+grep -q "killed.npz.*part: removed" stderr.txt || fail "the partial file was not named"
+absent killed.npz.*.part killed-interrupted-1.npz
+ended KILL 137 'grown taken.npz 1000' "$E2LF" accumulate "$address" -o taken.npz --source triggers
+"$E2LF" accumulate rec.raw -o taken.npz --source triggers 2>stderr.txt
+grep -q "kept in .*taken-interrupted-1.npz" stderr.txt || fail "the finished cycles were not named"
 py - <<'PY'
 import numpy as np
-kept, new = np.load("killed-interrupted-1.npz")["events"], np.load("expected.npz")["events"]
-assert len(kept) > 0 and np.array_equal(kept[:2], new[: len(kept)]), kept.shape
+kept, whole = np.load("taken-interrupted-1.npz")["events"], np.load("all.npz")["events"]
+assert 0 < len(kept) <= len(whole) and np.array_equal(kept, whole[: len(kept)]), kept.shape
 PY
 ended KILL 137 'grown taken.raw 20000' "$E2LF" convert "$address" taken.raw --event-format evt3
 "$E2LF" convert rec.raw taken.raw 2>stderr.txt

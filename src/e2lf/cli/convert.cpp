@@ -93,7 +93,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const CommonOptio
                                                                                  .overwrite = common.overwrite,
                                                                                  .streams = place.streams,
                                                                                  .side_file = place.side_file,
-                                                                                 .recover = recover_live_recording}));
+                                                                                 .recover = recover_recording}));
   events::OpenOptions open;
   open.format = arguments.input_format;
   open.time = arguments.shift_time ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;

@@ -123,11 +123,12 @@ fs::path free_name(const fs::path& target) {
   }
 }
 
-/// Keeps what a killed run had finished of a target.
+/// Keeps what a killed run had finished of a target, where it cannot be made again.
 Workspace::OnDead keeper(const fs::path& target, const Recover& recover) {
   if (!recover) return {};
   return [target, recover](const fs::path& workspace) {
     std::error_code error;
+    if (!fs::exists(workspace / kLive, error)) return;
     const std::string name = target.filename().string();
     for (fs::directory_iterator entry(workspace, error), end; !error && entry != end; entry.increment(error)) {
       const std::string found = entry->path().filename().string();
@@ -173,9 +174,8 @@ std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
   return cat(*cycles, *cycles == 1 ? " cycle" : " cycles");
 }
 
-std::string recover_live_recording(const fs::path& partial, const fs::path& kept) {
+std::string recover_recording(const fs::path& partial, const fs::path& kept) {
   std::error_code error;
-  if (!fs::exists(partial.parent_path() / kLive, error)) return {};
   const auto bytes = fs::file_size(partial, error);
   if (error || bytes == 0) return {};
   fs::rename(partial, kept, error);

@@ -17,7 +17,8 @@ namespace e2lf::cli {
 /// The one place that decides where a verb may write and what that may replace. Every output of every verb goes through
 /// OutputFile or open_output_folder().
 ///
-/// A run that was killed leaves its workspace. The next run to the same place removes it, and keeps what can be used:
+/// A run that was killed leaves its workspace. The next run to the same place removes it. What was made of live input,
+/// which does not come again, it keeps first:
 using Recover = std::function<std::string(const std::filesystem::path& partial, const std::filesystem::path& kept)>;
 /// writes what is finished in `partial` to `kept` and returns what that is ("12 cycles"), or "" when it is nothing.
 
@@ -30,10 +31,9 @@ struct OutputRules {
   Recover recover = {};
 };
 
-/// For event images, and for a recording of live input, which cannot be made again.
+/// For event images, and for recordings.
 [[nodiscard]] std::string recover_cycles(const std::filesystem::path& partial, const std::filesystem::path& kept);
-[[nodiscard]] std::string recover_live_recording(const std::filesystem::path& partial,
-                                                 const std::filesystem::path& kept);
+[[nodiscard]] std::string recover_recording(const std::filesystem::path& partial, const std::filesystem::path& kept);
 
 /// A file of results with the files that belong to it: its record (<file>.run.json) and its triggers
 /// (<stem>_triggers.csv, <stem>_trigger.dat). They are checked together, appear together and are replaced together.

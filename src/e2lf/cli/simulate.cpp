@@ -125,9 +125,7 @@ Result<void> write_recording(const SimulateArguments& arguments, const fs::path&
 Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_images, bool overwrite) {
   OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera},
                     .overwrite = overwrite};
-  if (as_images) {
-    rules.recover = recover_cycles;
-  } else {
+  if (!as_images) {
     E2LF_ASSIGN_OR_RETURN(const events::RecordingPlace place, events::place_of_recording(arguments.output, ""));
     rules.streams = place.streams;
     rules.side_file = place.side_file;
