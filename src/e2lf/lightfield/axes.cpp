@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/image.h"
@@ -30,23 +31,31 @@ Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const ch
   return chosen;
 }
 
+/// The stored number that is 1.
 template <typename T>
-float to_unit(T sample) {
-  if constexpr (std::is_integral_v<T>) {
-    return static_cast<float>(sample) / static_cast<float>(std::numeric_limits<T>::max());
-  } else {
-    return static_cast<float>(sample);
-  }
+float white_of(const ReadOptions& options) {
+  if (options.white > 0.0F) return options.white;
+  return std::is_integral_v<T> ? static_cast<float>(std::numeric_limits<T>::max()) : 1.0F;
 }
 
 /// False for NaN, infinity, and what the policy refuses; brings the rest where the policy wants it.
 bool settle(float& value, RangePolicy policy) {
-  if (policy == RangePolicy::kKeep) return std::isfinite(value);
+  if (policy == RangePolicy::kKeep) return std::fabs(value) <= kMostKept;
   const float clamped = std::clamp(value, 0.0F, 1.0F);
   const bool good =
-      policy == RangePolicy::kClamp ? std::isfinite(value) : std::fabs(value - clamped) <= kRangeTolerance;
+      policy == RangePolicy::kClamp ? std::fabs(value) <= kMostKept : std::fabs(value - clamped) <= kRangeTolerance;
   value = clamped;
   return good;
+}
+
+/// Which views of a larger grid were taken.
+void log_choice(const ChosenGrid& grid, const std::string& location) {
+  if (grid.y.count == grid.y.stored && grid.x.count == grid.x.stored) return;
+  const auto range = [](const ChosenViews& views) {
+    const std::string step = views.step == 1 ? "" : cat(" in steps of ", views.step);
+    return cat(views.first, "..", views.first + views.step * (views.count - 1), step, " of ", views.stored);
+  };
+  log_info(cat(location, ": took view rows ", range(grid.y), " and columns ", range(grid.x)));
 }
 
 /// Copies [y, x] blocks of the chosen views. A block is read for all views before the next, because in MATLAB's order
@@ -54,8 +63,13 @@ bool settle(float& value, RangePolicy policy) {
 template <typename T>
 class Gather {
  public:
-  Gather(const StoredArray& array, const ChosenGrid& grid, RangePolicy range, LightField& out)
-      : array_(array), grid_(grid), range_(range), out_(out) {}
+  Gather(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options, LightField& out)
+      : array_(array),
+        grid_(grid),
+        range_(options.range),
+        white_(white_of<T>(options)),
+        may_be_outside_(!std::is_integral_v<T> || options.white > 0.0F),
+        out_(out) {}
 
   /// True when every sample was good.
   bool run() {
@@ -96,7 +110,7 @@ class Gather {
   [[nodiscard]] float sample(size_t offset, size_t channel) const {
     T value;
     std::memcpy(&value, array_.bytes.data() + (offset + channel * array_.strides.channel) * sizeof(T), sizeof(T));
-    return to_unit(value);
+    return static_cast<float>(value) / white_;
   }
 
   bool copy_row(size_t y) {
@@ -123,7 +137,7 @@ class Gather {
       float values[3] = {};
       for (size_t channel = 0; channel < channels; ++channel) {
         values[channel] = sample(offset + x * array_.strides.x, channel);
-        if constexpr (!std::is_integral_v<T>) good = settle(values[channel], range_) && good;
+        if (may_be_outside_) good = settle(values[channel], range_) && good;
       }
       if (colour_out) {
         std::copy_n(values, 3, row + 3 * x);
@@ -137,17 +151,19 @@ class Gather {
   const StoredArray& array_;
   const ChosenGrid& grid_;
   RangePolicy range_;
+  float white_;
+  bool may_be_outside_;  ///< [0, 1], once divided
   LightField& out_;
 };
 
 template <typename T>
-Result<void> gather(const StoredArray& array, const ChosenGrid& grid, RangePolicy range, LightField& out,
+Result<void> gather(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options, LightField& out,
                     const std::string& location) {
-  Gather<T> job(array, grid, range, out);
+  Gather<T> job(array, grid, options, out);
   if (job.run()) return {};
   return Error{ErrorCode::kInvalidValue,
                cat("a light field holds finite values in [0, 1], not ", job.first_bad(),
-                   "; scale the data, or ask for values to be clamped"),
+                   "; name the number that is white, as --white 255"),
                location};
 }
 
@@ -198,6 +214,7 @@ Result<ChosenGrid> choose_views(size_t stored_y, size_t stored_x, const ReadOpti
   E2LF_ASSIGN_OR_RETURN(grid.y, choose_axis(stored_y, options.views_y, "row", location));
   E2LF_ASSIGN_OR_RETURN(grid.x, choose_axis(stored_x, options.views_x, "column", location));
   grid.y.reversed = options.reverse_rows;
+  log_choice(grid, location);
   return grid;
 }
 
@@ -226,16 +243,16 @@ Result<LightField> from_stored(const StoredArray& array, const ReadOptions& opti
   Result<void> status;
   switch (array.type) {
     case SampleType::kUint8:
-      status = gather<uint8_t>(array, grid, options.range, out, location);
+      status = gather<uint8_t>(array, grid, options, out, location);
       break;
     case SampleType::kUint16:
-      status = gather<uint16_t>(array, grid, options.range, out, location);
+      status = gather<uint16_t>(array, grid, options, out, location);
       break;
     case SampleType::kFloat32:
-      status = gather<float>(array, grid, options.range, out, location);
+      status = gather<float>(array, grid, options, out, location);
       break;
     case SampleType::kFloat64:
-      status = gather<double>(array, grid, options.range, out, location);
+      status = gather<double>(array, grid, options, out, location);
       break;
   }
   if (!status) return status.error();

@@ -200,10 +200,11 @@ TEST_F(Range, ClampsOrKeepsWhenAsked) {
   EXPECT_EQ(at(1.5F, RangePolicy::kKeep), 1.5F);
 }
 
-TEST_F(Range, NeverTakesNanOrInfinity) {
+TEST_F(Range, NeverTakesNanInfinityOrCounts) {
   for (const RangePolicy policy : {RangePolicy::kRefuse, RangePolicy::kClamp, RangePolicy::kKeep}) {
     EXPECT_EQ(read(std::nanf(""), policy).error().code, ErrorCode::kInvalidValue);
     EXPECT_EQ(read(std::numeric_limits<float>::infinity(), policy).error().code, ErrorCode::kInvalidValue);
+    EXPECT_EQ(read(255.0F, policy).error().code, ErrorCode::kInvalidValue);
   }
 }
 

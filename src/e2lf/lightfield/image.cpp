@@ -108,9 +108,10 @@ Result<Image> read_image(const std::filesystem::path& path) {
   return decode_image(bytes, path.string());
 }
 
-Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth) {
+Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth, const std::string& view_grid) {
   check_pixels(image.width, image.height, image.channels, image.pixels.size());
   RawImage raw = raw_of(image.width, image.height, image.channels, depth == PngDepth::k16 ? 2 : 1);
+  raw.view_grid = view_grid;
   raw.samples.resize(image.pixels.size() * raw.sample_bytes);
   if (depth == PngDepth::k16) {
     quantise16(image.pixels, raw.samples.data());
@@ -127,8 +128,9 @@ Result<std::vector<uint8_t>> encode_png(const ByteImage& image) {
   return encode_png_rows(raw);
 }
 
-Result<void> write_png(const std::filesystem::path& path, const Image& image, PngDepth depth) {
-  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, encode_png(image, depth));
+Result<void> write_png(const std::filesystem::path& path, const Image& image, PngDepth depth,
+                       const std::string& view_grid) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, encode_png(image, depth, view_grid));
   return write_file(path, bytes);
 }
 

@@ -58,12 +58,14 @@ enum class PngDepth { k8, k16 };
 
 /// Encodes a PNG with little compression: speed first. 16 bits are round(65535 * clamp(value)). Fails with kInternal
 /// when libpng does.
-[[nodiscard]] Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth);
+/// `view_grid` is kept as text: what a lenslet mosaic says of its views, "8x8".
+[[nodiscard]] Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth,
+                                                      const std::string& view_grid = {});
 [[nodiscard]] Result<std::vector<uint8_t>> encode_png(const ByteImage& image);
 
 /// encode_png into a file that appears whole or not at all. Fails with kIo.
 [[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const Image& image,
-                                     PngDepth depth = PngDepth::k8);
+                                     PngDepth depth = PngDepth::k8, const std::string& view_grid = {});
 [[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const ByteImage& image);
 
 }  // namespace e2lf::lightfield

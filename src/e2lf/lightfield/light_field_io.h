@@ -19,8 +19,9 @@ enum class LightFieldKind {
   kStanfordFolder,  ///< folder of out_RR_CC_-y_-x.png or .jpg, 17x17
   kMat,             ///< MATLAB file before version 7.3 with `LF` (U,V,H,W) or (U,V,H,W,3 or more)
   kHdf5,            ///< HDF5 file (MATLAB's version 7.3 is one) with `LF`, `LF_y` or `Hr_SAI_y`
-  kLenslet,         ///< one picture, a Lytro lenslet mosaic (ESLF): the views of each pixel side by side
-  kNpy,             ///< float or unsigned [view_y, view_x, y, x], [view, y, x], either with [channel] at the end
+  kLenslet,         ///< one picture, a lenslet mosaic: the views of each pixel side by side. Ours say how many views;
+                    ///< of a Lytro ESLF (named so, *_eslf.png) it is 14x14
+  kNpy,             ///< numbers [view_y, view_x, y, x], [view, y, x], either with [channel] at the end
   kNpz,             ///< the same under `light_field`, `lightfield`, `LF`, or as the only array
 };
 
@@ -31,13 +32,17 @@ enum class LightFieldKind {
 /// is no light field.
 [[nodiscard]] Result<LightFieldKind> detect_kind(const std::filesystem::path& path);
 
-/// What becomes of float samples outside [0, 1] by more than 0.001 (what is nearer is always clamped in the first two).
-/// NaN and infinity are always errors.
+/// What becomes of samples outside [0, 1] by more than 0.001 once they are divided by ReadOptions::white (what is
+/// nearer is always clamped in the first two). NaN, infinity, and what is beyond +-kMostKept are always errors: the
+/// latter are counts whose white nobody named.
 enum class RangePolicy {
   kRefuse,  ///< an error that names the first one
   kClamp,
   kKeep,  ///< for reconstructions, which are stored without a clamp
 };
+
+/// The largest magnitude that a reconstruction may have, which is stored without a clamp.
+inline constexpr float kMostKept = 16.0F;
 
 /// Which of the stored views to take along one axis: first, first + step, ...
 struct AxisViews {
@@ -54,12 +59,15 @@ struct ReadOptions {
                               ///< has opposite signs along rows and columns
   bool colour = false;        ///< keep colour; otherwise grey, see grey_of
   RangePolicy range = RangePolicy::kRefuse;
-  size_t lenslet_views = 14;               ///< views per microlens and axis of a lenslet mosaic
+  float white =
+      0.0F;  ///< the stored number that is 1; 0 = the largest of an unsigned type of 8 or 16 bits, 1 of a float
+  size_t lenslet_views = 0;                ///< views per microlens and axis of a lenslet mosaic; 0 = as it says
   size_t patch_views = 8;                  ///< views per axis of an `Hr_SAI_y` patch
   uint64_t max_bytes = uint64_t{8} << 30;  ///< the most that the stored array or the result may take in memory
 };
 
-/// Reads a light field of any kind; integer samples are divided by the largest value of their type. View images are
+/// Reads a light field of any kind; samples are divided by options.white. Says on the log which views it took, where
+/// more are stored. View images are
 /// decoded in parallel. Fails with kNotFound (the path, or a view: named), kShape (fewer views than wanted, views of
 /// different sizes, an array of another shape), kInvalidValue (NaN, range), kFormat, kTruncated, kUnsupported (also
 /// beyond max_bytes); the location is the file.

@@ -11,6 +11,7 @@
 #include "e2lf/base/npy.h"
 #include "e2lf/base/test_files.h"
 #include "e2lf/base/text.h"
+#include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/test_light_field.h"
 
 namespace e2lf::lightfield {
@@ -59,12 +60,64 @@ TEST(Npy, OtherShapesTypesAndNanAreErrors) {
   EXPECT_EQ(read_as(make_npy<float>({3, 64, 2}, floats)), ErrorCode::kShape);
   EXPECT_EQ(read_as(make_npy<float>({4, 16, 2, 3}, floats)), ErrorCode::kShape);
   const std::vector<int32_t> counts(64 * 6);
-  EXPECT_EQ(read_as(make_npy<int32_t>({64, 2, 3}, counts)), ErrorCode::kShape);
+  EXPECT_EQ(read_as(make_npy<int32_t>({64, 2, 3}, counts)), ErrorCode::kUnsupported);
+  EXPECT_EQ(read_as(make_npy<int16_t>({64, 2, 3}, std::vector<int16_t>(64 * 6))), ErrorCode::kShape);
   EXPECT_EQ(detect_kind(folder / "a.npy").error().code, ErrorCode::kUnsupported);
   std::vector<float> nan = floats;
   nan[100] = std::nanf("");
   EXPECT_EQ(read_as(make_npy<float>({64, 2, 3}, nan)), ErrorCode::kInvalidValue);
   EXPECT_EQ(read_as(make_npy<float>({64, 0, 3}, {})), ErrorCode::kShape);
+}
+
+TEST(Npy, NumbersAreDividedByTheWhiteThatIsNamed) {
+  const TestFolder folder;
+  const LightField stored = numbered_light_field({8, 8, 3, 5, 1});
+  std::vector<float> counts;
+  std::vector<int32_t> whole;
+  for (const float value : stored.data()) {
+    whole.push_back(static_cast<int32_t>(value * 255.0F + 0.5F));
+    counts.push_back(static_cast<float>(whole.back()));
+  }
+  const auto read = [&](const NpyArray& array, float white, RangePolicy range) {
+    EXPECT_TRUE(write_npy(folder / "a.npy", array).ok());
+    ReadOptions options;
+    options.white = white;
+    options.range = range;
+    return read_light_field(folder / "a.npy", options);
+  };
+  const std::vector<size_t> shape = {8, 8, 3, 5};
+  for (const RangePolicy range : {RangePolicy::kRefuse, RangePolicy::kClamp, RangePolicy::kKeep}) {
+    const auto refused = read(make_npy<float>(shape, counts), 0.0F, range);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("--white"), std::string::npos);
+    EXPECT_TRUE(same(read(make_npy<float>(shape, counts), 255.0F, range).value(), stored));
+    EXPECT_NE(read(make_npy<int32_t>(shape, whole), 0.0F, range).error().message.find("--white"), std::string::npos);
+    EXPECT_TRUE(same(read(make_npy<int32_t>(shape, whole), 255.0F, range).value(), stored));
+  }
+}
+
+TEST(Npy, ReadsHalfPrecision) {
+  const TestFolder folder;
+  NpyArray array;
+  array.type = "f2";
+  array.item_size = 2;
+  array.shape = {8, 8, 1, 1};
+  for (int i = 0; i < 64; ++i) array.bytes.insert(array.bytes.end(), {0x00, 0x38});  // 0.5
+  ASSERT_TRUE(write_npy(folder / "a.npy", array).ok());
+  EXPECT_EQ(read_light_field(folder / "a.npy")->at(7, 7, 0, 0), 0.5F);
+}
+
+TEST(Lenslet, AMosaicSaysItsGridOrIsAskedFor) {
+  const TestFolder folder;
+  const LightField stored = numbered_light_field({8, 8, 14, 28, 1});  // would divide by 14 too
+  WriteOptions write_options;
+  write_options.format = LightFieldFormat::kLenslet;
+  ASSERT_TRUE(write_light_field(folder / "mosaic.png", stored, write_options).ok());
+  EXPECT_TRUE(same(read_light_field(folder / "mosaic.png").value(), stored));
+  ASSERT_TRUE(write_png(folder / "other.png", Image(112, 112, 1)).ok());
+  EXPECT_EQ(read_light_field(folder / "other.png").error().code, ErrorCode::kInvalidValue);
+  ASSERT_TRUE(write_png(folder / "other_eslf.png", Image(112, 112, 1)).ok());
+  EXPECT_EQ(read_light_field(folder / "other_eslf.png")->shape(), (Shape{8, 8, 8, 8, 1}));
 }
 
 TEST(Npz, FindsTheLightField) {

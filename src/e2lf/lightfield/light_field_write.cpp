@@ -67,7 +67,7 @@ Result<void> write_lenslet(const fs::path& path, const LightField& light_field) 
       }
     }
   });
-  return write_png(path, mosaic, PngDepth::k16);
+  return write_png(path, mosaic, PngDepth::k16, cat(shape.views_y, "x", shape.views_x));
 }
 
 Result<void> write_luma(const fs::path& path, const LightField& light_field) {

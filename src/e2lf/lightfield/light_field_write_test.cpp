@@ -33,7 +33,6 @@ TEST_P(RoundTrip, ReadsBackWhatWasWritten) {
 
   ReadOptions options;
   options.colour = colour;
-  options.lenslet_views = 8;
   const Result<LightField> read = read_light_field(folder / name, options);
   ASSERT_TRUE(read.ok()) << read.error().text();
   EXPECT_TRUE(same(*read, written));

@@ -41,6 +41,13 @@ Result<OpenedSet> open_set(hid_t file, const std::filesystem::path& path) {
   return opened;
 }
 
+/// Whether `LF` is [U, V, H, W, C] as Python writes it rather than MATLAB's array, which reads as [C, W, H, V, U].
+/// MATLAB marks its own; of others, views are wider than there are views.
+bool is_numpy_order(hid_t set, const std::vector<hsize_t>& extents) {
+  if (H5Aexists(set, "MATLAB_class") > 0) return false;
+  return extents.size() == 5 ? extents[1] < extents[3] : extents[0] < extents[3];
+}
+
 /// Extents and axis order of the three data sets; shape.size() is 0 where they do not fit.
 StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
   const std::vector<hsize_t>& extents = opened.storage.extents;
@@ -48,6 +55,11 @@ StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
   StoredArray array;
   if (opened.name == "LF" && (rank == 4 || rank == 5)) {
     const size_t skip = rank - 4;  // the channel, where there is one
+    if (is_numpy_order(opened.set.get(), extents)) {
+      array.shape = {extents[0], extents[1], extents[2], extents[3], skip ? extents[4] : 1};
+      array.strides = uvhwc_strides(array.shape);
+      return array;
+    }
     array.shape = {extents[skip + 3], extents[skip + 2], extents[skip + 1], extents[skip], skip ? extents[0] : 1};
     array.strides = matlab_uvhwc_strides(array.shape);
   } else if (opened.name == "LF_y" && rank == 3) {
@@ -65,15 +77,17 @@ StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
   return array;
 }
 
-/// The type to read the samples as: bytes and words as they are, floats of any width as float32.
-std::optional<SampleType> sample_type(hid_t set) {
+/// The type to read the samples as: bytes and words as they are, floats of any width and, where their white is named,
+/// other integers as float32.
+std::optional<SampleType> sample_type(hid_t set, const ReadOptions& options) {
   const Handle type(H5Dget_type(set), H5Tclose);
   if (!type.valid()) return std::nullopt;
   if (H5Tget_class(type.get()) == H5T_FLOAT) return SampleType::kFloat32;
-  if (H5Tget_class(type.get()) != H5T_INTEGER || H5Tget_sign(type.get()) != H5T_SGN_NONE) return std::nullopt;
-  if (H5Tget_size(type.get()) == 1) return SampleType::kUint8;
-  if (H5Tget_size(type.get()) == 2) return SampleType::kUint16;
-  return std::nullopt;
+  if (H5Tget_class(type.get()) != H5T_INTEGER) return std::nullopt;
+  const bool is_unsigned = H5Tget_sign(type.get()) == H5T_SGN_NONE;
+  if (is_unsigned && H5Tget_size(type.get()) == 1) return SampleType::kUint8;
+  if (is_unsigned && H5Tget_size(type.get()) == 2) return SampleType::kUint16;
+  return options.white > 0.0F ? std::optional(SampleType::kFloat32) : std::nullopt;
 }
 
 hid_t memory_type(SampleType type) {
@@ -115,14 +129,18 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   const std::string location = cat(path.string(), ": ", opened.name);
   StoredArray array = arrange(opened, options);
   if (array.shape.size() == 0) {
-    return Error{ErrorCode::kShape,
-                 cat("extents ", extents_text(opened.storage.extents),
-                     " do not fit; LF is (U,V,H,W,C), LF_y [views, H, W], Hr_SAI_y [views_x * W, views_y * H]"),
-                 location};
+    return Error{
+        ErrorCode::kShape,
+        cat("extents ", extents_text(opened.storage.extents),
+            " do not fit; LF is (U,V,H,W,C) or [U,V,H,W,C], LF_y [views, H, W], Hr_SAI_y [views_x * W, views_y * H]"),
+        location};
   }
-  const auto type = sample_type(opened.set.get());
+  const auto type = sample_type(opened.set.get(), options);
   if (!type) {
-    return Error{ErrorCode::kUnsupported, "samples are not of type float, uint8 or uint16; convert them", location};
+    return Error{
+        ErrorCode::kUnsupported,
+        "samples that are not float, uint8 or uint16 do not say which number is white; name it, as --white 255",
+        location};
   }
   array.type = *type;
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));

@@ -53,6 +53,25 @@ TEST(Hdf5File, ReadsATransposedPatch) {
   EXPECT_EQ(read_light_field(folder / "000001.h5").error().code, ErrorCode::kShape);
 }
 
+TEST(Hdf5File, ReadsLfInTheOrderOfMatlabAndOfPython) {
+  const TestFolder folder;
+  const LightField stored = numbered_light_field({9, 9, 20, 31, 3});
+  std::vector<float> matlab;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t w = 0; w < 31; ++w)
+      for (size_t h = 0; h < 20; ++h)
+        for (size_t v = 0; v < 9; ++v)
+          for (size_t u = 0; u < 9; ++u) matlab.push_back(stored.at(u, v, h, w, c));
+  write_set(folder / "matlab.h5", "LF", H5T_NATIVE_FLOAT, {3, 31, 20, 9, 9}, matlab.data());
+  write_set(folder / "python.h5", "LF", H5T_NATIVE_FLOAT, {9, 9, 20, 31, 3}, stored.data().data());
+  ReadOptions options;
+  options.views_y.count = options.views_x.count = 0;
+  options.colour = true;
+  for (const char* name : {"matlab.h5", "python.h5"}) {
+    EXPECT_TRUE(same(read_light_field(folder / name, options).value(), stored)) << name;
+  }
+}
+
 TEST(Hdf5File, OddContentIsAnErrorAndPrintsNothing) {
   const TestFolder folder;
   testing::internal::CaptureStderr();

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <charconv>
+#include <optional>
+#include <string_view>
+
 #include "e2lf/base/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/axes.h"
@@ -6,23 +10,55 @@
 #include "e2lf/lightfield/formats/readers.h"
 
 namespace e2lf::lightfield {
+namespace {
+
+constexpr size_t kLytroViews = 14;
+
+/// The views under a microlens.
+struct Grid {
+  size_t views_y = 0, views_x = 0;
+};
+
+/// "8x8" as write_light_field notes it in a PNG: rows x columns.
+std::optional<Grid> parse_grid(std::string_view text) {
+  Grid grid;
+  const char* const end = text.data() + text.size();
+  const auto [after, error] = std::from_chars(text.data(), end, grid.views_y);
+  if (error != std::errc() || after == end || *after != 'x') return std::nullopt;
+  const auto [last, second_error] = std::from_chars(after + 1, end, grid.views_x);
+  if (second_error != std::errc() || last != end || grid.views_y == 0 || grid.views_x == 0) return std::nullopt;
+  return grid;
+}
+
+Result<Grid> grid_of(const std::filesystem::path& path, const RawImage& mosaic, const ReadOptions& options) {
+  if (options.lenslet_views > 0) return Grid{options.lenslet_views, options.lenslet_views};
+  if (const auto stated = parse_grid(mosaic.view_grid)) return *stated;
+  if (path.stem().string().ends_with("eslf")) return Grid{kLytroViews, kLytroViews};
+  return Error{
+      ErrorCode::kInvalidValue,
+      "a single picture is read as a lenslet mosaic, and this one does not say how many views lie side by side; "
+      "name them, as --lenslet-views 14 for a Lytro's, or give a folder of views",
+      path.string()};
+}
+
+}  // namespace
 
 Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOptions& options) {
   const std::string location = path.string();
-  const size_t views = options.lenslet_views;
-  E2LF_REQUIRE(views >= 1, "a microlens has one view or more");
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
   E2LF_ASSIGN_OR_RETURN(const RawImage mosaic,
                         is_png(bytes) ? decode_png(bytes, location) : decode_jpeg(bytes, location));
-  if (mosaic.width % views != 0 || mosaic.height % views != 0) {
+  E2LF_ASSIGN_OR_RETURN(const Grid grid, grid_of(path, mosaic, options));
+  if (mosaic.width % grid.views_x != 0 || mosaic.height % grid.views_y != 0) {
     return Error{ErrorCode::kShape,
                  cat("a mosaic of ", mosaic.width, "x", mosaic.height, " samples does not divide into microlenses of ",
-                     views, "x", views,
+                     grid.views_y, "x", grid.views_x,
                      " views; a single picture is read as such a mosaic, views in files of their own lie in a folder"),
                  location};
   }
   StoredArray array;
-  array.shape = {views, views, mosaic.height / views, mosaic.width / views, mosaic.channels};
+  array.shape = {grid.views_y, grid.views_x, mosaic.height / grid.views_y, mosaic.width / grid.views_x,
+                 mosaic.channels};
   array.strides = huwvc_strides(array.shape);
   array.type = mosaic.sample_bytes == 2 ? SampleType::kUint16 : SampleType::kUint8;
   array.bytes = mosaic.samples;

@@ -6,12 +6,20 @@
 namespace e2lf::lightfield {
 namespace {
 
+/// The type to read an array as; others than these four are turned to float32 first.
 std::optional<SampleType> sample_type(const std::string& code) {
   if (code == "u1") return SampleType::kUint8;
   if (code == "u2") return SampleType::kUint16;
-  if (code == "f4") return SampleType::kFloat32;
   if (code == "f8") return SampleType::kFloat64;
-  return std::nullopt;
+  for (const char* other : {"f4", "f2", "u4", "u8", "i4", "i8"}) {
+    if (code == other) return SampleType::kFloat32;
+  }
+  return std::nullopt;  // i1 and i2 are event counts
+}
+
+/// Whether the type says which number is white.
+bool has_white(const std::string& code) {
+  return code == "u1" || code == "u2" || code[0] == 'f';
 }
 
 }  // namespace
@@ -47,11 +55,21 @@ Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options, c
                      " is no light field; store float32 or uint8 [view_y, view_x, y, x] or [view, y, x]"),
                  location};
   }
+  if (!has_white(array.type) && options.white == 0.0F) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("whole numbers of type ", array.type, " do not say which is white; name it, as --white 255"),
+                 location};
+  }
   StoredArray stored;
   stored.shape = *shape;
   stored.strides = uvhwc_strides(*shape);
   stored.type = *sample_type(array.type);
   stored.bytes = array.bytes;
+  std::vector<float> widened;
+  if (stored.type == SampleType::kFloat32 && array.type != "f4") {
+    E2LF_ASSIGN_OR_RETURN(widened, array.to_float(location));
+    stored.bytes = {reinterpret_cast<const uint8_t*>(widened.data()), widened.size() * sizeof(float)};
+  }
   return from_stored(stored, options, location);
 }
 

@@ -14,6 +14,7 @@ namespace e2lf::lightfield {
 namespace {
 
 constexpr size_t kSignatureBytes = 8;
+constexpr const char* kViewGridKey = "Light field views";
 // Deflate cannot make one byte stand for more than 1032.
 constexpr double kMaxDeflateRatio = 1032.0;
 
@@ -65,6 +66,17 @@ class PngReader {
     return true;
   }
 
+  /// What stands in front of the pixels on the grid of views.
+  [[nodiscard]] std::string view_grid() const {
+    png_textp texts = nullptr;
+    int count = 0;
+    png_get_text(png_, info_, &texts, &count);
+    for (int i = 0; i < count; ++i) {
+      if (std::strcmp(texts[i].key, kViewGridKey) == 0 && texts[i].text != nullptr) return texts[i].text;
+    }
+    return "";
+  }
+
   /// What the rows take before compression.
   [[nodiscard]] double stored_bytes() const { return stored_bytes_; }
 
@@ -114,6 +126,13 @@ class PngWriter {
     // After a difference filter, matches are rare in real pictures and looking for them is what takes time.
     png_set_compression_strategy(png_, Z_HUFFMAN_ONLY);
     png_set_compression_buffer_size(png_, size_t{1} << 18);
+    if (!image.view_grid.empty()) {
+      png_text text{};
+      text.compression = PNG_TEXT_COMPRESSION_NONE;
+      text.key = const_cast<png_charp>(kViewGridKey);
+      text.text = const_cast<png_charp>(image.view_grid.c_str());
+      png_set_text(png_, info_, &text, 1);
+    }
     png_write_info(png_, info_);
     png_write_image(png_, rows);
     png_write_end(png_, nullptr);
@@ -159,6 +178,7 @@ Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& n
   if (!reader.read_header(image)) return reader.error(name);
   E2LF_RETURN_IF_ERROR(check_image_size(image, reader.stored_bytes() / kMaxDeflateRatio, bytes.size(), name));
   image.samples.resize(image.height * image.row_bytes());
+  image.view_grid = reader.view_grid();
   std::vector<png_bytep> rows = row_pointers(image);
   if (!reader.read_rows(rows.data())) return reader.error(name);
   return image;

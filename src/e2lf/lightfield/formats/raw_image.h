@@ -16,6 +16,7 @@ struct RawImage {
   size_t channels = 1;      ///< 1 or 3
   size_t sample_bytes = 1;  ///< 1 or 2
   bool is_bilevel = false;  ///< written only: grey with one bit per pixel, eight to a byte, the first in the high bit
+  std::string view_grid;    ///< of a lenslet mosaic, "8x8": rows x columns of views, as text in a PNG; empty = unsaid
   std::vector<uint8_t> samples;
 
   [[nodiscard]] size_t row_bytes() const { return is_bilevel ? (width + 7) / 8 : width * channels * sample_bytes; }
