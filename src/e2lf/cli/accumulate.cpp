@@ -94,6 +94,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   record.end_step("accumulate");
   const events::CycleReport report = reader.report();
+  const events::DecodeSummary summary = reader.recording().summary();
+  warn_of_losses(arguments.input, summary);
   // The picture comes first: it tells why, where no cycle was found.
   if (picture) {
     E2LF_RETURN_IF_ERROR(write_file(picture->path(), plot.svg()));
@@ -103,6 +105,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
   E2LF_RETURN_IF_ERROR(writer.finish());
   record.note("cycles", report_json(report));
+  record.note("left_out", losses_json(summary));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);
   std::error_code error;
@@ -111,6 +114,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_RETURN_IF_ERROR(output.commit());
   if (common.json) {
     Json json = report_json(report);
+    json["left_out"] = losses_json(summary);
     json["least_confidence"] = confidence.least();
     json["each"] = std::move(cycles);
     std::printf("%s\n", json.dump(2).c_str());

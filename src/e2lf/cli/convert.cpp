@@ -7,11 +7,11 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/output.h"
+#include "e2lf/cli/recording_flags.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/events/live/camera.h"
 #include "e2lf/events/recording_place.h"
 #include "e2lf/events/tcp_source.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -22,10 +22,10 @@ namespace {
 
 struct ConvertArguments {
   fs::path input, output;
-  std::string format, input_format;
+  std::string format;
   bool shift_time = false, colour = false;
-  size_t width = 0, height = 0;
-  int64_t from_us = INT64_MIN, to_us = INT64_MAX;
+  RecordingFlags recording;
+  LightFieldFlags light_field{.views = 0};
 };
 
 /// What --format says, else the extension. A folder of views is what has none: "x.mat" is meant to be something else.
@@ -48,9 +48,8 @@ bool is_folder(lightfield::LightFieldFormat format) {
 
 Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  lightfield::ReadOptions read;
+  lightfield::ReadOptions read = read_options(arguments.light_field);
   read.colour = arguments.colour;
-  read.views_y.count = read.views_x.count = 0;  // all views that are stored
   read.range = lightfield::RangePolicy::kKeep;
   lightfield::WriteOptions write;
   E2LF_ASSIGN_OR_RETURN(write.format, light_field_format(arguments));
@@ -94,29 +93,28 @@ Result<void> convert_events(const ConvertArguments& arguments, const CommonOptio
                                                                                  .streams = place.streams,
                                                                                  .side_file = place.side_file,
                                                                                  .recover = recover_recording}));
-  events::OpenOptions open;
-  open.format = arguments.input_format;
+  E2LF_ASSIGN_OR_RETURN(events::OpenOptions open, open_options(arguments.input, arguments.recording));
   open.time = arguments.shift_time ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;
-  open.width = arguments.width;
-  open.height = arguments.height;
-  open.from_us = arguments.from_us;
-  open.to_us = arguments.to_us;
-  open.threads = 0;
   E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(arguments.input.string(), open));
+  say_assumptions(*reader);
   E2LF_ASSIGN_OR_RETURN(const events::ConvertReport report,
                         events::convert_recording(*reader, output.path(), {.format = arguments.format}));
   E2LF_RETURN_IF_ERROR(output.commit());
   fs::path trigger_file = report.trigger_file;
   if (!trigger_file.empty()) trigger_file = arguments.output.parent_path() / trigger_file;
+  warn_of_losses(arguments.input, report.summary);
   if (common.json) {
     const Json json = {{"events", report.events},
                        {"triggers", report.triggers},
                        {"trigger_file", trigger_file.string()},
+                       {"left_out", losses_json(report.summary)},
+                       {"sorted", report.summary.out_of_order},
                        {"warnings", report.warnings}};
     std::fprintf(output.text(), "%s\n", json.dump(2).c_str());
   } else if (!common.quiet) {
-    std::fprintf(output.text(), "%llu events and %llu triggers in %s\n", static_cast<unsigned long long>(report.events),
-                 static_cast<unsigned long long>(report.triggers), arguments.output.c_str());
+    std::fprintf(output.text(), "%llu events and %llu triggers in %s%s\n",
+                 static_cast<unsigned long long>(report.events), static_cast<unsigned long long>(report.triggers),
+                 arguments.output.c_str(), sorted_text(report.summary).c_str());
   }
   return {};
 }
@@ -136,16 +134,13 @@ int run_convert(const std::vector<std::string>& arguments) {
   app.add_option(
       "--format", conversion.format,
       "of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz; png, png16, hci, npy, lenslet, h5");
-  app.add_option("--event-format", conversion.input_format, "of the recording, where the file does not tell");
   app.add_flag("--shift-time", conversion.shift_time, "events: begin at 0 instead of the sensor's own time");
   app.add_flag("--colour", conversion.colour, "light fields: keep colour");
-  add_time_options(app, conversion.from_us, conversion.to_us);
-  app.add_option("--sensor-width", conversion.width, "px, where the recording does not tell");
-  app.add_option("--sensor-height", conversion.height, "px, where the recording does not tell");
+  add_recording_options(app, conversion.recording, "Recordings");
+  add_light_field_options(app, conversion.light_field, /*has_views=*/true);
   verb.stop_gently();
   return verb.run(arguments, [&] {
-    const bool is_live = conversion.input == "-" || events::is_camera_name(conversion.input.string());
-    const bool is_light_field = !is_live && lightfield::detect_kind(conversion.input).ok();
+    const bool is_light_field = !is_live(conversion.input) && lightfield::detect_kind(conversion.input).ok();
     return is_light_field ? convert_light_field(conversion, verb) : convert_events(conversion, verb.common());
   });
 }

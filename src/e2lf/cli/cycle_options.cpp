@@ -47,11 +47,6 @@ events::TriggerEdge edge_of(const std::string& name) {
 
 }  // namespace
 
-void add_time_options(CLI::App& app, int64_t& from_us, int64_t& to_us) {
-  app.add_option("--from-us", from_us, "recordings: leave out what is before this time");
-  app.add_option("--to-us", to_us, "recordings: leave out what is at or after this time");
-}
-
 void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   const std::string group = "Pattern cycles of a recording";
   app.add_option("--source", flags.source,
@@ -82,20 +77,11 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
       ->capture_default_str()
       ->group(group);
-  add_time_options(app, flags.from_us, flags.to_us);
-  app.add_option("--event-format", flags.format, "format of the recording, where the file does not tell")->group(group);
-  app.add_option("--sensor-width", flags.width, "px, where the recording does not tell")->group(group);
-  app.add_option("--sensor-height", flags.height, "px, where the recording does not tell")->group(group);
+  add_recording_options(app, flags.recording, group);
 }
 
 Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
-  events::OpenOptions open;
-  open.format = flags.format;
-  open.width = flags.width;
-  open.height = flags.height;
-  open.threads = 0;
-  open.from_us = flags.from_us;
-  open.to_us = flags.to_us;
+  E2LF_ASSIGN_OR_RETURN(const events::OpenOptions open, open_options(input, flags.recording));
   events::CycleOptions options;
   E2LF_ASSIGN_OR_RETURN(options.schedule, schedule_of(flags));
   E2LF_ASSIGN_OR_RETURN(options.source, source_of(input, flags, open));
@@ -116,6 +102,7 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   options.on_mark = observer.on_mark;
   if (flags.filter_pixels) options.filter = events::PixelFilterOptions{};
   E2LF_ASSIGN_OR_RETURN(auto reader, events::open_named_recording(input.string(), open));
+  say_assumptions(*reader);
   return events::CycleReader::open(std::move(reader), options);
 }
 
@@ -179,11 +166,11 @@ bool is_recording(const fs::path& path) {
   if (fs::is_directory(path, error)) return false;
   if (path.extension() == ".npz") {
     const auto arrays = read_npz(path);
-    return arrays.ok() && arrays->count("events") == 0;
+    return arrays.ok() && (arrays->count("events") == 0 || arrays->at("events").shape.size() == 2);
   }
   if (path.extension() == ".npy") {
     const auto array = read_npy(path);
-    return array.ok() && !array->fields.empty();
+    return array.ok() && (!array->fields.empty() || (array->shape.size() == 2 && array->shape[1] == 4));
   }
   return fs::exists(path, error);
 }

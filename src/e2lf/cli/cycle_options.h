@@ -9,13 +9,14 @@
 
 #include "e2lf/base/options.h"
 #include "e2lf/base/result.h"
+#include "e2lf/cli/recording_flags.h"
 #include "e2lf/events/cycles/cycle_reader.h"
 
 namespace e2lf::cli {
 
 /// The flags of the verbs that cut a recording into pattern cycles.
 struct CycleFlags {
-  std::string source = "auto", edge = "rising", format;
+  std::string source = "auto", edge = "rising";
   std::filesystem::path schedule;
   size_t num_patterns = 4;  ///< for the paper's schedule
   std::optional<uint16_t> channel;
@@ -23,12 +24,8 @@ struct CycleFlags {
   bool one_trigger_per_cycle = false, filter_pixels = false;
   std::optional<int64_t> origin_us;
   uint64_t max_cycles = 0;  ///< 0 = all
-  size_t width = 0, height = 0;
-  int64_t from_us = INT64_MIN, to_us = INT64_MAX;
+  RecordingFlags recording;
 };
-
-/// Declares --from-us and --to-us: which part of a recording is read.
-void add_time_options(CLI::App& app, int64_t& from_us, int64_t& to_us);
 
 /// Sees what a reader of cycles reads and finds; see events::CycleOptions.
 struct CycleObserver {

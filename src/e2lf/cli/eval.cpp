@@ -48,7 +48,14 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(row.quality, eval::compare(truth, reconstruction, {.clamp = !arguments.no_clamp}));
   if (!arguments.events.empty()) {
     E2LF_ASSIGN_OR_RETURN(const events::EventImageFile file, events::read_event_images(arguments.events));
-    row.events = eval::event_statistics(file.cycles.front());
+    const events::EventImages& images = file.cycles.front();
+    if (images.width != truth.shape().width || images.height != truth.shape().height) {
+      return Error{ErrorCode::kShape,
+                   cat("event images of ", images.width, "x", images.height, " px are not of a light field of ",
+                       truth.shape().width, "x", truth.shape().height, " px; give those it was made from"),
+                   arguments.events.string()};
+    }
+    row.events = eval::event_statistics(images);
   }
   if (output) {
     E2LF_RETURN_IF_ERROR(write_file(output->path(), eval::to_json(row).dump(2) + "\n"));

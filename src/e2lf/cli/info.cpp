@@ -4,13 +4,12 @@
 
 #include "e2lf/base/safetensors.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/info_recording.h"
+#include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/events/event_images.h"
-#include "e2lf/events/live/camera.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
@@ -32,6 +31,31 @@ Result<Description> describe_model(const fs::path& path) {
   return Description{model::summary_text(model), std::move(json)};
 }
 
+/// Data to train on, as `e2lf pack` writes it.
+std::optional<Description> describe_packed_data(const Safetensors& file) {
+  size_t textures = 0;
+  Json light_fields = Json::array();
+  std::string text;
+  for (const auto& [name, tensor] : file.tensors) {
+    const bool is_light_field = name.starts_with("lightfield/") && tensor.shape.size() == 4;
+    if (!is_light_field && !name.starts_with("texture/")) return std::nullopt;
+    textures += is_light_field ? 0 : 1;
+    if (!is_light_field) continue;
+    light_fields.push_back({{"name", name.substr(11)}, {"shape", tensor.shape}});
+    text += cat("  ", name.substr(11), ": ", shape_text(tensor.shape), "\n");
+  }
+  if (light_fields.empty() && textures == 0) return std::nullopt;
+  text = cat("data to train on: ", light_fields.size(), " light fields, ", textures, " photographs\n", text);
+  return Description{std::move(text),
+                     {{"kind", "training data"}, {"light_fields", std::move(light_fields)}, {"textures", textures}}};
+}
+
+Result<Description> describe_safetensors(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Safetensors file, read_safetensors(path));
+  if (auto packed = describe_packed_data(file)) return std::move(*packed);
+  return describe_model(path);
+}
+
 Result<Description> describe_event_images(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const events::EventImageFile file, events::read_event_images(path));
   const events::EventImages& first = file.cycles.front();
@@ -51,10 +75,9 @@ Result<Description> describe_event_images(const fs::path& path) {
   return Description{std::move(text), std::move(json)};
 }
 
-Result<Description> describe_light_field(const fs::path& path) {
+Result<Description> describe_light_field(const fs::path& path, const LightFieldFlags& flags) {
   E2LF_ASSIGN_OR_RETURN(const auto kind, lightfield::detect_kind(path));
-  lightfield::ReadOptions options;
-  options.views_y.count = options.views_x.count = 0;  // all views that are stored
+  lightfield::ReadOptions options = read_options(flags);
   options.range = lightfield::RangePolicy::kKeep;
   options.colour = true;
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(path, options));
@@ -79,26 +102,37 @@ bool holds_event_images(const fs::path& path) {
   if (fs::is_directory(path, error)) return fs::exists(path / "event_image_00000.npy", error);
   if (path.extension() == ".npz") {
     const auto arrays = read_npz(path);
-    return arrays.ok() && arrays->count("events") == 1 && arrays->at("events").fields.empty();
+    return arrays.ok() && arrays->count("events") == 1 && arrays->at("events").fields.empty() &&
+           arrays->at("events").shape.size() > 2;
   }
   return false;
 }
 
-Result<void> print_info(const fs::path& path, const RecordingInfoOptions& recording, const Verb& verb) {
+/// Fails where a file or folder is not there or may not be looked into.
+Result<void> check_readable(const fs::path& path) {
   std::error_code error;
-  const bool is_live = path == "-" || events::is_camera_name(path.string());
-  if (!is_live && !fs::exists(path, error)) {
+  if (!fs::exists(path, error) && !error) {
     return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
   }
+  if (!error && fs::is_directory(path, error)) fs::directory_iterator(path, error);
+  if (!error) return {};
+  return Error{ErrorCode::kIo, cat("cannot be looked into (", error.message(), "); check its permissions"),
+               path.string()};
+}
+
+Result<void> print_info(const fs::path& path, const RecordingInfoOptions& recording, const LightFieldFlags& light_field,
+                        const Verb& verb) {
+  std::error_code error;
+  if (!is_live(path)) E2LF_RETURN_IF_ERROR(check_readable(path));
   Result<Description> description = Description{};
-  if (is_live) {
+  if (is_live(path)) {
     return print_recording_info(path, recording, verb.common());
   } else if (path.extension() == ".safetensors") {
-    description = describe_model(path);
+    description = describe_safetensors(path);
   } else if (holds_event_images(path)) {
     description = describe_event_images(path);
   } else if (lightfield::detect_kind(path)) {
-    description = describe_light_field(path);
+    description = describe_light_field(path, light_field);
   } else if (fs::is_directory(path, error)) {
     return Error{ErrorCode::kFormat,
                  "the folder holds neither event images (event_image_00000.npy ...) nor views of a light field; name "
@@ -121,11 +155,11 @@ int run_info(const std::vector<std::string>& arguments) {
   RecordingInfoOptions recording;
   verb.app().add_option("path,-i,--input", path, "file or folder")->required();
   verb.app().add_option("--plot", recording.plot, "recordings: write the event rate over time as an SVG picture");
-  verb.app().add_option("--event-format,--format", recording.format,
-                        "recordings: the format, where the file does not tell");
-  add_time_options(verb.app(), recording.from_us, recording.to_us);
+  add_recording_options(verb.app(), recording.flags, "Recordings");
+  LightFieldFlags light_field{.views = 0};
+  add_light_field_options(verb.app(), light_field, /*has_views=*/true);
   verb.stop_gently();
-  return verb.run(arguments, [&] { return print_info(path, recording, verb); });
+  return verb.run(arguments, [&] { return print_info(path, recording, light_field, verb); });
 }
 
 }  // namespace e2lf::cli

@@ -8,6 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
+#include "e2lf/cli/recording_statistics.h"
 #include "e2lf/events/tcp_source.h"
 
 namespace e2lf::cli {
@@ -16,7 +17,8 @@ namespace {
 
 constexpr size_t kPlotBins = 2000;
 
-Json to_json(const events::RecordingInfo& info, const events::DecodeSummary& summary) {
+Json to_json(const events::RecordingInfo& info, const events::DecodeSummary& summary,
+             const RecordingStatistics& statistics) {
   Json json = {{"kind", "recording"},
                {"format", info.format},
                {"width", info.width},
@@ -27,48 +29,47 @@ Json to_json(const events::RecordingInfo& info, const events::DecodeSummary& sum
                {"triggers", summary.triggers},
                {"first_t_us", summary.first_t_us},
                {"last_t_us", summary.last_t_us},
-               {"events_before_time", summary.events_before_time},
                {"dropped_words", summary.dropped_words},
                {"time_loops", summary.time_loops},
-               {"gaps", summary.num_gaps}};
-  Json violations = Json::object();
-  for (size_t i = 0; i < events::kNumViolations; ++i) {
-    const events::ViolationCount& violation = summary.violations[i];
-    if (violation.count > 0) {
-      violations[events::violation_name(static_cast<events::Violation>(i))] = {{"count", violation.count},
-                                                                               {"first_byte", violation.first_byte}};
-    }
-  }
-  json["violations"] = std::move(violations);
+               {"gaps", summary.num_gaps},
+               {"sorted", summary.out_of_order},
+               {"trigger_channels", statistics.triggers_json()},
+               {"extents", {{"width", statistics.width()}, {"height", statistics.height()}}},
+               {"assumptions", info.assumptions},
+               {"left_out", losses_json(summary)}};
   Json header = Json::object();
   for (const auto& [key, value] : info.header) header[key] = value;
   json["header"] = std::move(header);
   return json;
 }
 
-void print_text(const events::RecordingInfo& info, const events::DecodeSummary& summary) {
+std::string size_text(const events::RecordingInfo& info, const RecordingStatistics& statistics) {
+  if (info.width != 0) return cat(info.width, "x", info.height, " px");
+  if (statistics.width() == 0) return "of unknown size";
+  return cat("of unknown size; its events reach ", statistics.width(), "x", statistics.height(), " px");
+}
+
+void print_text(const events::RecordingInfo& info, const events::DecodeSummary& summary,
+                const RecordingStatistics& statistics) {
   const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
-  std::printf("recording: %s, sensor %zux%zu px\n", info.format.c_str(), info.width, info.height);
+  std::printf("recording: %s, sensor %s\n", info.format.c_str(), size_text(info, statistics).c_str());
   std::printf("events:    %llu (%llu ON, %llu OFF)\n", static_cast<unsigned long long>(summary.events()),
               static_cast<unsigned long long>(summary.events_on), static_cast<unsigned long long>(summary.events_off));
-  std::printf("triggers:  %llu\n", static_cast<unsigned long long>(summary.triggers));
+  std::printf("triggers:  %llu\n%s", static_cast<unsigned long long>(summary.triggers),
+              statistics.triggers_text().c_str());
   std::printf("time:      %lld .. %lld us (%.6f s), %.3f M events/s\n", static_cast<long long>(summary.first_t_us),
               static_cast<long long>(summary.last_t_us), duration_s,
               duration_s > 0 ? static_cast<double>(summary.events()) * 1e-6 / duration_s : 0.0);
-  if (summary.num_violations() == 0) {
-    std::printf("damage:    none\n");
+  if (summary.out_of_order > 0) {
+    std::printf("sorted:    %llu events were out of order\n", static_cast<unsigned long long>(summary.out_of_order));
   }
-  for (size_t i = 0; i < events::kNumViolations; ++i) {
-    const events::ViolationCount& violation = summary.violations[i];
-    if (violation.count == 0) continue;
-    std::printf("damage:    %s: %llu, first at byte %llu\n", events::violation_name(static_cast<events::Violation>(i)),
-                static_cast<unsigned long long>(violation.count),
-                static_cast<unsigned long long>(violation.first_byte));
-  }
+  const std::vector<events::Loss> losses = events::losses(summary);
+  std::printf("left out:  %s\n", losses.empty() ? "nothing" : events::loss_text(losses).c_str());
   if (summary.num_gaps > 0) {
     std::printf("gaps:      %llu stretches of time are incomplete\n",
                 static_cast<unsigned long long>(summary.num_gaps));
   }
+  for (const std::string& assumption : info.assumptions) std::printf("assumed:   %s\n", assumption.c_str());
   for (const auto& [key, value] : info.header) std::printf("header:    %s = %s\n", key.c_str(), value.c_str());
 }
 
@@ -81,24 +82,21 @@ Result<void> print_recording_info(const fs::path& path, const RecordingInfoOptio
     E2LF_ASSIGN_OR_RETURN(
         picture, OutputFile::create(options.plot, {.inputs = {path}, .overwrite = common.overwrite, .streams = true}));
   }
-  events::OpenOptions open;
-  open.format = options.format;
-  open.policy = events::DecodePolicy::kSkip;  // the summary tells what was damaged
-  open.from_us = options.from_us;
-  open.to_us = options.to_us;
-  open.threads = 0;
+  E2LF_ASSIGN_OR_RETURN(const events::OpenOptions open, open_options(path, options.flags));
   E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(path.string(), open));
   events::EventRateCounter rate(kPlotBins);
+  RecordingStatistics statistics;
   events::EventBatch batch;
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
     if (!more) break;
+    statistics.add(batch);
     if (!options.plot.empty()) rate.add(batch);
   }
   if (common.json) {
-    std::printf("%s\n", to_json(reader->info(), reader->summary()).dump(2).c_str());
+    std::printf("%s\n", to_json(reader->info(), reader->summary(), statistics).dump(2).c_str());
   } else {
-    print_text(reader->info(), reader->summary());
+    print_text(reader->info(), reader->summary(), statistics);
   }
   if (!picture) return {};
   E2LF_RETURN_IF_ERROR(write_file(picture->path(), rate_plot_svg(rate.rate())));

@@ -2,17 +2,16 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/cli/recording_flags.h"
 #include "e2lf/cli/verb.h"
 
 namespace e2lf::cli {
 
 struct RecordingInfoOptions {
   std::filesystem::path plot;  ///< SVG of the event rate; empty = none
-  std::string format;          ///< empty = detected
-  int64_t from_us = INT64_MIN, to_us = INT64_MAX;
+  RecordingFlags flags;
 };
 
 /// Decodes a whole recording and prints what it holds: format, sensor, events, triggers, duration, rate, and what

@@ -58,8 +58,8 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
   return std::move(*known);
 }
 
-Result<lightfield::LightField> load_scene(const fs::path& path) {
-  return lightfield::read_light_field(path);
+Result<lightfield::LightField> load_scene(const fs::path& path, const LightFieldFlags& flags) {
+  return lightfield::read_light_field(path, read_options(flags));
 }
 
 Result<lightfield::LightField> load_reconstruction(const fs::path& path) {

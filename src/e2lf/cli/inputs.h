@@ -9,6 +9,7 @@
 #include "e2lf/aperture/codes.h"
 #include "e2lf/aperture/sensor_constants.h"
 #include "e2lf/base/result.h"
+#include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/lightfield/light_field.h"
 
@@ -49,7 +50,8 @@ void add_codes_options(CLI::App& app, CodesSource& source);
 [[nodiscard]] Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record);
 
 /// Reads a light field of any supported format as 8x8 grey views in [0, 1].
-[[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path);
+[[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path,
+                                                        const LightFieldFlags& flags = {});
 
 /// The same for a reconstruction: values outside [0, 1] are kept, and a folder may hold lightfield.npy in place of
 /// views.

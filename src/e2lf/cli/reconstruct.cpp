@@ -170,6 +170,10 @@ class CycleInput {
   [[nodiscard]] const events::RecordingInfo& recording_info() const { return reader_->recording().info(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
   [[nodiscard]] events::CycleReport report() const { return reader_->report(); }
+  /// Of what was read of a recording; empty for event images.
+  [[nodiscard]] events::DecodeSummary summary() const {
+    return reader_ ? reader_->recording().summary() : events::DecodeSummary();
+  }
 
  private:
   events::EventImageFile file_;
@@ -263,9 +267,9 @@ class CycleWriter {
 
 /// One cycle goes into the folder itself. Of several, the folder of each appears, whole, as soon as it is done, since
 /// earlier cycles are of use while later ones are still being made. The folder of all appears with the first, so that
-/// an input without any replaces nothing.
+/// an input without any replaces nothing; with --strict at the end, since only then nothing was left out.
 Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder& output, const RunRecord& record,
-                            const Verb& verb) {
+                            bool is_strict, const Verb& verb) {
   while (writer.cycles().empty() || !stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
     if (!images) break;
@@ -275,7 +279,7 @@ Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder
     E2LF_ASSIGN_OR_RETURN(const fs::path folder, output.begin_part(name));
     E2LF_RETURN_IF_ERROR(writer.process(*images, folder));
     E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", writer.cycles().back()}}));
-    if (first) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
+    if (first && !is_strict) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
   }
   return {};
 }
@@ -292,13 +296,23 @@ void print_event_error(const Json& cycle) {
   std::printf("\n");
 }
 
-void print_result(const ReconstructArguments& arguments, const CommonOptions& common, const Json& cycles) {
+/// Where the views are: each cycle of a recording, and of several, has a folder of its own.
+std::string place_of_views(const fs::path& output, bool has_one_cycle, size_t cycles) {
+  if (has_one_cycle) return output.string();
+  const std::string first = (output / cycle_name(0)).string();
+  return cycles == 1 ? first : cat(first, " ... ", cycle_name(cycles - 1));
+}
+
+void print_result(const ReconstructArguments& arguments, const CommonOptions& common, const CycleInput& input,
+                  const Json& cycles) {
   if (common.json) {
-    const Json result = {{"output", arguments.output.string()}, {"cycles", cycles}};
+    const Json result = {
+        {"output", arguments.output.string()}, {"cycles", cycles}, {"left_out", losses_json(input.summary())}};
     std::printf("%s\n", result.dump(2).c_str());
   } else if (!common.quiet) {
+    const std::string where = place_of_views(arguments.output, input.has_one_cycle(), cycles.size());
     std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n", cycles.size(),
-                cycles.size() == 1 ? "" : "s", arguments.output.c_str(), cycles.front()["gain"].get<double>());
+                cycles.size() == 1 ? "" : "s", where.c_str(), cycles.front()["gain"].get<double>());
     if (cycles.front().contains("event_error")) print_event_error(cycles.front());
   }
 }
@@ -318,20 +332,23 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
   if (!are_patterns_told(codes)) codes.reset();
   CycleWriter writer(arguments, common, std::move(method), std::move(codes));
-  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, verb));
+  const bool is_strict = arguments.cycles.recording.is_strict;
+  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, is_strict, verb));
   if (input.is_recording()) {
+    warn_of_losses(arguments.input, input.summary());
     if (writer.cycles().empty()) return no_cycle_error(arguments.input, input.report());
     input.confidence().warn(arguments.input);
     record.note("found", report_json(input.report()));
+    record.note("left_out", losses_json(input.summary()));
   }
   record.end_step("reconstruct");
   record.note("cycles", writer.cycles());
   std::error_code error;
   if (fs::exists(arguments.input, error)) record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(input.has_one_cycle() ? output.commit(std::move(about))
-                                             : output.update_record(std::move(about)));
-  print_result(arguments, common, writer.cycles());
+  E2LF_RETURN_IF_ERROR(input.has_one_cycle() || is_strict ? output.commit(std::move(about))
+                                                          : output.update_record(std::move(about)));
+  print_result(arguments, common, input, writer.cycles());
   return {};
 }
 

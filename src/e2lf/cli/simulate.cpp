@@ -35,6 +35,7 @@ struct SimulateArguments {
   float scene_gain = 1.0F, residue = 0.0F;
   size_t cycles = 1;
   bool no_triggers = false;
+  LightFieldFlags light_field;
 };
 
 /// The model's constants where one is given, the paper's otherwise; flags win.
@@ -149,7 +150,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(
       const auto model,
       sensor::event_model_from_name(arguments.event_model.empty() ? known.event_model : arguments.event_model));
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, arguments.light_field));
   record.end_step("read");
 
   const ImagesOf images_of = camera && camera->is_pixel()
@@ -182,6 +183,7 @@ int run_simulate(const std::vector<std::string>& arguments) {
       ->required();
   add_codes_options(app, simulation.codes);
   add_camera_option(app, simulation.camera, "the camera that records; default: the paper's event model");
+  add_light_field_options(app, simulation.light_field, /*has_views=*/false);
   app.add_option("--event-model", simulation.event_model,
                  "quantised (Eq. 8) or reference-aware (Eq. 9, 10); default: the model's");
   app.add_option("--eps", simulation.eps, "dark level added to the intensity; default: the model's, or 0.01");

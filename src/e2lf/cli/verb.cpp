@@ -21,6 +21,11 @@ void print_log(LogLevel level, const std::string& message) {
   std::fprintf(stderr, "e2lf: %s%s\n", level == LogLevel::kWarning ? "warning: " : "", message.c_str());
 }
 
+/// --quiet: what was lost is said all the same.
+void print_warnings(LogLevel level, const std::string& message) {
+  if (level == LogLevel::kWarning) print_log(level, message);
+}
+
 /// The names of all long flags, without "--".
 std::vector<std::string> long_flags(const CLI::App& app) {
   std::vector<std::string> names;
@@ -127,7 +132,7 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
   app_.add_option("--threads", common_.threads, "number of threads, 0 = all cores")->check(CLI::NonNegativeNumber);
   app_.add_option("--seed", common_.seed, "seed of everything random")->capture_default_str();
   app_.add_flag("--json", common_.json, "print the result as JSON");
-  app_.add_flag("--quiet", common_.quiet, "print nothing but errors");
+  app_.add_flag("--quiet", common_.quiet, "print nothing but warnings and errors");
   app_.add_flag("--overwrite", common_.overwrite, "replace existing output");
 }
 
@@ -170,7 +175,7 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   }
   if (const auto capped = apply_isa_cap(); !capped) return usage_error(capped.error().text());
   set_num_threads(common_.threads);
-  if (!common_.quiet) set_log_sink(print_log);
+  set_log_sink(common_.quiet ? print_warnings : print_log);
   if (stops_gently_) stop_on_signals();
   return exit_code(work());
 }

@@ -193,13 +193,17 @@ TEST_P(Container, SliceOfTimeIsTheSameFromAFileAndAStream) {
   auto live = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 100003), options);
   ASSERT_TRUE(live.ok()) << live.error().text();
   EXPECT_TRUE(read_all(**live)->events == expected);
-  // The same in times from zero.
+  // The slice is of the sensor's clock, whatever times are handed out, or since the first event.
   const int64_t first_us = stream.events.t.front();
-  options.time = TimeOrigin::kZero;
-  options.from_us -= first_us;
-  options.to_us -= first_us;
+  OpenOptions since_first = options;
+  since_first.range = TimeOrigin::kZero;
+  since_first.from_us -= first_us;
+  since_first.to_us -= first_us;
+  EXPECT_TRUE(read(since_first)->events == expected);
+  options.time = since_first.time = TimeOrigin::kZero;
   for (int64_t& t : expected.t) t -= first_us;
   EXPECT_TRUE(read(options)->events == expected);
+  EXPECT_TRUE(read(since_first)->events == expected);
 }
 
 TEST_P(Container, WriterRefusesWhatReadersCouldNotTrust) {

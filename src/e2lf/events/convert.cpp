@@ -15,6 +15,20 @@ void warn(ConvertReport& report, const std::string& message) {
   report.warnings.push_back(message);
 }
 
+/// Why there is nothing to write.
+Error nothing_to_convert(const RecordingReader& reader) {
+  const OpenOptions& options = reader.options();
+  const std::vector<Loss> left_out = losses(reader.summary());
+  std::string message = "no event and no trigger";
+  if (options.from_us != INT64_MIN || options.to_us != INT64_MAX) {
+    message +=
+        options.range == TimeOrigin::kZero ? " in that time from its first one on" : " in that time of its clock";
+  }
+  message += left_out.empty() ? "" : cat(" (left out: ", loss_text(left_out), ")");
+  return {ErrorCode::kInvalidValue, message + "; `e2lf info` tells what the recording holds, and from when to when",
+          reader.name()};
+}
+
 }  // namespace
 
 Result<ConvertReport> convert_recording(RecordingReader& reader, const std::filesystem::path& output,
@@ -35,8 +49,10 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
     report.triggers += batch.triggers.size();
     if (options.progress) options.progress(report.events, 0);
   }
+  if (report.events + report.triggers == 0) return nothing_to_convert(reader);
   E2LF_RETURN_IF_ERROR(writer->finish());
   E2LF_RETURN_IF_ERROR(side.finish());
+  report.summary = reader.summary();
 
   if (report.triggers > 0 && !writer->holds_triggers()) {
     if (has_side) report.trigger_file = side.path().filename();
@@ -45,8 +61,9 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
                               : "they are lost, write to a file instead"));
   }
   if (!writer->holds_absolute_time()) {
-    warn(report, cat(name, ": the format does not keep the sensor's absolute time; ask for times from zero ",
-                     "on reading other formats too"));
+    warn(report, cat(name,
+                     ": the format does not keep the sensor's absolute time; compare it with others "
+                     "that begin at zero too (--shift-time)"));
   }
   return report;
 }

@@ -22,11 +22,13 @@ struct ConvertReport {
   std::filesystem::path trigger_file;  ///< where triggers went that the format does not hold: a name beside the
                                        ///< output; empty = none
   std::vector<std::string> warnings;   ///< what the output cannot hold, for people; also logged
+  DecodeSummary summary;               ///< of the input: what was left out of it
 };
 
 /// Copies what is left of a recording into a new file, in bounded memory where the formats allow it. Triggers that the
 /// output's format cannot hold go to <name>_triggers.csv, with a warning; so does a warning for times that will not
-/// come back as they are. Fails as the reader and create_recording() do; the output then does not appear.
+/// come back as they are. Fails as the reader and create_recording() do, and with
+/// kInvalidValue where there is neither an event nor a trigger; the output then does not appear.
 [[nodiscard]] Result<ConvertReport> convert_recording(RecordingReader& reader, const std::filesystem::path& output,
                                                       const ConvertOptions& options = {});
 

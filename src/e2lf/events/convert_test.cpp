@@ -67,6 +67,51 @@ TEST(Convert, TriggersWithoutAPlaceGoToAFileBesideWithAWarning) {
   EXPECT_TRUE(convert(from, folder / "out2.hdf5")->warnings.empty());
 }
 
+TEST(Convert, TriggersBesideAreReadInAnyOrderAndDamagedLinesAreCounted) {
+  TestFolder folder;
+  const auto from = write_example(folder, random_stream({.trigger_every = 100}));
+  ASSERT_TRUE(convert(from, folder / "out.csv").ok());
+  ASSERT_TRUE(write_file(folder / "out_triggers.csv", std::string("p,id,t\n1,0,3000\nrubbish\n0,2,1500\n")).ok());
+  auto reader = open_recording(folder / "out.csv", {.policy = DecodePolicy::kSkip}).value();
+  const std::vector<Trigger> expected = {{1500, 2, 0}, {3000, 0, 1}};
+  EXPECT_EQ(read_all(*reader)->triggers, expected);
+  const std::vector<Loss> left_out = losses(reader->summary());
+  ASSERT_EQ(left_out.size(), 1u);
+  EXPECT_EQ(left_out[0].reason, "bad_record");
+  EXPECT_EQ(left_out[0].count, 1u);
+  EXPECT_EQ(left_out[0].first_byte, 16u);
+  auto strict = open_recording(folder / "out.csv", {.policy = DecodePolicy::kStrict}).value();
+  EXPECT_EQ(read_all(*strict).error().code, ErrorCode::kFormat);
+}
+
+TEST(Convert, WhatIsLeftOutIsReportedAndNothingIsNoResult) {
+  TestFolder folder;
+  const std::string text = "1,1,1,50\n700,1,1,60\n1,1,0,40\nthis is no event\n2,2,1,70\n";
+  ASSERT_TRUE(write_file(folder / "in.csv", text).ok());
+  const auto open = [&](OpenOptions options) {
+    options.policy = DecodePolicy::kSkip;
+    options.width = 640;
+    options.height = 480;
+    return open_recording(folder / "in.csv", options).value();
+  };
+  const auto all = open({});
+  const ConvertReport report = convert_recording(*all, folder / "out.npz").value();
+  EXPECT_EQ(report.events, 3u);
+  EXPECT_EQ(report.summary.out_of_order, 1u);
+  EXPECT_EQ(loss_text(losses(report.summary)), "1 events outside the sensor, 1 records that cannot be read");
+
+  const auto relative = open({.from_us = 10, .to_us = 31, .range = TimeOrigin::kZero});
+  EXPECT_EQ(read_all(*relative)->events.t, (Column<int64_t>{50, 70}));
+  const auto shifted = open({.time = TimeOrigin::kZero, .from_us = 50, .to_us = 70});
+  EXPECT_EQ(read_all(*shifted)->events.t, (Column<int64_t>{10}));
+
+  const auto later = open({.from_us = 1000});
+  const auto none = convert_recording(*later, folder / "none.npz");
+  ASSERT_FALSE(none.ok());
+  EXPECT_EQ(none.error().code, ErrorCode::kInvalidValue);
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.npz"));
+}
+
 TEST(Convert, TextHasTheOrderAndUnitsItsUsersExpect) {
   TestFolder folder;
   EventBatch batch;

@@ -9,16 +9,17 @@ namespace {
 struct ViolationText {
   const char* name;
   const char* text;
+  const char* plural;
 };
 
 constexpr std::array<ViolationText, kNumViolations> kTexts = {{
-    {"unknown_word", "a word of unknown type"},
-    {"out_of_range", "an event outside the sensor"},
-    {"time_backwards", "time runs backwards"},
-    {"time_jump", "time jumps ahead"},
-    {"misaligned", "bytes are missing or inserted"},
-    {"truncated", "the data ends inside a word, record or packet"},
-    {"bad_record", "a record that cannot be read"},
+    {"unknown_word", "a word of unknown type", "words of unknown type"},
+    {"out_of_range", "an event outside the sensor", "events outside the sensor"},
+    {"time_backwards", "time runs backwards", "events or times earlier than those before them"},
+    {"time_jump", "time jumps ahead", "events or times far ahead of those behind them"},
+    {"misaligned", "bytes are missing or inserted", "places with missing or inserted bytes"},
+    {"truncated", "the data ends inside a word, record or packet", "unfinished words, records or packets at the end"},
+    {"bad_record", "a record that cannot be read", "records that cannot be read"},
 }};
 
 }  // namespace
@@ -58,12 +59,35 @@ void DecodeSummary::append(const DecodeSummary& later) {
   triggers += later.triggers;
   events_before_time += later.events_before_time;
   time_loops += later.time_loops;
+  out_of_order += later.out_of_order;
   dropped_words += later.dropped_words;
   for (size_t kind = 0; kind < kNumViolations; ++kind) {
     add(static_cast<Violation>(kind), later.violations[kind].first_byte, later.violations[kind].count);
   }
   for (const TimeGap& gap : later.gaps) add_gap(gap);
   num_gaps += later.num_gaps - later.gaps.size();
+}
+
+std::vector<Loss> losses(const DecodeSummary& summary) {
+  std::vector<Loss> found;
+  for (size_t kind = 0; kind < kNumViolations; ++kind) {
+    const ViolationCount& violation = summary.violations[kind];
+    if (violation.count == 0) continue;
+    found.push_back({kTexts[kind].name, kTexts[kind].plural, violation.count, violation.first_byte});
+  }
+  if (summary.events_before_time > 0) {
+    found.push_back({"before_first_time", "events in front of the first time", summary.events_before_time, 0});
+  }
+  return found;
+}
+
+std::string loss_text(const std::vector<Loss>& losses) {
+  std::vector<std::string> parts;
+  for (const Loss& loss : losses) {
+    const std::string place = loss.first_byte == 0 ? "" : cat(" (the first at byte ", loss.first_byte, ")");
+    parts.push_back(cat(loss.count, " ", loss.text, place));
+  }
+  return join(parts);
 }
 
 Error violation_error(const DecodeSummary& summary, const std::string& name) {
@@ -76,7 +100,8 @@ Error violation_error(const DecodeSummary& summary, const std::string& name) {
     }
   }
   const ErrorCode code = first == Violation::kTruncated ? ErrorCode::kTruncated : ErrorCode::kFormat;
-  return {code, cat("the recording is damaged: ", violation_text(first), "; use another policy to read the rest"),
+  return {code,
+          cat(violation_text(first), ", which strict reading refuses; without it such data is left out and counted"),
           cat(name, ": byte ", summary.of(first).first_byte)};
 }
 

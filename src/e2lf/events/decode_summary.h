@@ -60,6 +60,7 @@ struct DecodeSummary {
 
   uint64_t events_before_time = 0;  ///< dropped because no time word had come yet: normal at the start of a RAW file
   uint64_t time_loops = 0;          ///< how often the sensor's clock wrapped
+  uint64_t out_of_order = 0;        ///< events of a text, npy or npz file that were sorted to their place
   uint64_t dropped_words = 0;       ///< words or records dropped because of a violation
   std::array<ViolationCount, kNumViolations> violations{};
   std::vector<TimeGap> gaps;  ///< the first kMaxGaps of num_gaps
@@ -81,6 +82,20 @@ struct DecodeSummary {
 
   bool operator==(const DecodeSummary&) const = default;
 };
+
+/// One reason for which something of a recording was left out.
+struct Loss {
+  std::string reason;       ///< as in JSON output: a violation's name, or "before_first_time"
+  std::string text;         ///< for people, behind a count: "events outside the sensor"
+  uint64_t count = 0;       ///< at least 1
+  uint64_t first_byte = 0;  ///< of the file; 0 = not known
+};
+
+/// The account of all that was left out, by reason; empty when everything was read.
+[[nodiscard]] std::vector<Loss> losses(const DecodeSummary& summary);
+
+/// The same in one line, "318265 events outside the sensor, 2 records that cannot be read (the first at byte 12)".
+[[nodiscard]] std::string loss_text(const std::vector<Loss>& losses);
 
 /// The Error that the strict policy returns for the first violation in a summary (location "name: byte N").
 [[nodiscard]] Error violation_error(const DecodeSummary& summary, const std::string& name);

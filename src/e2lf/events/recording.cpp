@@ -39,7 +39,7 @@ Result<bool> RecordingReader::refill_pending(size_t max_events) {
 
 Result<void> RecordingReader::find_shift() {
   if (shift_us_) return {};
-  if (options_.time == TimeOrigin::kAbsolute) {
+  if (options_.time == TimeOrigin::kAbsolute && options_.range == TimeOrigin::kAbsolute) {
     shift_us_ = 0;
     return {};
   }
@@ -49,13 +49,21 @@ Result<void> RecordingReader::find_shift() {
   }
   if (pending_.empty()) return {};
   const EventBatch& first = pending_.batch();
-  shift_us_ = first.events.empty()     ? first.triggers.front().t
-              : first.triggers.empty() ? first.events.t.front()
-                                       : std::min(first.events.t.front(), first.triggers.front().t);
+  const int64_t first_us = first.events.empty()     ? first.triggers.front().t
+                           : first.triggers.empty() ? first.events.t.front()
+                                                    : std::min(first.events.t.front(), first.triggers.front().t);
+  shift_us_ = options_.time == TimeOrigin::kZero ? first_us : 0;
+  if (options_.range == TimeOrigin::kZero) range_origin_us_ = first_us;
   return {};
 }
 
 Result<void> RecordingReader::apply_policy() {
+  if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time > 0) {
+    return Error{ErrorCode::kFormat,
+                 "events stand in front of the first time, which strict reading refuses; without it they are left out "
+                 "and counted",
+                 name_};
+  }
   for (size_t i = 0; i < kNumViolations; ++i) {
     const ViolationCount& violation = summary_.violations[i];
     const bool first = violation.count > 0 && known_violations_[i] == 0;
@@ -93,6 +101,11 @@ DecodeSummary RecordingReader::summary() const {
   return shifted;
 }
 
+/// A time of the options on the sensor's clock.
+int64_t RecordingReader::in_range(int64_t t_us) const {
+  return std::clamp(t_us, -kTimeLimitUs, kTimeLimitUs) + range_origin_us_;
+}
+
 /// Goes to a time where the source can be sought; otherwise passes over what comes before.
 Result<void> RecordingReader::begin_at(int64_t absolute_us) {
   const auto sought = seek_before(absolute_us);
@@ -128,7 +141,7 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   E2LF_RETURN_IF_ERROR(find_shift());
   if (has_ended_) return false;
   if (!std::exchange(has_begun_, true) && options_.from_us != INT64_MIN) {
-    E2LF_RETURN_IF_ERROR(begin_at(options_.from_us + shift_us_.value_or(0)));
+    E2LF_RETURN_IF_ERROR(begin_at(in_range(options_.from_us)));
   }
   if (!pending_.empty()) {
     pending_.take(batch, max_events);
@@ -139,7 +152,7 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
       E2LF_RETURN_IF_ERROR(apply_policy());
     }
   }
-  if (options_.to_us != INT64_MAX) end_at(options_.to_us + shift_us_.value_or(0), batch);
+  if (options_.to_us != INT64_MAX) end_at(in_range(options_.to_us), batch);
   count(batch.events, 0, batch.events.size());
   summary_.triggers += batch.triggers.size();
   if (const int64_t shift_us = shift_us_.value_or(0); shift_us != 0) {

@@ -28,6 +28,7 @@ struct RecordingInfo {
   size_t width = 0;    ///< of the sensor, in pixels; 0 = the file does not say
   size_t height = 0;
   std::vector<std::pair<std::string, std::string>> header;  ///< keys and values in the file's order
+  std::vector<std::string> assumptions = {};  ///< what the file does not say and was taken for granted, for people
 
   /// The value of a header key, or nothing.
   [[nodiscard]] std::optional<std::string> find(const std::string& key) const;
@@ -38,17 +39,30 @@ enum class TimeOrigin {
   kZero,      ///< the first event or trigger of the recording is at 0; events and triggers are shifted alike
 };
 
+/// What the times of a numpy or HDF5 array count.
+enum class TimeUnit {
+  kAuto,  ///< seconds where they are floating-point numbers, else microseconds
+  kSeconds,
+  kMilliseconds,
+  kMicroseconds,
+  kNanoseconds,
+};
+
 struct OpenOptions {
   std::string format = {};                      ///< empty = found by content first, by extension second
   DecodePolicy policy = DecodePolicy::kReport;  ///< what to do about damage
   TimeOrigin time = TimeOrigin::kAbsolute;
   size_t width = 0;  ///< sensor size for files that do not say; a file that says otherwise is kInvalidValue
   size_t height = 0;
-  int threads = 1;  ///< for one read() or accumulate() call; 0 = all cores
+  TimeUnit time_unit = TimeUnit::kAuto;  ///< of arrays; other formats say it themselves
+  std::string columns = {};              ///< of an array [events, 4], as "txyp"; empty = found by their values
+  int threads = 1;                       ///< for one read() or accumulate() call; 0 = all cores
 
-  /// read() hands out from_us <= t < to_us only, in times as it hands them out. A file is sought, a stream is skipped.
+  /// read() hands out from_us <= t < to_us only: times of the sensor's clock, whatever `time` is, or under kZero of
+  /// `range` since the first event or trigger of the recording. A file is sought, a stream is skipped.
   int64_t from_us = INT64_MIN;
   int64_t to_us = INT64_MAX;
+  TimeOrigin range = TimeOrigin::kAbsolute;
 };
 
 /// Times t with begin_us <= t < end_us.
@@ -70,6 +84,8 @@ class RecordingReader {
   RecordingReader& operator=(const RecordingReader&) = delete;
 
   [[nodiscard]] const RecordingInfo& info() const { return info_; }
+  [[nodiscard]] const OpenOptions& options() const { return options_; }
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< of the source, for messages
 
   /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; a live source gives
   /// what has arrived. False (and an empty batch) at the end. Fails with kIo and, under the strict policy, with the
@@ -114,6 +130,7 @@ class RecordingReader {
   bool accumulate_pending(std::span<const TimeSlice> slices, EventImages& images, std::vector<Trigger>* triggers);
   [[nodiscard]] Result<bool> refill_pending(size_t max_events);
   [[nodiscard]] Result<void> find_shift();
+  [[nodiscard]] int64_t in_range(int64_t t_us) const;
   [[nodiscard]] Result<void> begin_at(int64_t absolute_us);
   [[nodiscard]] Result<void> skip_to(int64_t absolute_us);
   void end_at(int64_t absolute_us, EventBatch& batch);
@@ -123,6 +140,7 @@ class RecordingReader {
   PendingBatch pending_;                        ///< read but not yet handed out, absolute in time
   bool has_begun_ = false, has_ended_ = false;  ///< options_.from_us and to_us were met
   std::optional<int64_t> shift_us_;  ///< what to subtract; unknown until the first event under TimeOrigin::kZero
+  int64_t range_origin_us_ = 0;      ///< what from_us and to_us count from
   std::array<uint64_t, kNumViolations> known_violations_{};
 };
 

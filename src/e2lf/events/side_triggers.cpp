@@ -27,27 +27,23 @@ std::optional<Trigger> parse_line(std::string_view line) {
   return Trigger{values[2], static_cast<uint16_t>(values[1]), static_cast<uint8_t>(values[0] > 0)};
 }
 
+/// An empty line, a comment, or the names of the columns above the first trigger.
+bool is_remark(std::string_view line, uint64_t byte) {
+  return line.empty() || line == "\r" || line[0] == '#' || line[0] == '%' || (byte == 0 && line.starts_with("p,"));
+}
+
 class SideTriggerFile final : public TriggerSource {
  public:
   explicit SideTriggerFile(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
 
-  Result<bool> next(std::vector<Trigger>& block) override {
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
-    if (bytes.empty()) return false;
-    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    size_t used = 0;
-    for (size_t end = 0; (end = text.find('\n', used)) != std::string_view::npos; used = end + 1) {
-      add_line(text.substr(used, end - used), block);
-      is_within_line_ = false;
+  /// All triggers at once, sorted.
+  Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
+    const auto begin = static_cast<ptrdiff_t>(block.size());
+    for (bool more = true; more;) {
+      E2LF_ASSIGN_OR_RETURN(more, read_lines(block, summary));
     }
-    // What is left is the last line of the file, or of the bytes at hand, or a line too long to be one.
-    if (used == 0) {
-      add_line(text, block);
-      is_within_line_ = true;
-      used = text.size();
-    }
-    source_->consume(used);
-    return true;
+    std::stable_sort(block.begin() + begin, block.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
+    return false;
   }
 
   Result<void> rewind() override {
@@ -56,10 +52,36 @@ class SideTriggerFile final : public TriggerSource {
   }
 
  private:
+  /// The triggers of the lines at hand; false at the end.
+  Result<bool> read_lines(std::vector<Trigger>& block, DecodeSummary& summary) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
+    if (bytes.empty()) return false;
+    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    size_t used = 0;
+    for (size_t end = 0; (end = text.find('\n', used)) != std::string_view::npos; used = end + 1) {
+      add_line(text.substr(used, end - used), source_->position() + used, block, summary);
+      is_within_line_ = false;
+    }
+    // What is left is the last line of the file, or of the bytes at hand, or a line too long to be one.
+    if (used == 0) {
+      add_line(text, source_->position(), block, summary);
+      is_within_line_ = true;
+      used = text.size();
+    }
+    source_->consume(used);
+    return true;
+  }
+
   /// A line that is too long is none, wherever the bytes at hand end.
-  void add_line(std::string_view line, std::vector<Trigger>& block) const {
-    if (is_within_line_ || line.size() >= kLongestLine) return;
-    if (const auto trigger = parse_line(line)) block.push_back(*trigger);
+  void add_line(std::string_view line, uint64_t byte, std::vector<Trigger>& block, DecodeSummary& summary) const {
+    if (is_within_line_ || is_remark(line, byte)) return;
+    const auto trigger = line.size() < kLongestLine ? parse_line(line) : std::nullopt;
+    if (trigger) {
+      block.push_back(*trigger);
+    } else {
+      summary.add(Violation::kBadRecord, byte);
+      ++summary.dropped_words;
+    }
   }
 
   std::unique_ptr<ByteSource> source_;

@@ -15,12 +15,12 @@
 namespace e2lf::events {
 
 /// Triggers of a recording whose format has no place for them: <name>_triggers.csv beside <name>.<extension>, a line
-/// "p,id,t" each (t in microseconds) under a line that says so.
+/// "p,id,t" each (t in microseconds) under a line that says so. They are read in any order, and held in memory.
 
 [[nodiscard]] std::filesystem::path side_trigger_path(const std::filesystem::path& recording);
 
 /// The triggers beside a recording; an empty feed when there is no such file (or `recording` is empty). A line that
-/// cannot be read is skipped. Fails with kIo.
+/// cannot be read is counted in the reader's summary (kBadRecord). Fails with kIo.
 [[nodiscard]] Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording);
 
 /// The triggers in the text that a source holds.

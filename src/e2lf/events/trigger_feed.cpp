@@ -5,11 +5,11 @@
 
 namespace e2lf::events {
 
-Result<void> TriggerFeed::refill() {
+Result<void> TriggerFeed::refill(DecodeSummary& summary) {
   while (!ended_ && block_.size() - next_ <= kTimeLookAhead) {
     block_.erase(block_.begin(), block_.begin() + static_cast<ptrdiff_t>(next_));
     next_ = 0;
-    E2LF_ASSIGN_OR_RETURN(const bool more, source_->next(block_));
+    E2LF_ASSIGN_OR_RETURN(const bool more, source_->next(block_, summary));
     ended_ = !more;
   }
   return {};
@@ -28,7 +28,7 @@ bool TriggerFeed::is_believable(DecodeSummary& summary) const {
 Result<bool> TriggerFeed::take(int64_t until_us, size_t max_triggers, std::vector<Trigger>& triggers,
                                DecodeSummary& summary) {
   for (size_t taken = 0;; ++next_) {
-    E2LF_RETURN_IF_ERROR(refill());
+    E2LF_RETURN_IF_ERROR(refill(summary));
     if (next_ == block_.size()) return false;
     if (!is_believable(summary)) continue;
     const Trigger& trigger = block_[next_];

@@ -16,8 +16,8 @@ class TriggerSource {
  public:
   virtual ~TriggerSource() = default;
 
-  /// Appends the next triggers to `block`; false at the end.
-  [[nodiscard]] virtual Result<bool> next(std::vector<Trigger>& block) = 0;
+  /// Appends the next triggers to `block` and counts what cannot be read; false at the end.
+  [[nodiscard]] virtual Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) = 0;
 
   /// Goes back to the first trigger.
   [[nodiscard]] virtual Result<void> rewind() = 0;
@@ -45,7 +45,7 @@ class TriggerFeed {
   [[nodiscard]] Result<void> rewind();
 
  private:
-  [[nodiscard]] Result<void> refill();
+  [[nodiscard]] Result<void> refill(DecodeSummary& summary);
   [[nodiscard]] bool is_believable(DecodeSummary& summary) const;
 
   std::unique_ptr<TriggerSource> source_;

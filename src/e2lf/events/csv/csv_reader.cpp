@@ -11,6 +11,7 @@
 #include "e2lf/events/registry.h"
 #include "e2lf/events/side_triggers.h"
 #include "e2lf/events/time_search.h"
+#include "e2lf/events/time_sort.h"
 
 namespace e2lf::events::csv {
 namespace {
@@ -151,20 +152,49 @@ class CsvBlocks final : public EventBlocks {
   std::vector<EventColumns> parts_;
 };
 
+/// The first line that is neither empty nor a comment; empty when there is none.
+std::string_view first_data_line(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    if (!line.empty() && line[0] != '#' && line[0] != '%') return line;
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+  }
+  return {};
+}
+
+/// The layout that the first lines show; `fallback` where they hold no event, or one of that layout behind damage.
+Result<Layout> layout_of(std::span<const uint8_t> head, const Layout& fallback, const std::string& name) {
+  if (const auto layout = find_layout(head)) return *layout;
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const std::string_view line = first_data_line(text);
+  EventColumns events;
+  parse_lines(text, fallback, events);
+  if (line.empty() || !events.empty()) return fallback;
+  constexpr size_t kQuoted = 60;
+  return Error{ErrorCode::kFormat,
+               cat("the columns of \"", line.substr(0, kQuoted), line.size() > kQuoted ? "..." : "",
+                   "\" are not known; events are lines x,y,p,t (t in us) or t x y p (t in s), or a first line names "
+                   "the four columns, as t,x,y,p"),
+               name};
+}
+
 Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options,
                                               const char* format, const Layout& fallback) {
   RecordingInfo info;
   info.format = format;
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
-  const Layout layout = find_layout(head.first(std::min(head.size(), kDetectBytes))).value_or(fallback);
+  const std::string name = source->name();
+  E2LF_ASSIGN_OR_RETURN(const Layout layout,
+                        layout_of(head.first(std::min(head.size(), kDetectBytes)), fallback, name));
   source->consume(layout.header_bytes);
   info.width = layout.width;
   info.height = layout.height;
-  const std::string name = source->name();
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->path()));
-  return make_block_reader(std::make_unique<CsvBlocks>(std::move(source), layout, options.threads), std::move(info),
-                           name, options, std::move(triggers));
+  const bool is_seekable = source->seekable();
+  auto lines = std::make_unique<CsvBlocks>(std::move(source), layout, options.threads);
+  return make_block_reader(make_time_sorted(std::move(lines), is_seekable, name), std::move(info), name, options,
+                           std::move(triggers));
 }
 
 }  // namespace

@@ -65,9 +65,10 @@ class TriggerFile final : public TriggerSource {
   TriggerFile(std::unique_ptr<ByteSource> source, size_t header_bytes)
       : source_(std::move(source)), header_bytes_(header_bytes) {}
 
-  Result<bool> next(std::vector<Trigger>& block) override {
+  Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kRecordBytes));
     const size_t count = std::min(bytes.size() / kRecordBytes, kTriggerBlock);
+    if (count == 0 && !bytes.empty()) summary.add(Violation::kTruncated, source_->position());
     for (size_t i = 0; i < count; ++i) block.push_back(trigger_of_record(&bytes[i * kRecordBytes], unwrap_));
     source_->consume(count * kRecordBytes);
     return count > 0;

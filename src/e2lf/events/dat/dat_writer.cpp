@@ -83,10 +83,11 @@ class DatWriter final : public RecordingWriter {
     if (unwrap(static_cast<uint32_t>(t_us)) == t_us) [[likely]] {
       return {};
     }
-    return Error{ErrorCode::kInvalidValue,
-                 cat("time ", t_us, " us cannot be told from its low 32 bits; shift the recording to zero or write ",
-                     "another format"),
-                 sink_->name()};
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("time ", t_us, " us cannot be told from its low 32 bits; begin at zero (--shift-time) or write another ",
+            "format, as .hdf5"),
+        sink_->name()};
   }
 
   std::unique_ptr<ByteSink> sink_;

@@ -18,7 +18,10 @@ namespace e2lf::events::hdf5 {
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_dsec_file(const std::filesystem::path& path,
                                                                         const RecordingInfo& info);
 
-/// The columns as blocks. Fails with kNotFound when the file does not have them and kShape when they differ in length.
-[[nodiscard]] Result<std::unique_ptr<EventBlocks>> open_dsec(hid_t file, const std::string& location);
+/// Events as blocks: the columns above; columns x, y, p, t or xs, ys, ps, ts of any types, in the group `events` or in
+/// none; or v2e's data set `events` [events, 4]. Times are as OpenOptions::time_unit says. What is assumed is added to
+/// `info`. Fails with kNotFound when the file has none of them and kShape when columns differ in length.
+[[nodiscard]] Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options,
+                                                                const std::string& location, RecordingInfo& info);
 
 }  // namespace e2lf::events::hdf5

@@ -38,8 +38,12 @@ std::string text_of_attribute(hid_t attribute) {
 /// False when a chunk that the elements lie in is not stored whole.
 bool chunks_are_whole(const DatasetShape& shape, uint64_t begin, uint64_t count) {
   if (!shape.storage.is_chunked()) return true;
-  for (hsize_t offset = begin - begin % shape.chunk_length; offset < begin + count; offset += shape.chunk_length) {
-    if (!e2lf::hdf5::chunk_is_whole(shape.dataset.get(), shape.storage, &offset)) return false;
+  const uint64_t chunk_columns = shape.storage.chunk.size() == 2 ? shape.storage.chunk[1] : 1;
+  for (hsize_t row = begin - begin % shape.chunk_length; row < begin + count; row += shape.chunk_length) {
+    for (hsize_t column = 0; column < shape.columns; column += chunk_columns) {
+      const hsize_t offset[] = {row, column};
+      if (!e2lf::hdf5::chunk_is_whole(shape.dataset.get(), shape.storage, offset)) return false;
+    }
   }
   return true;
 }
@@ -95,7 +99,9 @@ Result<void> write_text_attribute(hid_t object, const std::string& name, const s
   return {};
 }
 
-Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location) {
+namespace {
+
+Result<DatasetShape> open_rows(hid_t file, const std::string& name, const std::string& location, size_t dimensions) {
   const LibraryLock lock;
   DatasetShape shape;
   shape.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -104,13 +110,27 @@ Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std
   }
   E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
   const Storage& storage = shape.storage;
-  if (storage.extents.size() != 1) {
-    return Error{ErrorCode::kShape, cat("data set ", name, " is not one-dimensional"), location};
+  if (storage.extents.size() != dimensions || (dimensions == 2 && storage.extents[1] == 0)) {
+    return Error{ErrorCode::kShape,
+                 cat("data set ", name, " has ", storage.extents.size(), " dimensions, not ", dimensions,
+                     "; is it an event recording?"),
+                 location};
   }
+  shape.columns = dimensions == 2 ? storage.extents[1] : 1;
   shape.chunk_length = storage.is_chunked() ? storage.chunk[0] : 0;
-  shape.length = std::min(storage.claimed_elements(), storage.stored_elements);
-  shape.is_cut = shape.length < storage.claimed_elements();
+  shape.length = std::min(storage.claimed_elements(), storage.stored_elements) / shape.columns;
+  shape.is_cut = shape.length < storage.claimed_elements() / shape.columns;
   return shape;
+}
+
+}  // namespace
+
+Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location) {
+  return open_rows(file, name, location, 1);
+}
+
+Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location) {
+  return open_rows(file, name, location, 2);
 }
 
 Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count, void* out,
@@ -121,9 +141,10 @@ Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_
     return Error{ErrorCode::kTruncated, cat("elements from ", begin, " on are missing; the file is damaged"), location};
   }
   const Handle file_space(H5Dget_space(dataset), H5Sclose);
-  const hsize_t start = begin, length = count;
-  const Handle memory_space(H5Screate_simple(1, &length, nullptr), H5Sclose);
-  if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, &start, nullptr, &length, nullptr) < 0 ||
+  const hsize_t start[] = {begin, 0}, length[] = {count, shape.columns};
+  const Handle memory_space(H5Screate_simple(static_cast<int>(shape.storage.extents.size()), length, nullptr),
+                            H5Sclose);
+  if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, length, nullptr) < 0 ||
       H5Dread(dataset, memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, out) < 0) {
     return Error{ErrorCode::kIo,
                  cat("the HDF5 library cannot read elements from ", begin, " on; the file is damaged ",

@@ -29,20 +29,25 @@ using e2lf::hdf5::Storage;
 /// Writes a variable-length ASCII attribute, as Metavision does. Fails with kIo.
 [[nodiscard]] Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text);
 
-/// A one-dimensional data set, opened for reading, with what its length may be believed to be.
+/// A data set of one dimension, or of rows with several columns, opened for reading, with what its length may be
+/// believed to be.
 struct DatasetShape {
   Handle dataset;
   Storage storage;
-  uint64_t length = 0;        ///< elements, no more than are stored: the header alone is not believed
-  uint64_t chunk_length = 0;  ///< elements per chunk; 0 = not chunked
-  bool is_cut = false;        ///< fewer elements are stored than the header claims
+  uint64_t columns = 1;       ///< elements of a row
+  uint64_t length = 0;        ///< rows, no more than are stored: the header alone is not believed
+  uint64_t chunk_length = 0;  ///< rows per chunk; 0 = not chunked
+  bool is_cut = false;        ///< fewer rows are stored than the header claims
 };
 
 /// Opens a data set. Fails with kNotFound, kShape (not one-dimensional), and as hdf5::inspect_storage() does.
 /// `location` names the file and data set in errors.
 [[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location);
 
-/// Reads elements [begin, begin + count) into `out` as `memory_type`. Fails with kIo, and with kTruncated where the
+/// The same for a data set [rows, columns].
+[[nodiscard]] Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location);
+
+/// Reads rows [begin, begin + count) into `out` as `memory_type`. Fails with kIo, and with kTruncated where the
 /// file does not store them.
 [[nodiscard]] Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count,
                                          void* out, const std::string& location);

@@ -9,6 +9,7 @@
 #include "e2lf/events/hdf5/event_chunks.h"
 #include "e2lf/events/hdf5/metavision_hdf5.h"
 #include "e2lf/events/side_triggers.h"
+#include "e2lf/events/time_sort.h"
 
 namespace e2lf::events::hdf5 {
 namespace {
@@ -19,7 +20,7 @@ class TriggerDataset final : public TriggerSource {
  public:
   TriggerDataset(DatasetShape shape, std::string location) : shape_(std::move(shape)), location_(std::move(location)) {}
 
-  Result<bool> next(std::vector<Trigger>& block) override {
+  Result<bool> next(std::vector<Trigger>& block, DecodeSummary&) override {
     const uint64_t count = std::min(kTriggerBlock, shape_.length - next_);
     if (count == 0) return false;
     records_.resize(count);
@@ -87,7 +88,8 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
     }
   } else {
     info.format = "dsec";
-    E2LF_ASSIGN_OR_RETURN(blocks, open_dsec(file.get(), name));
+    E2LF_ASSIGN_OR_RETURN(blocks, open_columns(file.get(), options, name, info));
+    blocks = make_time_sorted(std::move(blocks), /*is_seekable=*/true, name);
     E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->path()));
   }
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));

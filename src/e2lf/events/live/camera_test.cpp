@@ -129,8 +129,8 @@ TEST(ReplayCamera, CyclesCarryTheirArrival) {
   options.source = CycleSource::kTriggers;
   options.schedule = synthesis.schedule;
   options.tracker.first_pattern = 0;
-  auto cycles = CycleReader::open(open_camera("replay:" + (folder / "a.hdf5").string()).value(), options).value();
   const auto begin = Clock::now();
+  auto cycles = CycleReader::open(open_camera("replay:" + (folder / "a.hdf5").string()).value(), options).value();
   for (int i = 0; i < 3; ++i) {
     const auto cycle = cycles.next().value();
     ASSERT_TRUE(cycle.has_value());

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <thread>
 
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
 #include "e2lf/events/live/cameras.h"
 
 namespace e2lf::events {
@@ -52,7 +54,12 @@ class ReplayCamera final : public Camera {
     if (event_ == batch_.events.size() && trigger_ == batch_.triggers.size()) {
       event_ = trigger_ = 0;
       E2LF_ASSIGN_OR_RETURN(const bool more, reader_->read(batch_, kBatchEvents));
-      if (!more) return false;
+      if (!more) {
+        if (const auto left_out = losses(reader_->summary()); !left_out.empty()) {
+          log_warning(cat(reader_->name(), ": left out ", loss_text(left_out)));
+        }
+        return false;
+      }
     }
     int64_t first_us = INT64_MAX;
     if (event_ < batch_.events.size()) first_us = batch_.events.t[event_];

@@ -9,10 +9,12 @@
 
 namespace e2lf::events::npy_events {
 
-/// Events as numpy arrays. A .npy file is one array of records with the fields x, y, p, t (also "polarity", "on",
-/// "ts", "timestamp") in any order and of any integer type; we write OpenEB's {x u2, y u2, p i2, t i8}, 16 bytes. It is
-/// streamed. An .npz file has the columns x, y, p, t as arrays of one length, trigger_p, trigger_id, trigger_t, and
-/// size = [width, height]; it is read and written whole, in memory. Times are microseconds, polarities 0/1 or -1/1.
+/// Events as numpy arrays, in any order of time. A .npy file is one array of records with the fields x, y, p, t (also
+/// "polarity", "on", "ts", "timestamp") in any order and of any type of numbers, or an array [events, 4]
+/// (find_column_order); we write OpenEB's records {x u2, y u2, p i2, t i8}, 16 bytes. It is streamed. An .npz file has
+/// the columns x, y, p, t (also xs, ys, ps, ts and the like) as arrays of one length, or `events` [events, 4];
+/// trigger_p, trigger_id, trigger_t, and size = [width, height]; it is read and written whole, in memory. Polarities
+/// are 0/1 or -1/1; times are microseconds, or seconds where they are floating-point numbers, unless OpenOptions says.
 
 [[nodiscard]] bool detect_npy(std::span<const uint8_t> head);
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> source,

@@ -10,47 +10,75 @@
 #include "e2lf/events/npy_events/column_convert.h"
 #include "e2lf/events/npy_events/npy_events.h"
 #include "e2lf/events/time_search.h"
+#include "e2lf/events/time_sort.h"
 
 namespace e2lf::events::npy_events {
 namespace {
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
 
-/// A column of the archive, checked to be one-dimensional and of whole numbers.
-Result<const NpyArray*> find_column(const NpzArrays& arrays, const std::string& key, const std::string& name) {
-  const auto found = arrays.find(key);
-  if (found == arrays.end()) {
-    return Error{ErrorCode::kNotFound, cat("the archive has no array \"", key, "\"; is it an event recording?"), name};
+using Names = std::initializer_list<const char*>;
+
+/// A column of the archive under one of its names, checked to be one-dimensional and of numbers.
+Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const std::string& name) {
+  for (const char* key : names) {
+    const auto found = arrays.find(key);
+    if (found == arrays.end()) continue;
+    const NpyArray& array = found->second;
+    if (array.shape.size() != 1 || !is_number_type(array.type)) {
+      return Error{ErrorCode::kShape, cat("array \"", key, "\" is not a column of numbers; store x, y, p, t"), name};
+    }
+    return &array;
   }
-  const NpyArray& array = found->second;
-  if (array.shape.size() != 1 || !is_integer_type(array.type)) {
-    return Error{ErrorCode::kShape, cat("array \"", key, "\" is not a column of whole numbers"), name};
-  }
-  return &array;
+  std::vector<std::string> held;
+  for (const auto& [key, array] : arrays) held.push_back(key);
+  return Error{ErrorCode::kNotFound,
+               cat("the archive has no array \"", *names.begin(), "\", but ", join(held),
+                   "; store the columns x, y, p, t, or events as [events, 4]"),
+               name};
+}
+
+Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const std::string& name, size_t count) {
+  E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name));
+  if (count == array->shape[0]) return array;
+  return Error{ErrorCode::kShape, cat("array \"", *names.begin(), "\" differs in length; store it whole"), name};
 }
 
 /// Reads a column of `count` rows; those that do not fit T set their place in `bad`.
 template <typename T>
-Result<Column<T>> read_column(const NpzArrays& arrays, const std::string& key, const std::string& name, size_t count,
+Result<Column<T>> read_column(const NpzArrays& arrays, Names names, const std::string& name, size_t count,
                               Column<uint8_t>& bad) {
-  E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, key, name));
-  if (count != array->shape[0]) return Error{ErrorCode::kShape, cat("array \"", key, "\" differs in length"), name};
+  E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name, count));
   Column<T> column(count);
   to_column(array->bytes.data(), {array->type, 0, array->item_size}, count, column.data(), bad.data());
   return column;
 }
 
-Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::string& name) {
+/// Reads a column of times, in microseconds then.
+Result<Column<int64_t>> read_times(const NpzArrays& arrays, Names names, const std::string& name, size_t count,
+                                   TimeUnit unit, Column<uint8_t>& bad) {
+  E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name, count));
+  Column<int64_t> column(count);
+  to_times(array->bytes.data(), {array->type, 0, array->item_size}, unit, count, column.data(), bad.data());
+  return column;
+}
+
+/// The triggers, sorted; those that cannot be read are added to `num_bad`.
+Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::string& name, TimeUnit unit,
+                                           size_t& num_bad) {
   std::vector<Trigger> triggers;
   if (arrays.count("trigger_t") == 0) return triggers;
-  E2LF_ASSIGN_OR_RETURN(const NpyArray* times, find_column(arrays, "trigger_t", name));
+  E2LF_ASSIGN_OR_RETURN(const NpyArray* times, find_column(arrays, {"trigger_t"}, name));
   const size_t count = times->shape[0];
   Column<uint8_t> bad(count, 0);
-  E2LF_ASSIGN_OR_RETURN(const auto t, read_column<int64_t>(arrays, "trigger_t", name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(const auto p, read_column<uint8_t>(arrays, "trigger_p", name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(const auto id, read_column<uint16_t>(arrays, "trigger_id", name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(const auto t, read_times(arrays, {"trigger_t"}, name, count, unit, bad));
+  E2LF_ASSIGN_OR_RETURN(const auto p, read_column<uint8_t>(arrays, {"trigger_p"}, name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(const auto id, read_column<uint16_t>(arrays, {"trigger_id"}, name, count, bad));
   for (size_t i = 0; i < count; ++i) {
-    if (bad[i] == 0 && is_time(t[i])) triggers.push_back({t[i], id[i], static_cast<uint8_t>(p[i] != 0)});
+    if (bad[i] == 0 && is_time(t[i]))
+      triggers.push_back({t[i], id[i], static_cast<uint8_t>(p[i] != 0)});
+    else
+      ++num_bad;
   }
   std::stable_sort(triggers.begin(), triggers.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
   return triggers;
@@ -149,13 +177,65 @@ void read_size(const NpzArrays& arrays, RecordingInfo& info) {
   info.height = static_cast<size_t>((*size)[1]);
 }
 
+/// The events of an array [events, 4].
+Result<EventColumns> read_rows(const NpyArray& array, const OpenOptions& options, const std::string& name,
+                               RecordingInfo& info, size_t& num_bad) {
+  constexpr size_t kSampledRows = 4096;
+  const auto rows =
+      sample_rows(array.bytes.data(), array.type, array.item_size, std::min(array.shape[0], kSampledRows));
+  E2LF_ASSIGN_OR_RETURN(const std::string order, find_column_order(rows, options.columns, name));
+  if (options.columns.empty()) info.assumptions.push_back(column_assumption(order));
+  RecordFields fields = fields_of_rows(order, array.type, array.item_size);
+  fields.unit = options.time_unit;
+  EventColumns events;
+  num_bad = to_events(array.bytes.data(), fields, array.shape[0], events);
+  return events;
+}
+
+/// The array [events, 4] of an archive, or null.
+const NpyArray* find_rows(const NpzArrays& arrays) {
+  const auto named = arrays.find("events");
+  const NpyArray* const array = named != arrays.end() ? &named->second
+                                : arrays.size() == 1  ? &arrays.begin()->second
+                                                      : nullptr;
+  const bool fits = array != nullptr && array->fields.empty() && array->shape.size() == 2 && array->shape[1] == 4 &&
+                    is_number_type(array->type);
+  return fits ? array : nullptr;
+}
+
+Result<EventColumns> read_events(const NpzArrays& arrays, const OpenOptions& options, const std::string& name,
+                                 RecordingInfo& info, size_t& num_bad) {
+  const Names times = {"t", "ts", "timestamp", "timestamps"};
+  const NpyArray* const rows = find_rows(arrays);
+  std::string type = rows != nullptr ? rows->type : "";
+  EventColumns events;
+  if (rows != nullptr) {
+    E2LF_ASSIGN_OR_RETURN(events, read_rows(*rows, options, name, info, num_bad));
+  } else {
+    E2LF_ASSIGN_OR_RETURN(const NpyArray* time_column, find_column(arrays, times, name));
+    type = time_column->type;
+    const size_t count = time_column->shape[0];
+    Column<uint8_t> bad(count);
+    std::fill(bad.begin(), bad.end(), uint8_t{0});
+    E2LF_ASSIGN_OR_RETURN(events.x, read_column<uint16_t>(arrays, {"x", "xs"}, name, count, bad));
+    E2LF_ASSIGN_OR_RETURN(events.y, read_column<uint16_t>(arrays, {"y", "ys"}, name, count, bad));
+    E2LF_ASSIGN_OR_RETURN(events.p, read_column<uint8_t>(arrays, {"p", "ps", "pol", "polarity"}, name, count, bad));
+    E2LF_ASSIGN_OR_RETURN(events.t, read_times(arrays, times, name, count, options.time_unit, bad));
+    for (size_t i = 0; i < count; ++i) bad[i] |= events.p[i] > 1;
+    num_bad = remove_bad(events, 0, bad);
+  }
+  if (const auto assumed = time_assumption(type, options.time_unit)) info.assumptions.push_back(*assumed);
+  return events;
+}
+
 }  // namespace
 
 bool detect_npz(std::span<const uint8_t> head) {
   constexpr size_t kLocalHeader = 30;
   if (head.size() < kLocalHeader + 5 || load_le<uint32_t>(head.data()) != 0x04034B50) return false;
   const std::string_view first(reinterpret_cast<const char*>(&head[kLocalHeader]), 5);
-  return first == "x.npy" || first == "y.npy" || first == "p.npy" || first == "t.npy";
+  constexpr std::string_view kColumns[] = {"x.npy", "y.npy", "p.npy", "t.npy", "xs.np", "ys.np", "ps.np", "ts.np"};
+  return std::find(std::begin(kColumns), std::end(kColumns), first) != std::end(kColumns);
 }
 
 Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
@@ -168,17 +248,12 @@ Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> so
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
   EventBatch all;
-  E2LF_ASSIGN_OR_RETURN(const NpyArray* times, find_column(arrays, "t", name));
-  const size_t count = times->shape[0];
-  Column<uint8_t> bad(count, 0);
-  E2LF_ASSIGN_OR_RETURN(all.events.x, read_column<uint16_t>(arrays, "x", name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(all.events.y, read_column<uint16_t>(arrays, "y", name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(all.events.p, read_column<uint8_t>(arrays, "p", name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(all.events.t, read_column<int64_t>(arrays, "t", name, count, bad));
-  for (size_t i = 0; i < bad.size(); ++i) bad[i] |= all.events.p[i] > 1;
-  const size_t num_bad = remove_bad(all.events, 0, bad);
-  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name));
-  return make_block_reader(std::make_unique<MemoryBlocks>(std::move(all), num_bad), std::move(info), name, options);
+  size_t num_bad = 0;
+  E2LF_ASSIGN_OR_RETURN(all.events, read_events(arrays, options, name, info, num_bad));
+  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, options.time_unit, num_bad));
+  auto columns = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
+  return make_block_reader(make_time_sorted(std::move(columns), /*is_seekable=*/true, name), std::move(info), name,
+                           options);
 }
 
 Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {

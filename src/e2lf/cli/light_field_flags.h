@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "e2lf/lightfield/light_field_io.h"
+
+namespace e2lf::cli {
+
+/// The flags of verbs that read a light field.
+struct LightFieldFlags {
+  size_t views = 8, step = 1;  ///< per axis; views 0 = all
+  float white = 0.0F;          ///< the stored number that is 1; 0 = as the type says
+  size_t lenslet_views = 0;    ///< per axis of a lenslet mosaic; 0 = as it says
+};
+
+/// Declares --step, --white and --lenslet-views, and --views where the verb can use any number of them.
+void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views);
+
+[[nodiscard]] lightfield::ReadOptions read_options(const LightFieldFlags& flags);
+
+}  // namespace e2lf::cli

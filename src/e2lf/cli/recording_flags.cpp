@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/recording_flags.h"
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/events/live/camera.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+
+void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group) {
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    app.add_option(name, value, text)->group(group);
+  };
+  add("--event-format", flags.format, "format of the recording, where the file does not tell");
+  add("--sensor-width", flags.width, "px, where the recording does not tell");
+  add("--sensor-height", flags.height, "px, where the recording does not tell");
+  add("--columns", flags.columns, "order of the columns of an array [events, 4], as txyp");
+  app.add_option("--time-unit", flags.time_unit,
+                 "of the times of numpy and HDF5 arrays: s, ms, us, ns; auto = s of floating-point numbers, else us")
+      ->check(CLI::IsMember({"auto", "s", "ms", "us", "ns"}))
+      ->group(group);
+  add("--from-us", flags.from_us, "recordings: leave out what is before this time of the recording's own clock");
+  add("--to-us", flags.to_us, "recordings: leave out what is at or after this time of the recording's own clock");
+  app.add_flag("--relative", flags.is_relative,
+               "recordings: --from-us and --to-us count from the first event or trigger")
+      ->group(group);
+  app.add_flag("--strict", flags.is_strict,
+               "recordings: fail and write nothing where events would be left out (damage, outside the sensor, ...)")
+      ->group(group);
+}
+
+namespace {
+
+events::TimeUnit time_unit_of(const std::string& word) {
+  if (word == "s") return events::TimeUnit::kSeconds;
+  if (word == "ms") return events::TimeUnit::kMilliseconds;
+  if (word == "us") return events::TimeUnit::kMicroseconds;
+  return word == "ns" ? events::TimeUnit::kNanoseconds : events::TimeUnit::kAuto;
+}
+
+}  // namespace
+
+bool is_live(const fs::path& input) {
+  return input == "-" || events::is_camera_name(input.string());
+}
+
+Result<events::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags) {
+  if (flags.from_us >= flags.to_us) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the range from ", flags.from_us, " to ", flags.to_us, " us is empty; give a later --to-us"),
+                 "--from-us"};
+  }
+  events::OpenOptions open;
+  open.format = flags.format;
+  open.width = flags.width;
+  open.height = flags.height;
+  open.columns = flags.columns;
+  open.time_unit = time_unit_of(flags.time_unit);
+  open.from_us = flags.from_us;
+  open.to_us = flags.to_us;
+  open.range = flags.is_relative ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;
+  open.threads = 0;
+  // Who waits for a camera hears of damage at once; of a file, the account at the end says it all.
+  open.policy = flags.is_strict  ? events::DecodePolicy::kStrict
+                : is_live(input) ? events::DecodePolicy::kReport
+                                 : events::DecodePolicy::kSkip;
+  return open;
+}
+
+void say_assumptions(const events::RecordingReader& reader) {
+  for (const std::string& assumption : reader.info().assumptions) log_info(cat(reader.name(), ": ", assumption));
+}
+
+Json losses_json(const events::DecodeSummary& summary) {
+  Json json = Json::array();
+  for (const events::Loss& loss : events::losses(summary)) {
+    json.push_back({{"reason", loss.reason}, {"count", loss.count}, {"first_byte", loss.first_byte}});
+  }
+  return json;
+}
+
+void warn_of_losses(const fs::path& input, const events::DecodeSummary& summary) {
+  const std::vector<events::Loss> losses = events::losses(summary);
+  if (losses.empty()) return;
+  const bool is_outside = summary.of(events::Violation::kOutOfRange).count > 0;
+  const char* const advice = is_outside ? "; --sensor-width and --sensor-height give the sensor's size" : "";
+  log_warning(cat(input.string(), ": left out ", events::loss_text(losses), advice));
+}
+
+std::string sorted_text(const events::DecodeSummary& summary) {
+  return summary.out_of_order == 0 ? "" : cat(", ", summary.out_of_order, " of them sorted to their place");
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "e2lf/base/options.h"
+#include "e2lf/base/result.h"
+#include "e2lf/events/recording.h"
+
+namespace e2lf::cli {
+
+/// The flags of every verb that reads a recording.
+struct RecordingFlags {
+  std::string format;                              ///< empty = detected
+  size_t width = 0, height = 0;                    ///< px; 0 = as the recording says
+  int64_t from_us = INT64_MIN, to_us = INT64_MAX;  ///< of the recording's clock
+  std::string columns, time_unit = "auto";         ///< of arrays
+  bool is_relative = false;                        ///< they count from its first event or trigger
+  bool is_strict = false;                          ///< what would be left out is an error
+};
+
+/// Declares --event-format, --sensor-width, --sensor-height, --columns, --time-unit, --from-us, --to-us, --relative and
+/// --strict.
+void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group);
+
+/// Whether an input is read as it arrives: "-", a camera, a socket.
+[[nodiscard]] bool is_live(const std::filesystem::path& input);
+
+/// What the flags ask of a reader. Fails with kInvalidValue where they contradict each other.
+[[nodiscard]] Result<events::OpenOptions> open_options(const std::filesystem::path& input, const RecordingFlags& flags);
+
+/// Says on stderr what the recording does not tell and was taken for granted.
+void say_assumptions(const events::RecordingReader& reader);
+
+/// What was left out of a recording, by reason: [{"reason", "count", "first_byte"}, ...].
+[[nodiscard]] Json losses_json(const events::DecodeSummary& summary);
+
+/// Says on stderr, with --quiet too, what was left out; nothing when nothing was. To be called also before a verb fails
+/// for want of events.
+void warn_of_losses(const std::filesystem::path& input, const events::DecodeSummary& summary);
+
+/// ", 20 of them sorted to their place"; empty when all were in order.
+[[nodiscard]] std::string sorted_text(const events::DecodeSummary& summary);
+
+}  // namespace e2lf::cli

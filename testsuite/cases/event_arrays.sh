@@ -1,0 +1,81 @@
+# Events as people have them in numpy and HDF5: columns under other names, arrays [events, 4], times in seconds.
+py - <<'PY'
+import h5py, numpy as np
+rng = np.random.default_rng(1)
+n = 5000
+t = np.cumsum(rng.integers(0, 20, n)) + 1000
+x, y, p = rng.integers(0, 64, n), rng.integers(0, 48, n), rng.integers(0, 2, n)
+np.savez("truth.npz", x=x.astype(np.uint16), y=y.astype(np.uint16), p=p.astype(np.uint8), t=t.astype(np.int64))
+np.save("txyp.npy", np.stack([t, x, y, p], 1))
+np.save("txyp_seconds.npy", np.stack([t * 1e-6, x, y, 2 * p - 1], 1))
+np.save("xytp.npy", np.stack([x, y, t, p], 1).astype(np.uint32))
+np.save("xypt.npy", np.stack([x, y, p, t], 1).astype(">i8"))
+np.savez("seconds.npz", x=x, y=y, p=p, t=t * 1e-6)
+np.savez("names.npz", xs=x, ys=y, ps=2 * p - 1, ts=t)
+np.savez("rows.npz", events=np.stack([t, x, y, p], 1))
+np.savez("ns.npz", x=x, y=y, p=p, t=t * 1000)
+with h5py.File("names.h5", "w") as f:
+    for key, column in (("xs", x), ("ys", y), ("ts", t * 1e-6), ("ps", p)):
+        f["events/" + key] = column
+with h5py.File("plain.h5", "w") as f:
+    for key, column in (("x", x), ("y", y), ("t", t), ("p", p.astype(bool))):
+        f[key] = column
+with h5py.File("v2e.h5", "w") as f:
+    f.create_dataset("events", data=np.stack([t, x, y, p], 1).astype(np.uint32), chunks=(1000, 4), compression="gzip")
+np.save("square.npy", np.zeros((100, 4), np.int64))
+PY
+same() {
+  py - "$1" <<'PY'
+import sys
+import numpy as np
+a, b = np.load("truth.npz"), np.load(sys.argv[1])
+assert all(np.array_equal(a[k], b[k]) for k in "xypt"), sys.argv
+PY
+}
+for input in txyp.npy txyp_seconds.npy xytp.npy xypt.npy seconds.npz names.npz rows.npz names.h5 plain.h5 v2e.h5; do
+  "$E2LF" convert "$input" out.npz --overwrite --strict 2>stderr.txt || fail "$input: $(cat stderr.txt)"
+  same out.npz
+  "$E2LF" info "$input" --json >info.json 2>/dev/null
+  check "$(json info.json "j['kind'] == 'recording' and j['events'] == 5000")"
+done
+# What the file does not say is said: the unit of times, and which column is what.
+"$E2LF" convert seconds.npz out.npz --overwrite 2>stderr.txt
+grep -q "read as seconds" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
+"$E2LF" convert xytp.npy out.npz --overwrite 2>stderr.txt
+grep -q "x, y, t, p" stderr.txt || fail "the columns are not stated: $(cat stderr.txt)"
+"$E2LF" convert ns.npz out.npz --overwrite --time-unit ns
+same out.npz
+"$E2LF" convert txyp.npy out.npz --overwrite --columns txyp
+same out.npz
+fails 1 "--columns" "$E2LF" convert square.npy out2.npz
+absent out2.npz
+# Float16 and other numbers as light fields; counts ask for their white.
+py - <<'PY'
+import numpy as np
+rng = np.random.default_rng(2)
+a = rng.integers(0, 256, (8, 8, 6, 7))
+np.save("half.npy", (a / 255).astype(np.float16))
+np.save("counts.npy", a.astype(np.float32))
+np.save("int32.npy", a.astype(np.int32))
+np.save("bytes.npy", a.astype(np.uint8))
+np.save("large.npy", np.tile(a, (2, 2, 1, 1))[:10, :12].astype(np.uint8))
+PY
+"$E2LF" convert half.npy half
+fails 1 "--white" "$E2LF" convert counts.npy counts
+fails 1 "--white" "$E2LF" convert int32.npy counts
+absent counts
+"$E2LF" convert bytes.npy bytes
+for input in counts int32; do
+  "$E2LF" convert "$input.npy" "$input" --white 255
+  cmp bytes/03_04.png "$input/03_04.png"
+done
+# A mosaic says how many views it has.
+"$E2LF" convert bytes.npy mosaic.png
+"$E2LF" convert mosaic.png back
+cmp bytes/03_04.png back/03_04.png
+# Which views are taken of a larger grid.
+"$E2LF" simulate large.npy -o large.npz 2>stderr.txt
+grep -q "took view rows 1..8 of 10 and columns 2..9 of 12" stderr.txt || fail "$(cat stderr.txt)"
+"$E2LF" convert large.npy step2 --views 4 --step 2 2>stderr.txt
+grep -q "took view rows 1..7 in steps of 2 of 10" stderr.txt || fail "$(cat stderr.txt)"
+[ "$(ls step2 | wc -l)" -eq 16 ] || fail "--views"

@@ -1,0 +1,100 @@
+# No event is left out in silence: what is dropped is counted by reason on stderr (with --quiet too), in --json and in the record; --strict refuses it.
+py - <<'PY'
+import random
+random.seed(1)
+t = 1000
+rows = []
+for i in range(50000):
+    t += random.randint(0, 3)
+    rows.append((random.randrange(64), random.randrange(48), random.randrange(2), t))
+open("sorted.csv", "w").write("".join("%d,%d,%d,%d\n" % r for r in rows))
+random.shuffle(rows)
+open("shuffled.csv", "w").write("".join("%d,%d,%d,%d\n" % r for r in rows))
+near = sorted(rows, key=lambda r: r[3] + random.randint(-1, 1))
+open("jitter.csv", "w").write("".join("%d,%d,%d,%d\n" % r for r in near))
+PY
+# Text, npy and npz in any order: every event is there, in order of time.
+py - <<'PY'
+import numpy as np
+a = np.loadtxt("shuffled.csv", delimiter=",", dtype=np.int64)
+np.savez("shuffled.npz", x=a[:, 0].astype(np.uint16), y=a[:, 1].astype(np.uint16), p=a[:, 2].astype(np.uint8), t=a[:, 3])
+records = np.zeros(len(a), dtype=[("x", "u2"), ("y", "u2"), ("p", "i2"), ("t", "i8")])
+for i, name in enumerate("xypt"):
+    records[name] = a[:, i]
+np.save("shuffled.npy", records)
+PY
+for input in shuffled.csv jitter.csv shuffled.npz shuffled.npy; do
+  "$E2LF" convert "$input" out.npz --overwrite --strict --json >out.json
+  check "$(json out.json "j['events'] == 50000 and j['left_out'] == [] and j['sorted'] > 0")"
+  py - <<'PY'
+import numpy as np
+a, b = np.load("out.npz"), np.loadtxt("sorted.csv", delimiter=",", dtype=np.int64)
+columns = np.stack([a[k].astype(np.int64) for k in "xypt"], 1)
+assert (np.diff(columns[:, 3]) >= 0).all()
+order = lambda m: m[np.lexsort(m.T)]
+assert np.array_equal(order(columns), order(b))
+PY
+done
+"$E2LF" convert - out.npz --overwrite --json --event-format csv <shuffled.csv >out.json
+check "$(json out.json "j['events']") == 50000"
+cat jitter.csv | "$E2LF" convert - out.npz --overwrite --json --event-format csv >out.json
+check "$(json out.json "j['events']") == 50000"
+
+# What is outside the sensor is said, with the count and the remedy.
+"$E2LF" convert sorted.csv small.npz --sensor-width 32 --sensor-height 48 --quiet 2>stderr.txt
+grep -qE "left out [0-9]+ events outside the sensor; --sensor-width" stderr.txt || fail "$(cat stderr.txt)"
+"$E2LF" convert sorted.csv small.npz --sensor-width 32 --sensor-height 48 --overwrite --json >out.json 2>stderr.txt
+check "$(json out.json "j['left_out'][0]['reason'] == 'out_of_range' and j['left_out'][0]['count'] + j['events'] == 50000")"
+fails 1 "strict" "$E2LF" convert sorted.csv strict.npz --sensor-width 32 --sensor-height 48 --strict
+absent strict.npz
+"$E2LF" info sorted.csv --sensor-width 32 --sensor-height 48 --json >out.json
+check "$(json out.json "j['left_out'][0]['count'] + j['events'] == 50000")"
+
+# Damage in RAW is in the JSON of convert and accumulate, and --strict refuses it.
+"$E2LF" demo -o demo --width 96 --height 64 --quiet
+"$E2LF" simulate demo/scene -o recording.raw --quiet
+py - <<'PY'
+data = bytearray(open("recording.raw", "rb").read())
+middle = len(data) // 2
+del data[middle:middle + 3]
+open("damaged.raw", "wb").write(data)
+PY
+"$E2LF" convert damaged.raw damaged.npz --json --quiet >out.json 2>stderr.txt
+check "$(json out.json "sum(l['count'] for l in j['left_out'])") > 0"
+grep -q "damaged.raw: left out" stderr.txt || fail "convert says nothing: $(cat stderr.txt)"
+fails 1 "strict" "$E2LF" convert damaged.raw strict.npz --strict
+absent strict.npz
+fails 1 "strict" "$E2LF" accumulate damaged.raw -o strict.npz --strict
+absent strict.npz strict.npz.run.json
+
+# No event is no result; a range is of the recording's clock, or with --relative since its first event.
+printf '%%geometry:64,48\n' >empty.csv
+fails 1 "no event and no trigger" "$E2LF" convert empty.csv empty.npz
+fails 1 "is empty" "$E2LF" convert sorted.csv range.npz --from-us 2 --to-us 1
+fails 1 "in that time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
+absent empty.npz range.npz
+"$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --json >absolute.json
+first=$(head -1 sorted.csv | cut -d, -f4)
+"$E2LF" convert sorted.csv range.npz --from-us $((11000 - first)) --to-us $((21000 - first)) --relative --shift-time --overwrite --json >relative.json
+"$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --shift-time --overwrite --json >shifted.json
+check "$(json absolute.json "j['events']") == $(json relative.json "j['events']") == $(json shifted.json "j['events']") > 0"
+
+# A text whose columns are not known is no recording without events.
+printf 'frame,time,row,column,sign\n1,2,3,4,5\n' >unknown.csv
+fails 1 "are not known" "$E2LF" info unknown.csv
+fails 1 "are not known" "$E2LF" convert unknown.csv unknown.npz
+absent unknown.npz
+# Event images of another size are not those of a light field.
+"$E2LF" simulate demo/scene -o demo.npz --quiet
+"$E2LF" demo -o small --width 80 --height 64 --quiet
+fails 1 "are not of a light field" "$E2LF" eval small/scene small/scene --events demo.npz
+# What info tells of triggers, of a sensor of unknown size, and of packed data.
+"$E2LF" info recording.raw --json >info.json
+check "$(json info.json "j['trigger_channels'][0]['rising'] > 0 and j['trigger_channels'][0]['rising_period_us'] > 0 and j['extents']['width'] <= 96")"
+"$E2LF" info sorted.csv >info.txt
+grep -q "its events reach 64x48 px" info.txt || fail "$(cat info.txt)"
+"$E2LF" pack demo/scene -o packed.safetensors --quiet
+"$E2LF" info packed.safetensors --json >info.json
+check "$(json info.json "j['kind'] == 'training data' and len(j['light_fields']) == 1")"
+fails 1 "strict" "$E2LF" reconstruct damaged.raw --method inversion -o strict --strict
+absent strict
