@@ -101,7 +101,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_RETURN_IF_ERROR(write_file(picture->path(), plot.svg()));
     E2LF_RETURN_IF_ERROR(picture->commit());
   }
-  confidence.warn(arguments.input);
+  confidence.warn(arguments.input, report);
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
   E2LF_RETURN_IF_ERROR(writer.finish());
   record.note("cycles", report_json(report));

@@ -18,26 +18,13 @@ Result<events::Schedule> schedule_of(const CycleFlags& flags) {
   return events::paper_schedule(flags.num_patterns);
 }
 
-/// Whether a recording has triggers among its first million events.
-Result<bool> begins_with_triggers(const fs::path& path, const events::OpenOptions& options) {
-  E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_recording(path, options));
-  events::EventBatch batch;
-  for (size_t seen = 0; seen < 1'000'000; seen += batch.events.size()) {
-    E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
-    if (!batch.triggers.empty()) return true;
-    if (!more) break;
-  }
-  return false;
-}
-
-Result<events::CycleSource> source_of(const fs::path& input, const CycleFlags& flags,
-                                      const events::OpenOptions& options) {
+/// What was named, or what other flags imply.
+events::CycleSource source_of(const CycleFlags& flags) {
   if (flags.source == "triggers") return events::CycleSource::kTriggers;
   if (flags.source == "schedule") return events::CycleSource::kSchedule;
-  std::error_code error;
-  if (flags.source == "bursts" || !fs::is_regular_file(input, error)) return events::CycleSource::kBursts;
-  E2LF_ASSIGN_OR_RETURN(const bool triggers, begins_with_triggers(input, options));
-  return triggers ? events::CycleSource::kTriggers : events::CycleSource::kBursts;
+  if (flags.source == "bursts") return events::CycleSource::kBursts;
+  if (flags.one_trigger_per_cycle || flags.channel) return events::CycleSource::kTriggers;
+  return flags.origin_us ? events::CycleSource::kSchedule : events::CycleSource::kAuto;
 }
 
 events::TriggerEdge edge_of(const std::string& name) {
@@ -67,7 +54,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
       ->group(group);
   app.add_option("--channel", flags.channel, "trigger input; default: all")->group(group);
   app.add_option("--first-pattern", flags.first_pattern,
-                 "pattern of the first trigger or burst, from 0; default: 0 for triggers, found for bursts")
+                 "pattern of the first trigger or burst, from 0; default: found from the intervals and the events")
       ->group(group);
   app.add_flag("--one-trigger-per-cycle", flags.one_trigger_per_cycle, "triggers mark cycles, not patterns")
       ->group(group);
@@ -84,13 +71,15 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   E2LF_ASSIGN_OR_RETURN(const events::OpenOptions open, open_options(input, flags.recording));
   events::CycleOptions options;
   E2LF_ASSIGN_OR_RETURN(options.schedule, schedule_of(flags));
-  E2LF_ASSIGN_OR_RETURN(options.source, source_of(input, flags, open));
+  options.source = source_of(flags);
   options.edge = edge_of(flags.edge);
   options.channel = flags.channel;
   options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
   options.tracker.first_pattern = flags.first_pattern;
-  // Triggers have no sign, and the paper's intervals repeat within a cycle: the pattern of the first one must be given.
-  if (options.source == events::CycleSource::kTriggers && !flags.first_pattern) options.tracker.first_pattern = 0;
+  // Triggers are often set up to begin with the sequence; bursts say nothing of it.
+  const bool may_be_triggers =
+      options.source == events::CycleSource::kTriggers || options.source == events::CycleSource::kAuto;
+  if (may_be_triggers) options.tracker.likely_first_pattern = 0;
   if (options.source == events::CycleSource::kSchedule && !flags.origin_us) {
     return Error{
         ErrorCode::kInvalidValue,
@@ -113,7 +102,12 @@ void ConfidenceWatch::add(const events::Cycle& cycle) {
   least_ = std::min(least_, cycle.confidence);
 }
 
-void ConfidenceWatch::warn(const fs::path& input) const {
+void ConfidenceWatch::warn(const fs::path& input, const events::CycleReport& report) const {
+  if (report.has_assumed_first) {
+    log_warning(cat(input.string(),
+                    ": neither intervals nor events tell which pattern the first trigger begins: pattern ",
+                    "0 of the schedule is assumed; name it with --first-pattern"));
+  }
   if (doubtful_ == 0) return;
   log_warning(cat(input.string(), ": the events of ", doubtful_, " of ", cycles_,
                   " cycles do not change when the patterns should have (least confidence ", least_,
@@ -132,8 +126,13 @@ std::string report_text(const events::CycleReport& report) {
 }
 
 Error no_cycle_error(const fs::path& input, const events::CycleReport& report) {
+  std::string found = report_text(report);
+  if (report.unassigned_marks > 0) {
+    found += cat("; of ", report.marks, " triggers or bursts the pattern of ", report.unassigned_marks,
+                 " could not be told, --first-pattern names the first's");
+  }
   return {ErrorCode::kInvalidValue,
-          cat("no complete pattern cycle was found (", report_text(report),
+          cat("no complete pattern cycle was found (", found,
               "); `e2lf accumulate ... --plot cycles.svg` shows what is there, --source, --schedule and --patterns say "
               "what to look for"),
           input.string()};

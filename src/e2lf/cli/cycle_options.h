@@ -37,8 +37,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
 /// Opens a recording (a path, "-" for standard input, or a camera's name) cut into cycles as the flags say.
 /// Fails with kInvalidValue where the schedule alone shall tell and nothing says when it began.
-/// "auto" takes triggers when the recording has some among its first events, else bursts; a pipe or socket cannot be
-/// looked at first, so there it means bursts.
+/// "auto" takes triggers when the recording begins with some, else bursts.
 [[nodiscard]] Result<events::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
 
@@ -47,8 +46,8 @@ class ConfidenceWatch {
  public:
   void add(const events::Cycle& cycle);
   [[nodiscard]] float least() const { return least_; }
-  /// Warns of cycles in whose claimed changes nothing happens, or the opposite.
-  void warn(const std::filesystem::path& input) const;
+  /// Warns of cycles in whose claimed changes nothing happens, or the opposite, and of what had to be assumed.
+  void warn(const std::filesystem::path& input, const events::CycleReport& report) const;
 
  private:
   float least_ = 1.0F;

@@ -337,7 +337,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   if (input.is_recording()) {
     warn_of_losses(arguments.input, input.summary());
     if (writer.cycles().empty()) return no_cycle_error(arguments.input, input.report());
-    input.confidence().warn(arguments.input);
+    input.confidence().warn(arguments.input, input.report());
     record.note("found", report_json(input.report()));
     record.note("left_out", losses_json(input.summary()));
   }

@@ -2,6 +2,7 @@
 #include "e2lf/events/cycles/cycle_reader.h"
 
 #include <algorithm>
+#include <deque>
 
 #include "e2lf/base/text.h"
 #include "e2lf/events/cycles/cycle_assembler.h"
@@ -10,6 +11,9 @@ namespace e2lf::events {
 namespace {
 
 constexpr size_t kBatchEvents = size_t{1} << 16;
+/// How far kAuto looks for triggers.
+constexpr int64_t kCyclesAhead = 2;
+constexpr size_t kEventsAhead = 1'000'000, kMaxEventsAhead = 16'000'000;
 
 /// The schedule as the tracker sees it: with one trigger per cycle, one pattern as long as the cycle.
 Schedule tracked_schedule(const CycleOptions& options) {
@@ -21,16 +25,52 @@ Schedule tracked_schedule(const CycleOptions& options) {
 
 TrackerOptions tracker_options(const CycleOptions& options) {
   TrackerOptions tracker = options.tracker;
+  if (options.source == CycleSource::kBursts) tracker.likely_first_pattern.reset();
   if (options.source == CycleSource::kTriggers && options.one_trigger_per_cycle) tracker.first_pattern = 0;
   return tracker;
+}
+
+/// Whether a trigger is one that patterns may begin with.
+bool is_mark(const Trigger& trigger, const CycleOptions& options) {
+  if (options.channel && trigger.id != *options.channel) return false;
+  return options.edge == TriggerEdge::kBoth || (trigger.p != 0) == (options.edge == TriggerEdge::kRising);
+}
+
+/// The first batches of a recording, read to look for triggers.
+struct Beginning {
+  std::deque<EventBatch> batches;
+  bool has_triggers = false;
+};
+
+/// Reads until there is a trigger, or until there should have been one: in a live recording, where cycles wait for it,
+/// after two cycles; in others after a million events too, for those that begin before the aperture moves.
+Result<Beginning> read_beginning(RecordingReader& reader, const CycleOptions& options) {
+  Beginning beginning;
+  std::optional<int64_t> first_us;
+  size_t events = 0;
+  for (EventBatch batch; !beginning.has_triggers;) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch, kBatchEvents));
+    if (!more) break;
+    beginning.has_triggers = std::any_of(batch.triggers.begin(), batch.triggers.end(),
+                                         [&](const Trigger& trigger) { return is_mark(trigger, options); });
+    events += batch.events.size();
+    const std::optional<int64_t> last_us = batch.events.empty() ? std::nullopt : std::optional(batch.events.t.back());
+    if (!first_us && last_us) first_us = batch.events.t.front();
+    beginning.batches.push_back(std::move(batch));
+    const bool is_long = last_us && *last_us - *first_us >= kCyclesAhead * options.schedule.cycle_us();
+    if (is_long && (events >= kEventsAhead || reader.arrival())) break;
+    if (events >= kMaxEventsAhead) break;
+  }
+  return beginning;
 }
 
 }  // namespace
 
 class CycleReader::Impl {
  public:
-  Impl(std::unique_ptr<RecordingReader> reader, const CycleOptions& options)
+  Impl(std::unique_ptr<RecordingReader> reader, const CycleOptions& options, Beginning beginning)
       : reader_(std::move(reader)),
+        beginning_(std::move(beginning.batches)),
         options_(options),
         tracker_(tracked_schedule(options), tracker_options(options)),
         bursts_(options.bursts),
@@ -53,15 +93,25 @@ class CycleReader::Impl {
     CycleReport report = assembler_.report();
     report.marks = marks_;
     report.unassigned_marks = tracker_.unassigned_marks();
+    report.has_assumed_first = tracker_.has_assumed_first();
     return report;
   }
 
   const RecordingReader& recording() const { return *reader_; }
+  CycleSource source() const { return options_.source; }
 
  private:
+  /// The next batch: of those that were read already, then of the recording.
+  Result<bool> read_batch() {
+    if (beginning_.empty()) return reader_->read(batch_, kBatchEvents);
+    batch_ = std::move(beginning_.front());
+    beginning_.pop_front();
+    return true;
+  }
+
   /// Reads one batch and works through what it makes known.
   Result<void> advance() {
-    E2LF_ASSIGN_OR_RETURN(const bool more, reader_->read(batch_, kBatchEvents));
+    E2LF_ASSIGN_OR_RETURN(const bool more, read_batch());
     has_ended_ = !more;
     if (options_.on_batch) options_.on_batch(batch_);
     if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
@@ -83,6 +133,8 @@ class CycleReader::Impl {
         add_starts_of_marks();
         known_us = tracker_.known_until(has_ended_ ? INT64_MAX : bursts_.known_until_us());
         break;
+      case CycleSource::kAuto:
+        E2LF_REQUIRE(false, "the source was decided on when the recording was opened");
     }
     assembler_.add_events(batch_.events);
     assembler_.process(has_ended_ ? INT64_MAX : known_us, tracker_by_pattern());
@@ -93,6 +145,11 @@ class CycleReader::Impl {
   void add_starts_of_marks() {
     starts_.clear();
     for (const Mark& mark : found_) add_mark(mark);
+    add_starts();
+  }
+
+  void add_starts() {
+    if (has_ended_) tracker_.finish(starts_);
     for (const PatternStart& start : starts_) add_start(start);
   }
 
@@ -107,7 +164,7 @@ class CycleReader::Impl {
     starts_.clear();
     signer_.add(batch_.events, found_);
     while (const auto mark = signer_.take(/*needs_sign=*/!tracker_.is_locked(), has_ended_)) add_mark(*mark);
-    for (const PatternStart& start : starts_) add_start(start);
+    add_starts();
   }
 
   /// The starts up to the last time read; the first whole cycle of the recording is the first.
@@ -135,10 +192,7 @@ class CycleReader::Impl {
 
   void find_trigger_marks() {
     for (const Trigger& trigger : batch_.triggers) {
-      if (options_.channel && trigger.id != *options_.channel) continue;
-      if (options_.edge == TriggerEdge::kRising && trigger.p == 0) continue;
-      if (options_.edge == TriggerEdge::kFalling && trigger.p != 0) continue;
-      found_.push_back({trigger.t, {}, 1.0F});
+      if (is_mark(trigger, options_)) found_.push_back({trigger.t, {}, 1.0F});
     }
   }
 
@@ -160,6 +214,7 @@ class CycleReader::Impl {
   }
 
   std::unique_ptr<RecordingReader> reader_;
+  std::deque<EventBatch> beginning_;  ///< read already, to look for triggers
   CycleOptions options_;
   PatternTracker tracker_;
   BurstDetector bursts_;
@@ -190,7 +245,13 @@ Result<CycleReader> CycleReader::open(std::unique_ptr<RecordingReader> reader, c
         "the recording does not say how large the sensor is; give its width and height (--sensor-width, "
         "--sensor-height)");
   }
-  return CycleReader(std::make_unique<Impl>(std::move(reader), options));
+  if (options.source != CycleSource::kAuto) {
+    return CycleReader(std::make_unique<Impl>(std::move(reader), options, Beginning()));
+  }
+  E2LF_ASSIGN_OR_RETURN(Beginning beginning, read_beginning(*reader, options));
+  CycleOptions decided = options;
+  decided.source = beginning.has_triggers ? CycleSource::kTriggers : CycleSource::kBursts;
+  return CycleReader(std::make_unique<Impl>(std::move(reader), decided, std::move(beginning)));
 }
 
 CycleReader::CycleReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -203,6 +264,9 @@ Result<std::optional<Cycle>> CycleReader::next() {
 }
 CycleReport CycleReader::report() const {
   return impl_->report();
+}
+CycleSource CycleReader::source() const {
+  return impl_->source();
 }
 const RecordingReader& CycleReader::recording() const {
   return impl_->recording();

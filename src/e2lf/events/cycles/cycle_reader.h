@@ -25,6 +25,7 @@ enum class CycleSource {
   kTriggers,  ///< an external trigger for each pattern, or for each cycle
   kSchedule,  ///< the schedule alone, from one known time on
   kBursts,    ///< the events themselves
+  kAuto,      ///< triggers where the recording begins with some of the channel and edge, otherwise bursts
 };
 
 enum class TriggerEdge { kRising, kFalling, kBoth };
@@ -91,6 +92,7 @@ struct CycleReport {
   std::vector<DroppedCycle> drops;  ///< the first kMaxDrops
   uint64_t marks = 0;               ///< triggers of the channel and edge, or bursts
   uint64_t unassigned_marks = 0;    ///< of them, those whose pattern could not be told
+  bool has_assumed_first = false;   ///< intervals and events left open what the first trigger begins
   uint64_t events_given_up = 0;     ///< waited too long
   uint64_t hot_pixels = 0;          ///< that the filter silences now
 
@@ -102,7 +104,8 @@ struct CycleReport {
 class CycleReader {
  public:
   /// Fails with kInvalidValue: a schedule that is not valid, a first pattern that does not exist, a sensor of unknown
-  /// size (give the reader one).
+  /// size (give the reader one). With kAuto two cycles' time of the recording is read first, and what comes later
+  /// waits.
   [[nodiscard]] static Result<CycleReader> open(std::unique_ptr<RecordingReader> reader, const CycleOptions& options);
 
   CycleReader(CycleReader&&) noexcept;
@@ -114,6 +117,9 @@ class CycleReader {
   [[nodiscard]] Result<std::optional<Cycle>> next();
 
   [[nodiscard]] CycleReport report() const;
+
+  /// What tells when patterns change; never kAuto.
+  [[nodiscard]] CycleSource source() const;
   [[nodiscard]] const RecordingReader& recording() const;
 
  private:

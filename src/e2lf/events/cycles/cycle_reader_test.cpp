@@ -207,6 +207,56 @@ TEST(CycleReader, FirstPatternOfTriggersNeedNotBeGiven) {
   }
 }
 
+TEST(CycleReader, PatternOfTriggersThatNothingTellsIsAssumed) {
+  SynthesisOptions synthesis;
+  synthesis.schedule = plain_schedule(2, 10000);
+  CycleOptions options = by_triggers();
+  options.schedule = synthesis.schedule;
+  options.tracker.first_pattern.reset();
+  EXPECT_TRUE(cut(10, synthesis, options).cycles.empty());
+  options.tracker.likely_first_pattern = 0;
+  const Outcome outcome = cut(10, synthesis, options);
+  expect_exact(outcome, 10, synthesis);
+  EXPECT_TRUE(outcome.report.has_assumed_first);
+  // The paper's sequence is told by its signs: nothing is assumed.
+  CycleOptions paper = by_triggers();
+  paper.tracker.first_pattern.reset();
+  paper.tracker.likely_first_pattern = 0;
+  EXPECT_FALSE(cut(10, SynthesisOptions(), paper).report.has_assumed_first);
+}
+
+TEST(CycleReader, RecordingOfOneCycleIsEnough) {
+  SynthesisOptions synthesis;
+  CycleOptions triggers = by_triggers();
+  triggers.tracker.first_pattern.reset();
+  for (const CycleOptions& options : {by_triggers(), triggers, CycleOptions()}) {
+    expect_exact(cut(1, synthesis, options), 1, synthesis);
+  }
+}
+
+TEST(CycleReader, TriggersAreTakenWhereThereAreSomeAtTheBeginning) {
+  SynthesisOptions synthesis;
+  CycleOptions options;
+  options.source = CycleSource::kAuto;
+  const auto source_of = [&](const Change& change) {
+    RecordingInfo info;
+    info.width = kWidth;
+    info.height = kHeight;
+    auto blocks = std::make_unique<SynthesisedBlocks>(5, synthesis, change);
+    auto reader = CycleReader::open(make_block_reader(std::move(blocks), info, "synthesis", {}), options);
+    EXPECT_TRUE(reader.ok());
+    return reader->source();
+  };
+  EXPECT_EQ(source_of({}), CycleSource::kTriggers);
+  expect_exact(cut(20, synthesis, options), 20, synthesis);
+  const auto other_channel = [](uint64_t, SynthesisedCycle& cycle) {
+    for (Trigger& trigger : cycle.batch.triggers) trigger.id = 3;
+  };
+  options.channel = 0;
+  EXPECT_EQ(source_of(other_channel), CycleSource::kBursts);
+  expect_exact(cut(20, synthesis, options, other_channel), 20, synthesis);
+}
+
 TEST(CycleReader, OneTriggerForEachCycleIsEnough) {
   SynthesisOptions synthesis;
   CycleOptions options = by_triggers();

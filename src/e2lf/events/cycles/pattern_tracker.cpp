@@ -32,6 +32,7 @@ int64_t PatternTracker::known_until(int64_t t_us) const {
 void PatternTracker::add(const Mark& mark, std::vector<PatternStart>& starts) {
   if (std::exchange(is_first_, false) && options_.first_pattern) {
     pattern_ = *options_.first_pattern;
+    has_locked_ = true;
     last_us_ = mark.t_us;
     starts.push_back({mark.t_us, *pattern_, PatternStart::Kind::kSeen, mark.confidence});
     return;
@@ -48,36 +49,47 @@ void PatternTracker::add(const Mark& mark, std::vector<PatternStart>& starts) {
 
 /// Once a whole cycle of marks fits in one way only, all of them are known; otherwise the oldest is given up.
 void PatternTracker::search(std::vector<PatternStart>& starts) {
-  if (found_.size() <= interval_us_.size()) return;
-  if (const auto phase = find_phase()) {
-    for (size_t i = 0; i < found_.size(); ++i) {
-      if (i > 0) learn(after(*phase, i - 1), static_cast<double>(found_[i].t_us - found_[i - 1].t_us));
-      starts.push_back({found_[i].t_us, after(*phase, i), PatternStart::Kind::kSeen, found_[i].confidence});
-    }
-    pattern_ = starts.back().pattern;
-    last_us_ = found_.back().t_us;
-    found_.clear();
-    return;
-  }
+  if (found_.size() <= interval_us_.size() || lock(starts)) return;
   found_.pop_front();
   ++unassigned_;
 }
 
-std::optional<size_t> PatternTracker::find_phase() const {
-  std::optional<size_t> best;
-  float best_score = 0, second_score = -1;
+/// A recording of one cycle has no mark behind it.
+void PatternTracker::finish(std::vector<PatternStart>& starts) {
+  if (!pattern_ && found_.size() == interval_us_.size()) static_cast<void>(lock(starts));
+}
+
+/// Gives the marks found their patterns, if those can be told.
+bool PatternTracker::lock(std::vector<PatternStart>& starts) {
+  const auto phase = find_phase();
+  if (!phase) return false;
+  for (size_t i = 0; i < found_.size(); ++i) {
+    if (i > 0) learn(after(*phase, i - 1), static_cast<double>(found_[i].t_us - found_[i - 1].t_us));
+    starts.push_back({found_[i].t_us, after(*phase, i), PatternStart::Kind::kSeen, found_[i].confidence});
+  }
+  pattern_ = starts.back().pattern;
+  last_us_ = found_.back().t_us;
+  found_.clear();
+  has_locked_ = true;
+  return true;
+}
+
+std::optional<size_t> PatternTracker::find_phase() {
+  std::vector<size_t> best;
+  float best_score = 0;
   for (size_t phase = 0; phase < interval_us_.size(); ++phase) {
     const auto score = phase_score(phase);
-    if (!score) continue;
-    if (!best || *score > best_score) {
-      if (best) second_score = best_score;
-      best_score = *score;
-      best = phase;
-    } else {
-      second_score = std::max(second_score, *score);
-    }
+    if (!score || (!best.empty() && *score < best_score)) continue;
+    if (best.empty() || *score > best_score) best.clear();
+    best.push_back(phase);
+    best_score = *score;
   }
-  return best && best_score > second_score ? best : std::nullopt;
+  if (best.size() == 1) return best.front();
+  const bool is_very_first = !has_locked_ && unassigned_ == 0;
+  const auto& likely = options_.likely_first_pattern;
+  if (!is_very_first || !likely || std::find(best.begin(), best.end(), *likely) == best.end()) return std::nullopt;
+  has_assumed_first_ = true;
+  return likely;
 }
 
 /// How well the signs of the marks agree if the first of them begins pattern `phase`; nothing when an interval or a

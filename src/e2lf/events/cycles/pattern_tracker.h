@@ -34,6 +34,9 @@ struct PatternStart {
 struct TrackerOptions {
   /// The pattern of the first mark; nothing = found from the intervals and signs of the first cycle.
   std::optional<size_t> first_pattern;
+  /// The pattern of the first mark where intervals and signs leave several, this one among them; nothing = unknown
+  /// then.
+  std::optional<size_t> likely_first_pattern = {};
   /// How far an interval may be from the expected one, as a share of it.
   double tolerance = 0.2;
 };
@@ -47,6 +50,12 @@ class PatternTracker {
 
   /// Takes the next mark, in order of time, and appends what is known now.
   void add(const Mark& mark, std::vector<PatternStart>& starts);
+
+  /// The recording has ended: appends what the marks that are left tell.
+  void finish(std::vector<PatternStart>& starts);
+
+  /// Whether likely_first_pattern had to decide.
+  [[nodiscard]] bool has_assumed_first() const { return has_assumed_first_; }
 
   /// Up to when the starts are known, given that all marks before t_us were added: earlier while the first cycle is
   /// still being looked for.
@@ -63,7 +72,8 @@ class PatternTracker {
 
  private:
   void search(std::vector<PatternStart>& starts);
-  [[nodiscard]] std::optional<size_t> find_phase() const;
+  [[nodiscard]] std::optional<size_t> find_phase();
+  [[nodiscard]] bool lock(std::vector<PatternStart>& starts);
   [[nodiscard]] std::optional<float> phase_score(size_t phase) const;
   [[nodiscard]] bool follow(const Mark& mark, std::vector<PatternStart>& starts);
   void learn(size_t pattern, double interval_us);
@@ -76,6 +86,8 @@ class PatternTracker {
   int64_t last_us_ = 0;
   std::deque<Mark> found_;  ///< marks whose patterns are being looked for
   bool is_first_ = true;
+  bool has_locked_ = false;  ///< at any time
+  bool has_assumed_first_ = false;
   size_t misfits_ = 0;  ///< marks in a row that the schedule does not have
   uint64_t unassigned_ = 0;
 };
