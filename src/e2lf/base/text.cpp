@@ -41,9 +41,13 @@ std::string shape_text(const std::vector<size_t>& shape) {
 }
 
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
-  const auto nearest = std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(word, a) < edit_distance(word, b);
-  });
+  // What is left out behind a beginning costs nothing: it is how names are cut short.
+  const auto distance = [&](const std::string& candidate) {
+    const bool is_beginning = !word.empty() && std::string_view(candidate).starts_with(word);
+    return is_beginning ? 0 : edit_distance(word, candidate);
+  };
+  const auto nearest = std::min_element(candidates.begin(), candidates.end(),
+                                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
   return nearest == candidates.end() ? std::string() : *nearest;
 }
 

@@ -22,8 +22,8 @@ template <typename... Args>
 /// A shape as "[3, 720, 1280]".
 [[nodiscard]] std::string shape_text(const std::vector<size_t>& shape);
 
-/// The candidate with the smallest edit distance to `word`; empty when there are no candidates. Used by error messages
-/// that name the nearest known key.
+/// The candidate that begins with `word`, otherwise the one with the smallest edit distance to it; empty when there are
+/// no candidates. Used by error messages that name the nearest known key.
 [[nodiscard]] std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace e2lf

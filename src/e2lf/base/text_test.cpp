@@ -34,6 +34,11 @@ TEST(NearestWord, HasTheSmallestEditDistance) {
   EXPECT_EQ(nearest_word("x", {}), "");
 }
 
+TEST(NearestWord, IsTheOneThatBeginsSo) {
+  EXPECT_EQ(nearest_word("recon", {"demo", "reconstruct", "resume"}), "reconstruct");
+  EXPECT_EQ(nearest_word("", {"batch", "steps"}), "batch");
+}
+
 TEST(ProgressLine, ShowsShareAndRemainingTime) {
   EXPECT_EQ(progress_line("reconstruct", 1, 2, 3.0),
             "reconstruct  [" + std::string(15, '#') + std::string(15, '.') + "] 50 %  3 s left");

@@ -7,6 +7,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
 #include "e2lf/cli/recorded_codes.h"
@@ -104,6 +105,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   confidence.warn(arguments.input, report);
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
   E2LF_RETURN_IF_ERROR(writer.finish());
+  record.resolve("source", source_name(reader.source()));
   record.note("cycles", report_json(report));
   record.note("left_out", losses_json(summary));
   record.note("least_confidence", confidence.least());
@@ -136,8 +138,10 @@ int run_accumulate(const std::vector<std::string>& arguments) {
                   "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
       ->required();
   verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
-  verb.app().add_option("--plot", accumulation.plot,
-                        "write the event rate with the triggers or bursts and the cycles found, as an SVG picture");
+  verb.app()
+      .add_option("--plot", accumulation.plot,
+                  "write the event rate with the triggers or bursts and the cycles found, as an SVG picture")
+      ->check(svg_name());
   add_cycle_options(verb.app(), accumulation.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] { return accumulate(accumulation, verb); });

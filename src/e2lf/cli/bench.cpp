@@ -5,6 +5,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/cli/bench_decode.h"
 #include "e2lf/cli/bench_reconstruct.h"
+#include "e2lf/cli/number_check.h"
 #include "e2lf/cli/trainer_program.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/model/model.h"
@@ -51,7 +52,7 @@ int run_bench_reconstruct(const std::vector<std::string>& arguments) {
   add_size_options(verb, options.width, options.height);
   verb.app()
       .add_option("--runs", options.runs, "of each; figures are medians")
-      ->check(CLI::PositiveNumber)
+      ->check(whole_number(1))
       ->capture_default_str();
   verb.app().add_option("-m,--model", model, "model file; default: the paper's network with random weights");
   return verb.run(arguments, [&]() -> Result<void> {
@@ -101,8 +102,8 @@ int run_bench_train(const std::vector<std::string>& arguments) {
   Verb verb("bench train", "Measure training and the synthesis of its data against plain libtorch, in the same run.",
             "e2lf bench train --batch 8 --json");
   uint64_t batch = 4, steps = 5;
-  verb.app().add_option("--batch", batch, "samples of 64x64x8x8 for each step")->check(CLI::PositiveNumber);
-  verb.app().add_option("--steps", steps, "measured for each loop; figures are medians")->check(CLI::PositiveNumber);
+  verb.app().add_option("--batch", batch, "samples of 64x64x8x8 for each step")->check(whole_number(1));
+  verb.app().add_option("--steps", steps, "measured for each loop; figures are medians")->check(whole_number(1));
   return verb.run(arguments, [&] {
     std::vector<std::string> call = {"bench", "--batch", std::to_string(batch), "--steps", std::to_string(steps)};
     if (verb.common().json) call.emplace_back("--json");

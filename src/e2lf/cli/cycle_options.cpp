@@ -6,6 +6,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/npy.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/number_check.h"
 #include "e2lf/events/live/camera.h"
 #include "e2lf/events/tcp_source.h"
 
@@ -43,9 +44,10 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
       ->group(group);
   app.add_option("--schedule", flags.schedule,
                  "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
+      ->check(CLI::ExistingFile)
       ->group(group);
   app.add_option("--patterns", flags.num_patterns, "number N of coding patterns of the paper's schedule")
-      ->check(CLI::Range(2, 64))
+      ->check(whole_number(2, 64))
       ->capture_default_str()
       ->group(group);
   app.add_option("--edge", flags.edge, "trigger edge: rising, falling, both")
@@ -93,6 +95,20 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   E2LF_ASSIGN_OR_RETURN(auto reader, events::open_named_recording(input.string(), open));
   say_assumptions(*reader);
   return events::CycleReader::open(std::move(reader), options);
+}
+
+const char* source_name(events::CycleSource source) {
+  switch (source) {
+    case events::CycleSource::kTriggers:
+      return "triggers";
+    case events::CycleSource::kSchedule:
+      return "schedule";
+    case events::CycleSource::kBursts:
+      return "bursts";
+    case events::CycleSource::kAuto:
+      return "auto";
+  }
+  E2LF_REQUIRE(false, "a source without a name");
 }
 
 void ConfidenceWatch::add(const events::Cycle& cycle) {

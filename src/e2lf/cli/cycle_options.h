@@ -54,6 +54,9 @@ class ConfidenceWatch {
   uint64_t cycles_ = 0, doubtful_ = 0;
 };
 
+/// What --source calls it.
+[[nodiscard]] const char* source_name(events::CycleSource source);
+
 /// One line for people: cycles found and dropped, and why.
 [[nodiscard]] std::string report_text(const events::CycleReport& report);
 /// The error of a recording in which nothing was found.

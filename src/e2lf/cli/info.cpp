@@ -6,6 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/info_recording.h"
 #include "e2lf/cli/light_field_flags.h"
+#include "e2lf/cli/number_check.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
@@ -142,6 +143,10 @@ Result<void> print_info(const fs::path& path, const RecordingInfoOptions& record
     return print_recording_info(path, recording, verb.common());
   }
   E2LF_ASSIGN_OR_RETURN(const Description found, std::move(description));
+  if (!recording.plot.empty()) {
+    return Error{ErrorCode::kInvalidValue, "this is no recording, there is no event rate to plot; leave --plot out",
+                 path.string()};
+  }
   std::printf("%s", verb.common().json ? (found.json.dump(2) + "\n").c_str() : found.text.c_str());
   return {};
 }
@@ -154,7 +159,9 @@ int run_info(const std::vector<std::string>& arguments) {
   fs::path path;
   RecordingInfoOptions recording;
   verb.app().add_option("path,-i,--input", path, "file or folder")->required();
-  verb.app().add_option("--plot", recording.plot, "recordings: write the event rate over time as an SVG picture");
+  verb.app()
+      .add_option("--plot", recording.plot, "recordings: write the event rate over time as an SVG picture")
+      ->check(svg_name());
   add_recording_options(verb.app(), recording.flags, "Recordings");
   LightFieldFlags light_field{.views = 0};
   add_light_field_options(verb.app(), light_field, /*has_views=*/true);

@@ -19,6 +19,7 @@
 #include "e2lf/cli/event_check.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
+#include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
@@ -102,8 +103,14 @@ Result<Method> network_method(const ReconstructArguments& arguments, const std::
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor made,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
   const auto reconstructor = std::make_shared<recon::Reconstructor>(std::move(made));
+  const size_t passes = reconstructor->num_passes(arguments.passes);
+  if (passes < arguments.passes) {
+    log_warning(cat("--passes ", arguments.passes, ": the network tells apart ", passes, " position",
+                    passes == 1 ? "" : "s", " on its pixel grid, so many passes are made"));
+  }
+  record.resolve("precision", engine::precision_name(reconstructor->engine().precision()));
   record.note("precision", engine::precision_name(reconstructor->engine().precision()));
-  record.note("passes", reconstructor->num_passes(arguments.passes));
+  record.note("passes", passes);
   return Method(
       [reconstructor, passes = arguments.passes](const events::EventImages& images, const ProgressFn& progress) {
         return reconstructor->reconstruct(images, progress, passes);
@@ -112,6 +119,9 @@ Result<Method> network_method(const ReconstructArguments& arguments, const std::
 
 Result<Method> inversion_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
                                 RunRecord& record) {
+  if (arguments.passes > 1) {
+    return Error{ErrorCode::kInvalidValue, "the inversion makes one pass; leave the option out", "--passes"};
+  }
   if (!known) {
     E2LF_ASSIGN_OR_RETURN(known, load_codes(arguments.codes, record));
     log_warning("no patterns given: taking the built-in ones (`e2lf codes show`); give the camera's with --codes");
@@ -168,6 +178,7 @@ class CycleInput {
   [[nodiscard]] bool has_one_cycle() const { return !reader_ && file_.cycles.size() == 1; }
   [[nodiscard]] const events::EventImageFile& file() const { return file_; }
   [[nodiscard]] const events::RecordingInfo& recording_info() const { return reader_->recording().info(); }
+  [[nodiscard]] events::CycleSource source() const { return reader_->source(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
   [[nodiscard]] events::CycleReport report() const { return reader_->report(); }
   /// Of what was read of a recording; empty for event images.
@@ -187,6 +198,10 @@ Result<CycleInput> open_input(const ReconstructArguments& arguments) {
   if (is_recording(arguments.input)) {
     E2LF_ASSIGN_OR_RETURN(events::CycleReader reader, open_cycles(arguments.input, arguments.cycles));
     return CycleInput(std::move(reader), arguments.cycles.max_cycles);
+  }
+  if (!arguments.cycles.schedule.empty()) {
+    return Error{ErrorCode::kInvalidValue, "event images are cut already; --schedule is for recordings, leave it out",
+                 arguments.input.string()};
   }
   E2LF_ASSIGN_OR_RETURN(events::EventImageFile file, events::read_event_images(arguments.input));
   return CycleInput(std::move(file));
@@ -255,6 +270,8 @@ class CycleWriter {
   }
 
   [[nodiscard]] const Json& cycles() const { return cycles_; }
+  /// Of all cycles; there must be one.
+  [[nodiscard]] float gain() const { return gain_.value(); }
 
  private:
   const ReconstructArguments& arguments_;
@@ -282,6 +299,14 @@ Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder
     if (first && !is_strict) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
   }
   return {};
+}
+
+Json constants_json(const KnownCodes& known) {
+  return {{"eps", json_number(known.constants.eps)},
+          {"tau", json_number(known.constants.tau)},
+          {"sigma_w", json_number(known.constants.sigma_w)},
+          {"sigma_z", json_number(known.constants.sigma_z)},
+          {"event_model", known.event_model}};
 }
 
 void print_event_error(const Json& cycle) {
@@ -329,8 +354,10 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(Method method, arguments.method == "network" ? network_method(arguments, codes, record)
                                                                      : inversion_method(arguments, codes, record));
   record.end_step("open");
+  const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
   if (!are_patterns_told(codes)) codes.reset();
+  if (known_constants) record.note("constants", *known_constants);
   CycleWriter writer(arguments, common, std::move(method), std::move(codes));
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, is_strict, verb));
@@ -338,10 +365,12 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     warn_of_losses(arguments.input, input.summary());
     if (writer.cycles().empty()) return no_cycle_error(arguments.input, input.report());
     input.confidence().warn(arguments.input, input.report());
+    record.resolve("source", source_name(input.source()));
     record.note("found", report_json(input.report()));
     record.note("left_out", losses_json(input.summary()));
   }
   record.end_step("reconstruct");
+  record.resolve("gain", json_number(writer.gain()));
   record.note("cycles", writer.cycles());
   std::error_code error;
   if (fs::exists(arguments.input, error)) record.add_input(arguments.input);
@@ -378,7 +407,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("--passes", reconstruction.passes,
                  "average the network over so many positions on its pixel grid: finer, and so many times slower; at "
                  "most all that it tells apart (64 for the bundled models, 1 for the paper's)")
-      ->check(CLI::Range(size_t{1}, size_t{64}))
+      ->check(whole_number(1, 64))
       ->capture_default_str();
   app.add_option("--gain", reconstruction.gain,
                  "brightness of the output: auto (estimated on the first cycle) or a number; 1 = as computed")

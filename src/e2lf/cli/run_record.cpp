@@ -8,6 +8,7 @@
 #include <openssl/evp.h>
 #include <span>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/version.h"
@@ -51,6 +52,19 @@ Result<std::string> sha256_of_file(const fs::path& path) {
   return hex({digest, length});
 }
 
+/// Says which inputs have changed since the run that is made again.
+void warn_of_other_inputs(const Json& inputs, const Json& earlier_run) {
+  if (!earlier_run.is_object() || !earlier_run.contains("inputs")) return;
+  for (const Json& earlier : earlier_run["inputs"]) {
+    for (const Json& input : inputs) {
+      if (!earlier.is_object() || earlier.value("path", "") != input["path"]) continue;
+      if (earlier.value("sha256", "") == input["sha256"]) continue;
+      log_warning(
+          cat(input["path"].get<std::string>(), " is not what it was in the earlier run: neither is the result"));
+    }
+  }
+}
+
 }  // namespace
 
 Result<std::string> sha256_of(const fs::path& path) {
@@ -92,6 +106,7 @@ Json RunRecord::json_so_far(const Verb& verb) const {
   record["verb"] = verb_;
   record["version"] = kVersion;
   record["options"] = verb.resolved_options();
+  record["options"].update(resolved_);
   record["seed"] = verb.common().seed;
   record["threads"] = num_threads();
   record["complete"] = false;
@@ -106,6 +121,7 @@ Result<Json> RunRecord::json(const Verb& verb) const {
     E2LF_ASSIGN_OR_RETURN(const std::string hash, sha256_of(input));
     record["inputs"].push_back({{"path", input.string()}, {"sha256", hash}});
   }
+  warn_of_other_inputs(record["inputs"], verb.earlier_run());
   record["timings_s"] = timings_s_;
   if (!notes_.empty()) record["notes"] = notes_;
   return record;

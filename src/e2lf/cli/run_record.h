@@ -27,9 +27,14 @@ class RunRecord {
   /// A result or an estimate worth keeping, e.g. the gain that was chosen.
   void note(const std::string& key, Json value) { notes_[key] = std::move(value); }
 
+  /// The value that an option which leaves it open (a default of the model's, "auto") came to, so that the run can be
+  /// made again from its record.
+  void resolve(const std::string& option, Json value) { resolved_[option] = std::move(value); }
+
   [[nodiscard]] const Json& timings_s() const { return timings_s_; }
 
-  /// The record; ResultFolder writes it as run.json. Reads the inputs.
+  /// The record; ResultFolder writes it as run.json. Reads the inputs, and warns of those that are not what they were
+  /// in the run that is made again.
   [[nodiscard]] Result<Json> json(const Verb& verb) const;
 
   /// The record of a result of which parts are still being made: nothing of inputs and results yet.
@@ -44,6 +49,7 @@ class RunRecord {
   std::vector<std::filesystem::path> inputs_;
   Json timings_s_ = Json::object();
   Json notes_ = Json::object();
+  Json resolved_ = Json::object();
   Clock::time_point step_begin_ = Clock::now();
 };
 

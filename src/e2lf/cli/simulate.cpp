@@ -10,6 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
@@ -63,6 +64,15 @@ void print_statistics(const events::EventImages& images, const CommonOptions& co
         images.transitions, images.width, images.height, statistics.total_events_per_pixel,
         statistics.min_measurement_ms);
   }
+}
+
+/// Keeps the constants that the model, a camera or the paper gave.
+void record_constants(const sensor::EventModelOptions& options, const std::string& event_model, RunRecord& record) {
+  record.resolve("event-model", event_model);
+  record.resolve("eps", json_number(options.constants.eps));
+  record.resolve("tau", json_number(options.constants.tau));
+  record.resolve("sigma-w", json_number(options.constants.sigma_w));
+  record.resolve("sigma-z", json_number(options.constants.sigma_z));
 }
 
 using ImagesOf = std::function<Result<events::EventImages>(uint64_t cycle)>;
@@ -147,9 +157,11 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
     known.constants = camera->constants;
     if (!camera->is_pixel()) known.event_model = camera->event_model;
   }
-  E2LF_ASSIGN_OR_RETURN(
-      const auto model,
-      sensor::event_model_from_name(arguments.event_model.empty() ? known.event_model : arguments.event_model));
+  if (!arguments.event_model.empty()) known.event_model = arguments.event_model;
+  E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(known.event_model));
+  if (!camera || !camera->is_pixel()) {
+    record_constants(event_model_options(arguments, known, model), known.event_model, record);
+  }
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, arguments.light_field));
   record.end_step("read");
 
@@ -199,7 +211,7 @@ int run_simulate(const std::vector<std::string>& arguments) {
   app.add_option("--scene-gain", simulation.scene_gain, "brightness of the scene relative to the light field")
       ->capture_default_str();
   app.add_option("--cycles", simulation.cycles, "number of pattern cycles, each with noise of its own")
-      ->check(CLI::PositiveNumber)
+      ->check(whole_number(1))
       ->capture_default_str();
   app.add_flag("--no-triggers", simulation.no_triggers, "recordings: leave out the trigger at each pattern's start");
   verb.stop_gently();

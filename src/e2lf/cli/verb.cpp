@@ -2,6 +2,7 @@
 #include "e2lf/cli/verb.h"
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -11,6 +12,7 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/cli/number_check.h"
 #include "e2lf/cli/version.h"
 
 namespace e2lf::cli {
@@ -47,16 +49,19 @@ std::optional<std::string> unknown_argument(const CLI::App& app, const std::vect
   return std::nullopt;
 }
 
-/// The flags of --config and of every --set, so that they can be parsed before the command line's own, which win.
-Result<std::vector<std::string>> configured_flags(const CLI::App& app, const std::string& config_path,
-                                                  const std::vector<std::string>& overrides) {
-  Json config = Json::object();
-  if (!config_path.empty()) {
-    E2LF_ASSIGN_OR_RETURN(config, read_json(config_path));
-  }
-  for (const std::string& assignment : overrides) E2LF_RETURN_IF_ERROR(apply_override(config, assignment));
-  return flags_from_config(config, app, config_path.empty() ? "--set" : config_path);
+/// Looks for --config and --set alone: what they hold may be what the rest of the line lacks.
+void find_config(std::vector<std::string> arguments, std::string& config, std::vector<std::string>& overrides) {
+  CLI::App app;
+  app.set_help_flag("");
+  app.allow_extras();
+  app.add_option("--config", config)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  app.add_option("--set", overrides)->allow_extra_args(false);
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes its vector from the back
+  app.parse(arguments);
 }
+
+/// What a run says, and not what it makes: an earlier run's is not taken over.
+constexpr std::array kNotRepeated = {"json", "quiet", "overwrite"};
 
 }  // namespace
 
@@ -125,11 +130,12 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
   app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app_.footer("Example:\n  " + example);
   app_.set_help_flag("-h,--help", "print this text");
-  app_.add_option("--config", config_, "JSON file whose keys are the long flags' names");
+  app_.add_option("--config", config_, "JSON file whose keys are the long flags' names, or run.json of an earlier run");
   app_.add_option("--set", overrides_, "set one key of the configuration: key=value (repeatable)")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
   app_.add_option("--device", common_.device, "where to compute: cpu")->check(CLI::IsMember({"cpu"}));
-  app_.add_option("--threads", common_.threads, "number of threads, 0 = all cores")->check(CLI::NonNegativeNumber);
+  app_.add_option("--threads", common_.threads, "number of threads, 0 = all cores")->check(whole_number(0, 1024));
   app_.add_option("--seed", common_.seed, "seed of everything random")->capture_default_str();
   app_.add_flag("--json", common_.json, "print the result as JSON");
   app_.add_flag("--quiet", common_.quiet, "print nothing but warnings and errors");
@@ -148,21 +154,45 @@ int Verb::usage_error(const std::string& message) const {
   return 2;
 }
 
+/// The keys and values of --config: those of the file, or the options of the run that it records.
+Result<Json> Verb::read_config() {
+  E2LF_ASSIGN_OR_RETURN(Json config, read_json(config_));
+  if (!config.is_object() || !config.contains("verb") || !config.contains("options")) return config;
+  if (config["verb"] != name_) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("this is the record of another verb's run (", config["verb"].dump(), "); give one of ", name_),
+                 config_};
+  }
+  Json options = config["options"];
+  for (const char* name : kNotRepeated) options.erase(name);
+  earlier_run_ = std::move(config);
+  return options;
+}
+
+/// The flags of --config and of every --set, so that they can be parsed before the command line's own, which win.
+Result<std::vector<std::string>> Verb::configured_flags() {
+  Json config = Json::object();
+  if (!config_.empty()) {
+    E2LF_ASSIGN_OR_RETURN(config, read_config());
+  }
+  for (const std::string& assignment : overrides_) E2LF_RETURN_IF_ERROR(apply_override(config, assignment));
+  return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
+}
+
 int Verb::run(std::vector<std::string> arguments, const std::function<Result<void>()>& work) {
   const auto parse = [this](std::vector<std::string> list) {
     std::reverse(list.begin(), list.end());  // CLI11 takes its vector from the back
     app_.parse(list);
   };
+  check_numbers(app_);
   try {
-    parse(arguments);
-    const bool set_flags = !overrides_.empty() && !keeps_overrides_;
-    if (!config_.empty() || set_flags) {
-      const auto flags = configured_flags(app_, config_, set_flags ? overrides_ : std::vector<std::string>());
+    if (!keeps_overrides_) {
+      find_config(arguments, config_, overrides_);
+      const auto flags = configured_flags();
       if (!flags) return usage_error(flags.error().text());
-      overrides_.clear();
       arguments.insert(arguments.begin(), flags->begin(), flags->end());
-      parse(arguments);
     }
+    parse(arguments);
   } catch (const CLI::CallForHelp&) {
     std::cout << app_.help();
     return 0;
@@ -193,6 +223,8 @@ Json Verb::resolved_options() const {
   for (const CLI::Option* option : app_.get_options()) {
     if (option->get_lnames().empty() || option == app_.get_help_ptr()) continue;
     const std::string name = option->get_lnames().front();
+    // Their keys are among the others.
+    if (name == "config" || (name == "set" && !keeps_overrides_)) continue;
     if (option->count() > 0) {
       options[name] =
           option->get_items_expected_max() == 0 ? Json(true) : Json(join(option->as<std::vector<std::string>>()));

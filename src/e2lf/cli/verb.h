@@ -25,7 +25,8 @@ struct CommonOptions {
 
 /// One verb of the command line: declares its flags on a CLI11 app, then does its work as a function that returns a
 /// Result. parse() adds the common flags, --config FILE.json and --set key=value (keys are the long flags' names), caps
-/// threads, and turns mistakes into messages.
+/// threads, and turns mistakes into messages. --config also takes the run.json of an earlier run of the verb, and makes
+/// it again.
 ///
 ///   Verb verb("eval", "compare light fields", "e2lf eval TRUTH RECON --json");
 ///   verb.app().add_option("truth", truth, "the true light field")->required();
@@ -51,16 +52,22 @@ class Verb {
   /// Returns the process's exit code: 0 done, 1 failed, 2 usage, 130 and 143 ended by SIGINT and SIGTERM.
   int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
 
+  /// The record of the run that --config names to be made again; null otherwise.
+  [[nodiscard]] const Json& earlier_run() const { return earlier_run_; }
+
   /// Every flag with the value it has after parsing, for run.json.
   [[nodiscard]] Json resolved_options() const;
 
  private:
   int usage_error(const std::string& message) const;
   [[nodiscard]] int exit_code(const Result<void>& result) const;
+  [[nodiscard]] Result<Json> read_config();
+  [[nodiscard]] Result<std::vector<std::string>> configured_flags();
   std::string name_;
   CLI::App app_;
   CommonOptions common_;
   std::string config_;
+  Json earlier_run_;
   std::vector<std::string> overrides_;
   bool keeps_overrides_ = false, stops_gently_ = false;
 };

@@ -1,0 +1,61 @@
+# No option is taken for what it does not say, and a run can be made again from its record.
+model=$TESTSUITE/../models/e2lf-n4.safetensors
+"$E2LF" demo -o demo --width 48 --height 32 --quiet
+simulate=("$E2LF" simulate demo/scene -m "$model" -o events.npz)
+fails 2 "--cycles: 0 is outside of the range; give at least 1" "${simulate[@]}" --cycles 0
+fails 2 "--seed: \"-1\" is no whole number" "${simulate[@]}" --seed -1
+fails 2 "--seed: \"99999999999999999999\" is no whole number" "${simulate[@]}" --seed 99999999999999999999
+fails 2 "--threads: 10000 is outside of the range; give 0 to 1024" "${simulate[@]}" --threads 10000
+fails 2 "--tau: \"nan\" is no number" "${simulate[@]}" --tau nan
+absent events.npz
+"${simulate[@]}" --seed 007 --quiet
+"$E2LF" simulate demo/scene -m "$model" --seed 7 -o seven.npz --quiet
+cmp events.npz seven.npz
+"$E2LF" simulate demo/scene -m "$model" -o recording.raw --cycles 2 --quiet
+accumulate=("$E2LF" accumulate recording.raw -o images.npz)
+fails 2 "--max-cycles: \"-1\" is no whole number" "${accumulate[@]}" --max-cycles -1
+fails 2 "--origin-us: \"99999999999999999999\" is no whole number" "${accumulate[@]}" --origin-us 99999999999999999999
+fails 2 "a name that ends in .svg" "${accumulate[@]}" --plot cycles.png
+fails 2 "none.json" "${accumulate[@]}" --schedule none.json
+absent images.npz cycles.png
+fails 2 "a name that ends in .svg" "$E2LF" info recording.raw --plot rate.png
+for thing in demo/scene events.npz "$model"; do
+  fails 1 "no event rate to plot" "$E2LF" info "$thing" --plot rate.svg
+done
+absent rate.png rate.svg
+reconstruct=("$E2LF" reconstruct events.npz -m "$model" -o out)
+fails 2 "none.json" "${reconstruct[@]}" --schedule none.json
+echo '{"patterns": [{"duration_us": 500, "image": 0}]}' >schedule.json
+fails 1 "event images are cut already" "${reconstruct[@]}" --schedule schedule.json
+fails 1 "the inversion makes one pass" "${reconstruct[@]}" --method inversion --passes 2
+fails 2 "--passes: 65 is outside of the range; give 1 to 64" "${reconstruct[@]}" --passes 65
+absent out
+make release weights
+"$E2LF" model import --release weights -o paper.safetensors --quiet
+"$E2LF" reconstruct events.npz -m paper.safetensors -o one_pass --passes 2 >out.txt 2>err.txt
+grep -q "tells apart 1 position" err.txt || fail "passes without effect: $(cat err.txt)"
+fails 2 'did you mean "reconstruct"' "$E2LF" recon
+
+# The record holds what the model and "auto" stood for, and makes the run again, on other outputs too.
+[ "$(json events.npz.run.json "tuple(j['options'][k] for k in ('event-model', 'eps', 'tau', 'sigma-w', 'sigma-z'))")" = \
+  "('reference-aware', 0.01, 0.3, 0.175, 0.04)" ] || fail "constants in the record"
+"$E2LF" simulate --config events.npz.run.json -o again.npz --quiet
+cmp events.npz again.npz
+fails 1 "give --overwrite" "$E2LF" simulate --config events.npz.run.json
+"${reconstruct[@]}" --format npy --quiet
+"$E2LF" reconstruct --config out/run.json -o repeated --quiet
+cmp out/lightfield.npy repeated/lightfield.npy
+check "$(json out/run.json "j['options']['gain']") == $(json out/run.json "j['notes']['cycles'][0]['gain']")"
+[ "$(json out/run.json "j['options']['precision'] in ('float32', 'bfloat16')")" = True ] || fail "precision in the record"
+[ "$(json out/run.json "j['notes']['constants']['tau']")" = 0.3 ] || fail "constants of the reconstruction"
+"${accumulate[@]}" --quiet
+[ "$(json images.npz.run.json "j['options']['source']")" = triggers ] || fail "source in the record"
+"$E2LF" accumulate --config images.npz.run.json -o repeated.npz --quiet
+cmp images.npz repeated.npz
+"$E2LF" demo --config demo/run.json -o repeated_demo --quiet
+cmp demo/events.npz repeated_demo/events.npz
+# A record of another verb is refused; an input that has changed is said.
+fails 2 "the record of another verb's run" "$E2LF" reconstruct --config events.npz.run.json
+"$E2LF" simulate demo/scene -m "$model" --seed 8 -o events.npz --overwrite --quiet
+"$E2LF" reconstruct --config out/run.json -o changed >out.txt 2>err.txt
+grep -q "events.npz is not what it was in the earlier run" err.txt || fail "$(cat err.txt)"
