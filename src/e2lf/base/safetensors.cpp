@@ -2,6 +2,8 @@
 #include "e2lf/base/safetensors.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <numeric>
@@ -140,6 +142,20 @@ Tensor make_tensor(std::vector<size_t> shape, std::span<const float> values) {
   Tensor tensor{"F32", std::move(shape), std::vector<uint8_t>(values.size_bytes())};
   E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
   if (!values.empty()) std::memcpy(tensor.bytes.data(), values.data(), values.size_bytes());
+  return tensor;
+}
+
+Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> values) {
+  Tensor tensor{"BF16", std::move(shape), {}};
+  E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
+  for (const float value : values) {
+    const auto bits = std::bit_cast<uint32_t>(value);
+    // Half of what is cut off, less one where the kept part is even: a tie goes to the even one. NaN keeps its high
+    // bit.
+    const uint32_t rounded = std::isnan(value) ? bits : bits + 0x7FFFU + ((bits >> 16U) & 1U);
+    tensor.bytes.push_back(static_cast<uint8_t>(rounded >> 16U));
+    tensor.bytes.push_back(static_cast<uint8_t>(rounded >> 24U));
+  }
   return tensor;
 }
 

@@ -27,6 +27,9 @@ struct Tensor {
 [[nodiscard]] Tensor make_tensor(std::vector<size_t> shape, std::span<const float> values);
 [[nodiscard]] Tensor make_tensor(std::vector<size_t> shape, std::span<const uint8_t> values);
 
+/// The values in 16 bits, "BF16": rounded to the nearest, ties to even. Relative errors are at most 2^-8.
+[[nodiscard]] Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> values);
+
 struct Safetensors {
   std::map<std::string, Tensor> tensors;
   std::map<std::string, std::string> metadata;  ///< "__metadata__"

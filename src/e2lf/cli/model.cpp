@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf model info | import
+// e2lf model info | import | store
 #include "e2lf/model/model.h"
 
 #include <cstdio>
@@ -53,12 +53,39 @@ int run_model_import(const std::vector<std::string>& arguments) {
   });
 }
 
+int run_model_store(const std::vector<std::string>& arguments) {
+  Verb verb("model store", "Write a model again with its weights in 16 or 32 bits.",
+            "e2lf model store MODEL.safetensors -o SMALL.safetensors --weights bfloat16");
+  fs::path input, output;
+  std::string weights = "bfloat16";
+  verb.app().add_option("model,-m,--model", input, "model file (.safetensors)")->required();
+  verb.app().add_option("-o,--output", output, "model file to write")->required();
+  verb.app()
+      .add_option("--weights", weights, "bfloat16 (half the size, relative errors of 2^-8 at most) or float32")
+      ->check(CLI::IsMember({"bfloat16", "float32"}))
+      ->capture_default_str();
+  return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(OutputFile file,
+                          OutputFile::create(output, {.inputs = {input}, .overwrite = verb.common().overwrite}));
+    RunRecord record("model store");
+    record.add_input(input);
+    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(input));
+    const bool is_half = weights == "bfloat16";
+    E2LF_RETURN_IF_ERROR(model::write_model(
+        file.path(), model, is_half ? model::WeightStorage::kBfloat16 : model::WeightStorage::kFloat32));
+    record.end_step("store");
+    E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
+    return file.commit();
+  });
+}
+
 }  // namespace
 
 int run_model(const std::vector<std::string>& arguments) {
   return run_subverb("model",
                      {{"info", "say what a model file holds", run_model_info},
-                      {"import", "turn the paper's released weights into a model file", run_model_import}},
+                      {"import", "turn the paper's released weights into a model file", run_model_import},
+                      {"store", "write a model again with its weights in 16 or 32 bits", run_model_store}},
                      arguments);
 }
 

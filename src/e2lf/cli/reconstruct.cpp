@@ -15,6 +15,7 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/camera_option.h"
+#include "e2lf/cli/cycle_input.h"
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/event_check.h"
 #include "e2lf/cli/inputs.h"
@@ -37,11 +38,15 @@ struct ReconstructArguments {
   fs::path input, output;
   CodesSource codes;
   std::string method = "network", precision = "auto", gain = "auto", format = "png", camera;
-  size_t passes = 1;
+  size_t passes = 1, cycles_per_field = 1;
   CycleFlags cycles;
 };
 
-/// One way from the event images of a cycle to a light field.
+double seconds(CycleClock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// One way from the event images of a light field to it.
 using Method = std::function<Result<LightField>(const events::EventImages& images, const ProgressFn& progress)>;
 
 /// Whether anything but the model itself tells which patterns the camera showed.
@@ -111,16 +116,27 @@ Result<Method> network_method(const ReconstructArguments& arguments, const std::
   record.resolve("precision", engine::precision_name(reconstructor->engine().precision()));
   record.note("precision", engine::precision_name(reconstructor->engine().precision()));
   record.note("passes", passes);
-  return Method(
-      [reconstructor, passes = arguments.passes](const events::EventImages& images, const ProgressFn& progress) {
-        return reconstructor->reconstruct(images, progress, passes);
-      });
+  if (arguments.cycles_per_field > 1 && !reconstructor->is_told_the_camera()) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat(reconstructor->model().name, " takes one cycle for each light field; leave the option out, or use ",
+            "a model that is told the camera"),
+        "--cycles-per-field"};
+  }
+  return Method([reconstructor, passes = arguments.passes, cycles = arguments.cycles_per_field](
+                    const events::EventImages& images, const ProgressFn& progress) {
+    return reconstructor->reconstruct(images, progress, passes, cycles);
+  });
 }
 
 Result<Method> inversion_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
                                 RunRecord& record) {
   if (arguments.passes > 1) {
     return Error{ErrorCode::kInvalidValue, "the inversion makes one pass; leave the option out", "--passes"};
+  }
+  if (arguments.cycles_per_field > 1) {
+    return Error{ErrorCode::kInvalidValue, "the inversion takes one cycle for each light field; leave the option out",
+                 "--cycles-per-field"};
   }
   if (!known) {
     E2LF_ASSIGN_OR_RETURN(known, load_codes(arguments.codes, record));
@@ -131,80 +147,6 @@ Result<Method> inversion_method(const ReconstructArguments& arguments, std::opti
   return Method([known = std::move(*known)](const events::EventImages& images, const ProgressFn&) {
     return recon::reconstruct_by_inversion(images, known.codes, known.constants);
   });
-}
-
-using Clock = std::chrono::steady_clock;
-
-double seconds(Clock::duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
-/// The event images of a cycle, and what is known of it.
-struct CycleImages {
-  events::EventImages images;
-  Json about = Json::object();             ///< for the record: of a recording, times and confidence
-  Clock::time_point ready = Clock::now();  ///< when the images were there: of a live recording, its last bytes
-  double behind_s = 0;                     ///< from the end of the last pattern until then; live recordings only
-};
-
-/// The event images of one cycle after the other, from a file of them or cut from a recording as it is read.
-class CycleInput {
- public:
-  explicit CycleInput(events::EventImageFile file) : file_(std::move(file)) {}
-  CycleInput(events::CycleReader reader, uint64_t max_cycles) : reader_(std::move(reader)), max_cycles_(max_cycles) {}
-
-  Result<std::optional<CycleImages>> next() {
-    CycleImages next;
-    if (!reader_) {
-      if (taken_ == file_.cycles.size()) return std::optional<CycleImages>();
-      next.images = std::move(file_.cycles[taken_++]);
-      return std::optional(std::move(next));
-    }
-    if (max_cycles_ != 0 && taken_ == max_cycles_) return std::optional<CycleImages>();
-    E2LF_ASSIGN_OR_RETURN(std::optional<events::Cycle> cycle, reader_->next());
-    if (!cycle) return std::optional<CycleImages>();
-    ++taken_;
-    confidence_.add(*cycle);
-    next.about = cycle_json(*cycle);
-    next.ready = cycle->arrival.value_or(Clock::now());
-    const int64_t behind_us = cycle->known_us - cycle->slices.back().end_us;
-    if (cycle->arrival) next.behind_s = static_cast<double>(std::max<int64_t>(0, behind_us)) * 1e-6;
-    next.images = std::move(cycle->images);
-    return std::optional(std::move(next));
-  }
-
-  [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
-  /// Of a recording nobody knows.
-  [[nodiscard]] bool has_one_cycle() const { return !reader_ && file_.cycles.size() == 1; }
-  [[nodiscard]] const events::EventImageFile& file() const { return file_; }
-  [[nodiscard]] const events::RecordingInfo& recording_info() const { return reader_->recording().info(); }
-  [[nodiscard]] events::CycleSource source() const { return reader_->source(); }
-  [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
-  [[nodiscard]] events::CycleReport report() const { return reader_->report(); }
-  /// Of what was read of a recording; empty for event images.
-  [[nodiscard]] events::DecodeSummary summary() const {
-    return reader_ ? reader_->recording().summary() : events::DecodeSummary();
-  }
-
- private:
-  events::EventImageFile file_;
-  std::optional<events::CycleReader> reader_;
-  uint64_t max_cycles_ = 0;
-  ConfidenceWatch confidence_;
-  size_t taken_ = 0;
-};
-
-Result<CycleInput> open_input(const ReconstructArguments& arguments) {
-  if (is_recording(arguments.input)) {
-    E2LF_ASSIGN_OR_RETURN(events::CycleReader reader, open_cycles(arguments.input, arguments.cycles));
-    return CycleInput(std::move(reader), arguments.cycles.max_cycles);
-  }
-  if (!arguments.cycles.schedule.empty()) {
-    return Error{ErrorCode::kInvalidValue, "event images are cut already; --schedule is for recordings, leave it out",
-                 arguments.input.string()};
-  }
-  E2LF_ASSIGN_OR_RETURN(events::EventImageFile file, events::read_event_images(arguments.input));
-  return CycleInput(std::move(file));
 }
 
 /// The patterns that the events were made with, as far as anything tells: --codes, their own file, or the model.
@@ -239,7 +181,7 @@ class CycleWriter {
 
   /// Into an existing folder.
   Result<void> process(const CycleImages& cycle, const fs::path& folder) {
-    const Clock::time_point begin = Clock::now();
+    const CycleClock::time_point begin = CycleClock::now();
     LightField light_field;
     {
       ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet);
@@ -247,7 +189,7 @@ class CycleWriter {
       if (!made) return made.error().location.empty() ? at(made.error(), arguments_.input) : made.error();
       light_field = std::move(*made);
     }
-    const double reconstruct_s = seconds(Clock::now() - begin);
+    const double reconstruct_s = seconds(CycleClock::now() - begin);
     if (!gain_) {
       E2LF_ASSIGN_OR_RETURN(gain_, resolve_gain(arguments_.gain, light_field));
     }
@@ -259,7 +201,7 @@ class CycleWriter {
     about["cycle"] = cycles_.size();
     about["gain"] = *gain_;
     about["reconstruct_s"] = reconstruct_s;
-    about["latency_s"] = cycle.behind_s + seconds(Clock::now() - cycle.ready);
+    about["latency_s"] = cycle.behind_s + seconds(CycleClock::now() - cycle.ready);
     if (codes_) {
       E2LF_ASSIGN_OR_RETURN(const EventError error, event_error(*codes_, light_field, *gain_, cycle.images));
       about["event_error"] = error.at_first;
@@ -290,7 +232,7 @@ Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder
   while (writer.cycles().empty() || !stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
     if (!images) break;
-    if (input.has_one_cycle()) return writer.process(*images, output.path());
+    if (input.has_one_field()) return writer.process(*images, output.path());
     const bool first = writer.cycles().empty();
     const std::string name = cycle_name(writer.cycles().size());
     E2LF_ASSIGN_OR_RETURN(const fs::path folder, output.begin_part(name));
@@ -335,7 +277,7 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
         {"output", arguments.output.string()}, {"cycles", cycles}, {"left_out", losses_json(input.summary())}};
     std::printf("%s\n", result.dump(2).c_str());
   } else if (!common.quiet) {
-    const std::string where = place_of_views(arguments.output, input.has_one_cycle(), cycles.size());
+    const std::string where = place_of_views(arguments.output, input.has_one_field(), cycles.size());
     std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n", cycles.size(),
                 cycles.size() == 1 ? "" : "s", where.c_str(), cycles.front()["gain"].get<double>());
     if (cycles.front().contains("event_error")) print_event_error(cycles.front());
@@ -349,14 +291,16 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                           .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("reconstruct");
-  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_input(arguments));
+  E2LF_ASSIGN_OR_RETURN(CycleInput input,
+                        open_cycle_input(arguments.input, arguments.cycles, arguments.cycles_per_field));
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, input, record));
   E2LF_ASSIGN_OR_RETURN(Method method, arguments.method == "network" ? network_method(arguments, codes, record)
                                                                      : inversion_method(arguments, codes, record));
   record.end_step("open");
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
-  if (!are_patterns_told(codes)) codes.reset();
+  // Nor do those of one cycle of the counts of several.
+  if (!are_patterns_told(codes) || arguments.cycles_per_field > 1) codes.reset();
   if (known_constants) record.note("constants", *known_constants);
   CycleWriter writer(arguments, common, std::move(method), std::move(codes));
   const bool is_strict = arguments.cycles.recording.is_strict;
@@ -375,7 +319,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   std::error_code error;
   if (fs::exists(arguments.input, error)) record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(input.has_one_cycle() || is_strict ? output.commit(std::move(about))
+  E2LF_RETURN_IF_ERROR(input.has_one_field() || is_strict ? output.commit(std::move(about))
                                                           : output.update_record(std::move(about)));
   print_result(arguments, common, input, writer.cycles());
   return {};
@@ -407,6 +351,11 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("--passes", reconstruction.passes,
                  "average the network over so many positions on its pixel grid: finer, and so many times slower; at "
                  "most all that it tells apart (64 for the bundled models, 1 for the paper's)")
+      ->check(whole_number(1, 64))
+      ->capture_default_str();
+  app.add_option("--cycles-per-field", reconstruction.cycles_per_field,
+                 "make each light field of so many cycles of a scene that stands still: better with each doubling; for "
+                 "networks that are told the camera")
       ->check(whole_number(1, 64))
       ->capture_default_str();
   app.add_option("--gain", reconstruction.gain,

@@ -41,6 +41,14 @@ aperture::Camera draw_camera(aperture::Camera camera, const SensorConfig& sensor
   return camera;
 }
 
+/// What black and the lit patterns pass at one place of the field, which differs from what the camera file tells.
+std::vector<float> draw_field(const std::vector<float>& told, double spread, Draws& draws) {
+  std::vector<float> passed = {1.0F};
+  for (const float share : told)
+    passed.push_back(share * static_cast<float>(std::exp(spread * draws.uniform(-1.0, 1.0))));
+  return passed;
+}
+
 }  // namespace
 
 Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
@@ -174,10 +182,8 @@ void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
     const auto gain = static_cast<float>(draws.log_uniform(sensor.camera_gain[0], sensor.camera_gain[1]));
     is_pixel.push_back(torch::tensor(chosen));
     constants.push_back(row({drawn.pixel.values.begin(), drawn.pixel.values.end()}));
-    drawn.transmission.insert(drawn.transmission.begin(), 1.0F);  // of black
-    transmissions.push_back(row(drawn.transmission));
+    transmissions.push_back(row(draw_field(drawn.transmission, sensor.camera_field_spread, draws)));
     if (!chosen) continue;
-    drawn.transmission.erase(drawn.transmission.begin());
     conditions.gain[i] = gain;
     conditions.constants.eps[i] = drawn.constants.eps;
     conditions.constants.tau[i] = drawn.constants.tau;

@@ -58,6 +58,7 @@ Result<void> read_sensor(OptionReader reader, SensorConfig& sensor) {
   reader.read("nominal_share", sensor.nominal_share).read("tau", sensor.tau).read("sigma_w", sensor.sigma_w);
   reader.read("camera", sensor.camera).read("camera_share", sensor.camera_share);
   reader.read("camera_nominal_share", sensor.camera_nominal_share).read("camera_spread", sensor.camera_spread);
+  reader.read("camera_field_spread", sensor.camera_field_spread);
   reader.read("camera_gain", sensor.camera_gain).read("cycles_share", sensor.cycles_share);
   reader.read("sigma_z", sensor.sigma_z).read("full_gain_share", sensor.full_gain_share).read("gain", sensor.gain);
   return reader.finish();
@@ -210,6 +211,7 @@ Json to_json(const Config& config) {
             {"camera_share", sensor.camera_share},
             {"camera_nominal_share", sensor.camera_nominal_share},
             {"camera_spread", sensor.camera_spread},
+            {"camera_field_spread", sensor.camera_field_spread},
             {"camera_gain", sensor.camera_gain},
             {"cycles_share", sensor.cycles_share},
             {"full_gain_share", sensor.full_gain_share},

@@ -59,13 +59,17 @@ struct Model {
 /// `location` (a file) goes into errors.
 [[nodiscard]] Result<void> validate(const Model& model, const std::string& location);
 
-/// Reads a model file (format version 1): one .safetensors with float32 weights, `aperture.codes` [N, view_y, view_x]
-/// where the model has codes, and JSON under `e2lf` in its metadata. Fails with a message that names file and field on
-/// an unknown version, network type or key, a wrong shape, truncation, and as validate() does.
+/// Reads a model file (format version 1): one .safetensors with weights in float32 or bfloat16, `aperture.codes` [N,
+/// view_y, view_x] where the model has codes, and JSON under `e2lf` in its metadata. Fails with a message that names
+/// file and field on an unknown version, network type or key, a wrong shape, truncation, and as validate() does.
 [[nodiscard]] Result<Model> read_model(const std::filesystem::path& path);
 
+/// How a model file stores its weights: exactly, or in half the room with relative errors of at most 2^-8.
+enum class WeightStorage { kFloat32, kBfloat16 };
+
 /// Writes a model file. Fails as validate() does, before anything is written, and with kIo.
-[[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model);
+[[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model,
+                                       WeightStorage storage = WeightStorage::kFloat32);
 
 /// The paper's released weights as a model: `folder` holds RecNet.safetensors and AcqNet.safetensors. Fails with
 /// kNotFound and kShape where they are not the released ones, and as read_safetensors does.

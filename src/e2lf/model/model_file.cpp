@@ -12,8 +12,8 @@ constexpr const char* kCodesTensor = "aperture.codes";
 
 Result<const Tensor*> find_float(const Safetensors& tensors, const std::string& name, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(name, file));
-  if (tensor->type == "F32") return tensor;
-  return Error{ErrorCode::kUnsupported, cat("it holds ", tensor->type, " numbers; save it as F32"),
+  if (tensor->type == "F32" || tensor->type == "BF16") return tensor;
+  return Error{ErrorCode::kUnsupported, cat("it holds ", tensor->type, " numbers; save it as F32 or BF16"),
                cat(file, ": ", name)};
 }
 
@@ -80,12 +80,14 @@ Result<Model> read_model(const std::filesystem::path& path) {
   return model;
 }
 
-Result<void> write_model(const std::filesystem::path& path, const Model& model) {
+Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
   E2LF_RETURN_IF_ERROR(validate(model, path.string()));
   Safetensors tensors;
   tensors.metadata[kMetadataKey] = header_to_json(model).dump();
   for (const WeightShape& tensor : weight_shapes(model.network)) {
-    tensors.tensors[tensor.name] = make_tensor(tensor.shape, model.weights.at(tensor.name));
+    const std::vector<float>& values = model.weights.at(tensor.name);
+    tensors.tensors[tensor.name] = storage == WeightStorage::kBfloat16 ? make_bfloat16_tensor(tensor.shape, values)
+                                                                       : make_tensor(tensor.shape, values);
   }
   if (model.codes) {
     tensors.tensors[kCodesTensor] =

@@ -91,6 +91,25 @@ TEST(ModelFile, RoundTripsEveryField) {
   EXPECT_EQ(read->provenance, model.provenance);
 }
 
+TEST(ModelFile, StoresWeightsInHalfTheRoomRoundedToTheNearest) {
+  const TestFolder folder;
+  Model model = small_model();
+  std::vector<float>& weights = model.weights.begin()->second;
+  // 1 + 2^-8 is a tie between 1 and 1 + 2^-7, 1 + 3 * 2^-8 one between that and 1 + 2^-6: both go to the even one.
+  weights[0] = 1.0F + 0x1p-8F;
+  weights[1] = -(1.0F + 0x1.8p-7F);
+  ASSERT_TRUE(write_model(folder / "m.safetensors", model, WeightStorage::kBfloat16).ok());
+  const auto read = read_model(folder / "m.safetensors");
+  ASSERT_TRUE(read.ok()) << read.error().text();
+  EXPECT_EQ(read->weights.begin()->second[0], 1.0F);
+  EXPECT_EQ(read->weights.begin()->second[1], -(1.0F + 0x1p-6F));
+  EXPECT_EQ(read->codes, model.codes);
+  for (const auto& [name, values] : model.weights) {
+    const auto& stored = read->weights.at(name);
+    for (size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(stored[i], values[i], 0x1p-8F * std::abs(values[i])) << name;
+  }
+}
+
 TEST(ModelFile, RoundTripsWithoutCodes) {
   const TestFolder folder;
   Model model = small_model();

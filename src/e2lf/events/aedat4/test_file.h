@@ -25,7 +25,7 @@ void put(Bytes& bytes, T value) {
 }
 
 inline void put_text(Bytes& bytes, std::string_view text) {
-  bytes.insert(bytes.end(), text.begin(), text.end());
+  for (const char character : text) bytes.push_back(static_cast<uint8_t>(character));  // GCC 12 misreads an insert
 }
 
 /// Size prefix, root offset, identifier, vtable of one vector field, table, and the vector's count.

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/cycle_input.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::cli {
+namespace {
+
+void add(const events::EventImages& more, events::EventImages& sum) {
+  for (size_t i = 0; i < sum.counts.size(); ++i) {
+    sum.counts[i] = static_cast<int16_t>(std::clamp(sum.counts[i] + more.counts[i], -32768, 32767));
+  }
+}
+
+}  // namespace
+
+Result<std::optional<CycleImages>> CycleInput::next_cycle() {
+  CycleImages next;
+  if (!reader_) {
+    if (taken_ == file_.cycles.size()) return std::optional<CycleImages>();
+    next.images = std::move(file_.cycles[taken_++]);
+    return std::optional(std::move(next));
+  }
+  if (max_cycles_ != 0 && taken_ == max_cycles_) return std::optional<CycleImages>();
+  E2LF_ASSIGN_OR_RETURN(std::optional<events::Cycle> cycle, reader_->next());
+  if (!cycle) return std::optional<CycleImages>();
+  ++taken_;
+  confidence_.add(*cycle);
+  next.about = cycle_json(*cycle);
+  next.ready = cycle->arrival.value_or(CycleClock::now());
+  const int64_t behind_us = cycle->known_us - cycle->slices.back().end_us;
+  if (cycle->arrival) next.behind_s = static_cast<double>(std::max<int64_t>(0, behind_us)) * 1e-6;
+  next.images = std::move(cycle->images);
+  return std::optional(std::move(next));
+}
+
+Result<std::optional<CycleImages>> CycleInput::next() {
+  E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> sum, next_cycle());
+  for (size_t cycle = 1; sum && cycle < cycles_per_field_; ++cycle) {
+    E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> more, next_cycle());
+    if (!more) return std::optional<CycleImages>();
+    add(more->images, sum->images);
+    more->images = std::move(sum->images);
+    sum = std::move(more);
+  }
+  return sum;
+}
+
+Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
+                                    size_t cycles_per_field) {
+  if (is_recording(input)) {
+    E2LF_ASSIGN_OR_RETURN(events::CycleReader reader, open_cycles(input, flags));
+    return CycleInput(std::move(reader), flags.max_cycles, cycles_per_field);
+  }
+  if (!flags.schedule.empty()) {
+    return Error{ErrorCode::kInvalidValue, "event images are cut already; --schedule is for recordings, leave it out",
+                 input.string()};
+  }
+  E2LF_ASSIGN_OR_RETURN(events::EventImageFile file, events::read_event_images(input));
+  if (file.cycles.size() < cycles_per_field) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("there are ", file.cycles.size(), " cycles, fewer than the ", cycles_per_field,
+                     " of --cycles-per-field; ask for fewer"),
+                 input.string()};
+  }
+  return CycleInput(std::move(file), cycles_per_field);
+}
+
+}  // namespace e2lf::cli

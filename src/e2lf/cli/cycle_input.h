@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+
+#include "e2lf/base/options.h"
+#include "e2lf/base/result.h"
+#include "e2lf/cli/cycle_options.h"
+#include "e2lf/events/event_images.h"
+
+namespace e2lf::cli {
+
+using CycleClock = std::chrono::steady_clock;
+
+/// The event images of a light field, and what is known of them.
+struct CycleImages {
+  events::EventImages images;   ///< of one cycle, or sums over several
+  Json about = Json::object();  ///< for the record: of a recording, times and confidence of the last cycle
+  CycleClock::time_point ready = CycleClock::now();  ///< when they were there: of a live recording, the last bytes
+  double behind_s = 0;  ///< from the end of the last pattern until then; live recordings only
+};
+
+/// The event images of one light field after the other, from a file of them or cut from a recording as it is read.
+class CycleInput {
+ public:
+  CycleInput(events::EventImageFile file, size_t cycles_per_field)
+      : file_(std::move(file)), cycles_per_field_(cycles_per_field) {}
+  CycleInput(events::CycleReader reader, uint64_t max_cycles, size_t cycles_per_field)
+      : reader_(std::move(reader)), max_cycles_(max_cycles), cycles_per_field_(cycles_per_field) {}
+
+  /// The sums over the next cycles_per_field cycles; nothing at the end, where fewer are left. Sums beyond int16 are
+  /// saturated.
+  [[nodiscard]] Result<std::optional<CycleImages>> next();
+
+  [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
+  /// Of a recording nobody knows.
+  [[nodiscard]] bool has_one_field() const { return !reader_ && file_.cycles.size() / cycles_per_field_ == 1; }
+  [[nodiscard]] const events::EventImageFile& file() const { return file_; }
+  [[nodiscard]] const events::RecordingInfo& recording_info() const { return reader_->recording().info(); }
+  [[nodiscard]] events::CycleSource source() const { return reader_->source(); }
+  [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
+  [[nodiscard]] events::CycleReport report() const { return reader_->report(); }
+  /// Of what was read of a recording; empty for event images.
+  [[nodiscard]] events::DecodeSummary summary() const {
+    return reader_ ? reader_->recording().summary() : events::DecodeSummary();
+  }
+
+ private:
+  [[nodiscard]] Result<std::optional<CycleImages>> next_cycle();
+
+  events::EventImageFile file_;
+  std::optional<events::CycleReader> reader_;
+  uint64_t max_cycles_ = 0;
+  size_t cycles_per_field_ = 1;
+  ConfidenceWatch confidence_;
+  size_t taken_ = 0;
+};
+
+/// Opens event images or a recording. Fails with kInvalidValue where flags of recordings are given for event images,
+/// and where a file holds fewer cycles than one light field needs.
+[[nodiscard]] Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
+                                                  size_t cycles_per_field);
+
+}  // namespace e2lf::cli
