@@ -65,13 +65,13 @@ endfunction()
 # What hangs ends here; the slowest test takes a tenth of it on two busy cores.
 set(E2LF_TEST_LIMIT_S 3600)
 
-# e2lf_add_test(<module> SRCS ... [LINK_LIBS ...] [LABELS ...]): one GoogleTest binary for a module; CTest names are module/Suite.case.
+# e2lf_add_test(<module> [WITH_TORCH] SRCS ... [LINK_LIBS ...] [LABELS ...]): one GoogleTest binary for a module; CTest names are module/Suite.case.
 # Tests that read the data at hand find it through the environment variable E2LF_DATA (see CONTRIBUTING.md).
 function(e2lf_add_test module)
   if(NOT E2LF_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "" "SRCS;LINK_LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "WITH_TORCH" "" "SRCS;LINK_LIBS;LABELS" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
@@ -81,7 +81,9 @@ function(e2lf_add_test module)
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS} GTest::gmock GTest::gtest_main)
   # The tests' own sources are most of the build and little of the run.
   target_compile_options(${name} PRIVATE -O1)
-  e2lf_use_precompiled(${name} e2lf_test_headers)
+  if(NOT ARG_WITH_TORCH)  # torch's macros are not those that the headers were compiled with
+    e2lf_use_precompiled(${name} e2lf_test_headers)
+  endif()
   gtest_discover_tests(${name} TEST_PREFIX "${module}/" DISCOVERY_MODE PRE_TEST
     PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${E2LF_TEST_LIMIT_S})
 endfunction()
