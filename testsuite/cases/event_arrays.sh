@@ -78,4 +78,4 @@ cmp bytes/03_04.png back/03_04.png
 grep -q "took view rows 1..8 of 10 and columns 2..9 of 12" stderr.txt || fail "$(cat stderr.txt)"
 "$E2LF" convert large.npy step2 --views 4 --step 2 2>stderr.txt
 grep -q "took view rows 1..7 in steps of 2 of 10" stderr.txt || fail "$(cat stderr.txt)"
-[ "$(ls step2 | wc -l)" -eq 16 ] || fail "--views"
+[ "$(ls step2/*.png | wc -l)" -eq 16 ] || fail "--views"

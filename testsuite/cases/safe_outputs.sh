@@ -3,9 +3,10 @@
 mkdir cap && echo mine >cap/notes
 "$E2LF" simulate demo/scene -o cap/rec.raw --cycles 2 --quiet
 "$E2LF" simulate demo/scene -o ev.npz --quiet
-find . -type f -print0 | sort -z | xargs -0 sha256sum >before.txt
+find . -type f ! -name before.txt -print0 | sort -z | xargs -0 sha256sum >before.txt
 sha256sum --quiet -c before.txt
 ln -s cap link
+ln -s cap/rec.raw plot.svg
 untouched() { grep -v -F -e stdout.txt -e stderr.txt before.txt | sha256sum --quiet -c || fail "a file changed after: $*"; }
 refused() { # <text> <command...>
   fails 1 "$@"
@@ -25,7 +26,7 @@ refused "e2lf did not write this folder" "$E2LF" demo -o cap --overwrite --width
 refused "is an input" "$E2LF" convert cap/rec.raw link/rec.raw --overwrite
 refused "is an input" "$E2LF" convert - cap/rec.raw --format evt3 --overwrite <cap/rec.raw
 refused "lies in an input" "$E2LF" simulate demo/scene -o demo/scene/ev.npz
-refused "is an input" "$E2LF" accumulate cap/rec.raw -o x.npz --plot cap/rec.raw --overwrite
+refused "is an input" "$E2LF" accumulate cap/rec.raw -o x.npz --plot plot.svg --overwrite
 refused "is an input" "$E2LF" pack demo/scene ev.npz -o ev.npz --overwrite
 refused "is an input" "$E2LF" eval demo/scene demo/recon -o ev.npz --events ev.npz --overwrite
 mkdir folder.npz
