@@ -29,7 +29,7 @@ Result<ConvertBenchmarkRow> measure(const fs::path& recording, const fs::path& o
     best_s = run == 0 ? run_s : std::min(best_s, run_s);
     row.events = report.events;
     fs::remove(output);
-    if (!report.trigger_file.empty()) fs::remove(report.trigger_file);
+    if (!report.trigger_file.empty()) fs::remove(output.parent_path() / report.trigger_file);
   }
   row.mevents_per_s = static_cast<double>(row.events) * 1e-6 / best_s;
   return row;
