@@ -6,7 +6,8 @@
 "$E2LF" simulate demo/scene -o long.raw --cycles 100 --quiet
 
 # A sender that stays connected and never ends, as a camera does; it tells when everything is sent.
-py - rec.raw <<'PY' &
+# Python itself, not a shell around it: what is killed at the end must be the sender.
+/usr/bin/python3 - rec.raw <<'PY' &
 import socket, sys
 server = socket.socket()
 server.bind(("127.0.0.1", 0))
