@@ -144,37 +144,4 @@ Result<void> AtomicFile::commit() {
   return {};
 }
 
-Result<AtomicFolder> AtomicFolder::create(const fs::path& target, bool) {
-  // What may be replaced only ResultFolder knows.
-  std::error_code unknown;
-  if (fs::exists(fs::symlink_status(target, unknown))) {
-    return Error{ErrorCode::kExists, "the folder is there already; name another", target.string()};
-  }
-  E2LF_RETURN_IF_ERROR(make_parent(target));
-  fs::path staging = staging_name(target);
-  std::error_code error;
-  fs::create_directory(staging, error);
-  if (error) return system_error(target, "make the folder", error.value());
-  return AtomicFolder(target, std::move(staging));
-}
-
-AtomicFolder::AtomicFolder(AtomicFolder&& other) noexcept
-    : target_(std::move(other.target_)), staging_(std::exchange(other.staging_, fs::path())) {}
-
-AtomicFolder::~AtomicFolder() {
-  if (staging_.empty()) return;
-  std::error_code ignored;
-  fs::remove_all(staging_, ignored);
-}
-
-Result<void> AtomicFolder::commit() {
-  std::error_code error;
-  fs::rename(staging_, target_, error);
-  if (error) {
-    return system_error(target_, "put the folder in place", error.value());
-  }
-  staging_.clear();
-  return {};
-}
-
 }  // namespace e2lf

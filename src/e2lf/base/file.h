@@ -47,28 +47,4 @@ class AtomicFile {
   std::filesystem::path staging_;
 };
 
-/// A folder of results that appears whole or not at all: files are written under path(), a sibling with a temporary
-/// name, and commit() renames it into place. Without commit() the destructor removes what was written.
-class AtomicFolder {
- public:
-  /// Makes the temporary sibling of `target`. Fails with kExists (target there, overwrite false) and kIo.
-  [[nodiscard]] static Result<AtomicFolder> create(const std::filesystem::path& target, bool overwrite);
-
-  AtomicFolder(AtomicFolder&& other) noexcept;
-  AtomicFolder& operator=(AtomicFolder&&) = delete;
-  ~AtomicFolder();
-
-  /// Where to write until commit().
-  [[nodiscard]] const std::filesystem::path& path() const { return staging_; }
-
-  /// Puts the folder in place; an existing target is replaced by the rename, then removed. Fails with kIo.
-  [[nodiscard]] Result<void> commit();
-
- private:
-  AtomicFolder(std::filesystem::path target, std::filesystem::path staging)
-      : target_(std::move(target)), staging_(std::move(staging)) {}
-  std::filesystem::path target_;
-  std::filesystem::path staging_;
-};
-
 }  // namespace e2lf

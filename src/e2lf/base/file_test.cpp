@@ -84,45 +84,5 @@ TEST(File, ADeviceIsWrittenToAndNotReplaced) {
   EXPECT_EQ(AtomicFile::create("/dev/null").error().code, ErrorCode::kUnsupported);
 }
 
-TEST(AtomicFolder, AppearsOnlyWhenCommitted) {
-  const TestFolder folder;
-  auto output = AtomicFolder::create(folder / "out/views", /*overwrite=*/false);
-  ASSERT_TRUE(output.ok());
-  ASSERT_TRUE(write_file(output->path() / "a", std::string("x")).ok());
-  EXPECT_FALSE(fs::exists(folder / "out/views"));
-  ASSERT_TRUE(output->commit().ok());
-  EXPECT_EQ(text_of(folder / "out/views/a"), "x");
-  EXPECT_EQ(count_entries(folder / "out"), 1U);
-}
-
-TEST(AtomicFolder, RemovesEverythingWithoutCommit) {
-  const TestFolder folder;
-  {
-    auto output = AtomicFolder::create(folder / "out", /*overwrite=*/false);
-    ASSERT_TRUE(write_file(output->path() / "a", std::string("x")).ok());
-    const AtomicFolder moved = *std::move(output);
-    EXPECT_TRUE(fs::exists(moved.path()));
-  }
-  EXPECT_EQ(count_entries(folder.path()), 0U);
-}
-
-TEST(AtomicFolder, ReplacesNothing) {
-  const TestFolder folder;
-  ASSERT_TRUE(write_file(folder / "out/old", std::string("x")).ok());
-  EXPECT_EQ(AtomicFolder::create(folder / "out", /*overwrite=*/false).error().code, ErrorCode::kExists);
-  EXPECT_EQ(AtomicFolder::create(folder / "out", /*overwrite=*/true).error().code, ErrorCode::kExists);
-  EXPECT_EQ(text_of(folder / "out/old"), "x");
-}
-
-TEST(AtomicFolder, TakesANameWithATrailingSlash) {
-  const TestFolder folder;
-  auto output = AtomicFolder::create(folder.path() / "out/", /*overwrite=*/false);
-  ASSERT_TRUE(output.ok()) << output.error().text();
-  ASSERT_TRUE(write_file(output->path() / "a", std::string("x")).ok());
-  ASSERT_TRUE(output->commit().ok());
-  EXPECT_EQ(text_of(folder / "out/a"), "x");
-  EXPECT_EQ(count_entries(folder.path()), 1U);
-}
-
 }  // namespace
 }  // namespace e2lf

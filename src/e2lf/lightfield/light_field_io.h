@@ -99,8 +99,8 @@ struct WriteOptions {
 [[nodiscard]] Result<void> write_light_field(const std::filesystem::path& path, const LightField& light_field,
                                              const WriteOptions& options = {}, const ProgressFn& progress = {});
 
-/// Writes the views of a folder format (kPng8, kPng16, kHci) into a folder that is there, e.g. an AtomicFolder that
-/// holds other results too.
+/// Writes the views of a folder format (kPng8, kPng16, kHci) into a folder that is there, e.g. a part of a ResultFolder
+/// that holds other results too.
 [[nodiscard]] Result<void> write_views(const std::filesystem::path& folder, const LightField& light_field,
                                        LightFieldFormat format, const ProgressFn& progress = {});
 
