@@ -76,18 +76,13 @@ void tell_patterns(const ReconstructArguments& arguments, const model::Model& mo
                         "they are those of the events"));
 }
 
-bool is_told_the_camera(const model::Model& model) {
-  return std::any_of(model.input.begin(), model.input.end(),
-                     [](const auto& group) { return group.kind == model::InputKind::kCamera; });
-}
-
 /// Gives the network the constants of the camera that --camera names, in place of those that the model was made for.
 Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& model, RunRecord& record) {
   if (arguments.camera.empty()) {
-    if (is_told_the_camera(model) && model.camera) record.note("camera", aperture::to_json(*model.camera));
+    if (model::is_told_the_camera(model) && model.camera) record.note("camera", aperture::to_json(*model.camera));
     return {};
   }
-  if (!is_told_the_camera(model)) {
+  if (!model::is_told_the_camera(model)) {
     return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
                  "--camera"};
   }
@@ -116,7 +111,7 @@ Result<Method> network_method(const ReconstructArguments& arguments, const std::
   record.resolve("precision", engine::precision_name(reconstructor->engine().precision()));
   record.note("precision", engine::precision_name(reconstructor->engine().precision()));
   record.note("passes", passes);
-  if (arguments.cycles_per_field > 1 && !reconstructor->is_told_the_camera()) {
+  if (arguments.cycles_per_field > 1 && !model::is_told_the_camera(reconstructor->model())) {
     return Error{
         ErrorCode::kInvalidValue,
         cat(reconstructor->model().name, " takes one cycle for each light field; leave the option out, or use ",

@@ -52,6 +52,9 @@ struct Model {
   Json provenance = Json::object();        ///< data, samples seen, seed, command, figures reached: free form
 };
 
+/// Whether the network is told the constants of the camera and the number of cycles.
+[[nodiscard]] bool is_told_the_camera(const Model& model);
+
 /// The words of model files: "counts", "cumulative", "intensity", "camera".
 [[nodiscard]] const char* input_kind_name(InputKind kind);
 

@@ -78,6 +78,11 @@ size_t num_input_channels(const std::vector<InputGroup>& groups, size_t num_patt
   return channels;
 }
 
+bool is_told_the_camera(const Model& model) {
+  return std::any_of(model.input.begin(), model.input.end(),
+                     [](const InputGroup& group) { return group.kind == InputKind::kCamera; });
+}
+
 Json header_to_json(const Model& model) {
   Json input = Json::array();
   for (const InputGroup& group : model.input) {

@@ -44,11 +44,6 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
   return Reconstructor(std::move(model), std::move(engine));
 }
 
-bool Reconstructor::is_told_the_camera() const {
-  return std::any_of(model_.input.begin(), model_.input.end(),
-                     [](const auto& group) { return group.kind == model::InputKind::kCamera; });
-}
-
 Result<Reconstructor::Planes> Reconstructor::run(const events::EventImages& images, size_t cycles,
                                                  const ProgressFn& progress) const {
   const InputConditions conditions{model_.camera->constants,
@@ -69,7 +64,7 @@ size_t Reconstructor::num_passes(size_t wanted) const {
 
 Result<lightfield::LightField> Reconstructor::reconstruct(const events::EventImages& images, const ProgressFn& progress,
                                                           size_t passes, size_t cycles) const {
-  E2LF_REQUIRE(cycles == 1 || is_told_the_camera(), "the network must know of several cycles");
+  E2LF_REQUIRE(cycles == 1 || model::is_told_the_camera(model_), "the network must know of several cycles");
   if (images.transitions + 1 != model_.num_patterns || images.image_size() == 0) {
     return Error{ErrorCode::kShape,
                  cat("there are ", images.transitions, " event images of ", images.width, "x", images.height,

@@ -23,14 +23,12 @@ class Reconstructor {
   /// does not take are extended as network_input() says and the result is cropped. A network that works at reduced
   /// resolution errs differently where pixels fall differently on its grid: the result is the mean over the first
   /// num_passes(passes) of grid_shifts(), at so many times the cost. From two passes on, or where the result is
-  /// cropped, a second light field needs room. Fails with kShape when the number of event images is not N - 1 or they
-  /// are empty, and as Engine::run does.
+  /// cropped, a second light field needs room. The images may be sums over several `cycles` of a
+  /// scene that stands still, where model::is_told_the_camera(). Fails with kShape when the number of event images is
+  /// not N - 1 or they are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const events::EventImages& images,
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;
-
-  /// Whether the network is told the camera's constants and the number of cycles.
-  [[nodiscard]] bool is_told_the_camera() const;
 
   /// How many passes are made when `wanted` are: at least one, at most model::size_multiple() squared.
   [[nodiscard]] size_t num_passes(size_t wanted) const;
