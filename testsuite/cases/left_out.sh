@@ -98,3 +98,11 @@ grep -q "its events reach 64x48 px" info.txt || fail "$(cat info.txt)"
 check "$(json info.json "j['kind'] == 'training data' and len(j['light_fields']) == 1")"
 fails 1 "strict" "$E2LF" reconstruct damaged.raw --method inversion -o strict --strict
 absent strict
+
+# A simulated recording says where its format has no place for triggers.
+"$E2LF" simulate demo/scene -o simulated.csv --quiet 2>stderr.txt
+grep -q "holds no triggers" stderr.txt || fail "triggers vanished: $(cat stderr.txt)"
+for flags in "-o simulated.raw" "-o again.csv --no-triggers"; do
+  "$E2LF" simulate demo/scene $flags --quiet 2>stderr.txt
+  [ ! -s stderr.txt ] || fail "$flags: $(cat stderr.txt)"
+done

@@ -6,6 +6,7 @@
 
 #include "e2lf/aperture/codes_header.h"
 #include "e2lf/aperture/codes_io.h"
+#include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/camera_option.h"
@@ -129,6 +130,10 @@ Result<void> write_recording(const SimulateArguments& arguments, const fs::path&
   events::SynthesisOptions synthesis;
   synthesis.schedule = events::paper_schedule(codes.num_patterns);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
+  if (!arguments.no_triggers && !writer->holds_triggers()) {
+    log_warning(cat(arguments.output.string(), ": this format holds no triggers, so they are left out; write .raw, ",
+                    ".hdf5 or .dat for them"));
+  }
   E2LF_RETURN_IF_ERROR(events::synthesise_recording(*writer, arguments.cycles, synthesis, images_of));
   return writer->finish();
 }
