@@ -31,8 +31,8 @@ check "all(0 < cycle['latency_s'] and cycle['latency_s'] > cycle['reconstruct_s'
 cat recording.raw | "$E2LF" accumulate camera://pipe -o camera.npz --source triggers --quiet
 cmp camera.npz piped.npz
 fails 1 "no camera plugin \"nosuch\"" "$E2LF" info camera://nosuch
-# The same from a socket.
-py - recording.raw <<'PY' &
+# The same from a socket. Python itself, not a shell around it: what is killed at the end must be the sender.
+/usr/bin/python3 - recording.raw <<'PY' &
 import socket, sys
 server = socket.socket()
 server.bind(("127.0.0.1", 0))
@@ -42,9 +42,13 @@ connection, _ = server.accept()
 connection.sendall(open(sys.argv[1], "rb").read())
 connection.close()
 PY
-wait_for port $!
+sender=$!
+trap 'kill "$sender"; remove_folder' EXIT
+wait_for port "$sender"
 "$E2LF" accumulate "tcp://127.0.0.1:$(cat port)" -o socket.npz --source triggers --quiet
 cmp socket.npz piped.npz
+wait "$sender"
+trap remove_folder EXIT
 fails 1 "cannot connect" "$E2LF" accumulate tcp://127.0.0.1:1 -o none.npz
 fails 1 "write tcp://127.0.0.1:PORT" "$E2LF" accumulate tcp://localhost -o none.npz
 fails 1 "no complete pattern cycle" "$E2LF" accumulate recording.raw -o none.npz --source triggers --channel 5
