@@ -23,11 +23,13 @@ constexpr KeyRange kPixelKeys[] = {
     {"eps", 1e-6F, 1e3F},        {"receptor_rate_hz", 1e-3F, 1e9F}, {"amplifier_rate_hz", 1e-3F, 1e9F},
     {"leak", 0.0F, 0.5F},        {"threshold_on", 0.01F, 10.0F},    {"threshold_off", 0.01F, 10.0F},
     {"mismatch", 0.0F, 1.0F},    {"mismatch_each", 0.0F, 1.0F},     {"noise", 0.0F, 10.0F},
-    {"shot_noise", 0.0F, 10.0F}, {"reset_span", 0.0F, 1.0F},        {"reset_offset", -10.0F, 10.0F},
+    {"shot_noise", 0.0F, 10.0F}, {"reset_span", 0.0F, 2.0F},        {"reset_offset", -10.0F, 10.0F},
     {"dark_off", 0.0F, 0.5F},    {"dark_on", 0.0F, 0.5F},           {"black_time_s", 0.0F, 1e3F},
     {"lit_time_s", 0.0F, 1e3F},
 };
 static_assert(std::size(kPixelKeys) == kNumPixelConstants);
+
+constexpr float kMostSlope = 2.0F;  // of the logarithm of a transmission, from the middle to the edge
 
 constexpr const char* kEventModels[] = {"reference-aware", "quantised", "pixel"};
 
@@ -88,13 +90,30 @@ Result<void> read_transmission(const Json& json, const std::string& location, Ca
   std::string source;
   OptionReader reader(json, location);
   reader.read("value", camera.transmission).read("uncertainty", camera.transmission_uncertainty);
+  reader.read("slope_x", camera.transmission_slope_x).read("slope_y", camera.transmission_slope_y);
   reader.read("source", source);
   E2LF_RETURN_IF_ERROR(reader.finish());
   for (const float share : camera.transmission) {
     if (share > 0.0F && share <= 100.0F) continue;
     return Error{ErrorCode::kInvalidValue, cat(share, " is no transmission; use numbers near 1"), location};
   }
+  for (const auto* slopes : {&camera.transmission_slope_x, &camera.transmission_slope_y}) {
+    if (slopes->size() > camera.transmission.size()) {
+      return Error{ErrorCode::kInvalidValue, "there are more slopes than transmissions; give one for each", location};
+    }
+    for (const float slope : *slopes) {
+      if (std::abs(slope) <= kMostSlope) continue;
+      return Error{ErrorCode::kInvalidValue, cat(slope, " is no slope of a transmission; use numbers near 0"),
+                   location};
+    }
+  }
   return {};
+}
+
+Json json_numbers(const std::vector<float>& values) {
+  Json json = Json::array();
+  for (const float value : values) json.push_back(json_number(value));
+  return json;
 }
 
 /// 0 for a part that follows at once, 1 for one that never does.
@@ -104,6 +123,14 @@ float lag(float rate_hz) {
 }
 
 }  // namespace
+
+float transmission_at(const Camera& camera, size_t n, float x, float y) {
+  const auto entry = [n](const std::vector<float>& values, float otherwise) {
+    return n < values.size() ? values[n] : otherwise;
+  };
+  const float slope = entry(camera.transmission_slope_x, 0.0F) * x + entry(camera.transmission_slope_y, 0.0F) * y;
+  return entry(camera.transmission, 1.0F) * (slope == 0.0F ? 1.0F : std::exp(slope));
+}
 
 const char* pixel_constant_key(PixelConstant constant) {
   return kPixelKeys[static_cast<size_t>(constant)].key;
@@ -147,9 +174,11 @@ Json to_json(const Camera& camera) {
   }
   Json json = {{"name", camera.name}, {"event_model", camera.event_model}, {"constants", constants}};
   if (!camera.transmission.empty()) {
-    Json values = Json::array();
-    for (const float share : camera.transmission) values.push_back(json_number(share));
-    json["transmission"] = {{"value", values}, {"uncertainty", json_number(camera.transmission_uncertainty)}};
+    json["transmission"] = {{"value", json_numbers(camera.transmission)}};
+    Json& transmission = json["transmission"];
+    if (!camera.transmission_slope_x.empty()) transmission["slope_x"] = json_numbers(camera.transmission_slope_x);
+    if (!camera.transmission_slope_y.empty()) transmission["slope_y"] = json_numbers(camera.transmission_slope_y);
+    transmission["uncertainty"] = json_number(camera.transmission_uncertainty);
   }
   return json;
 }

@@ -26,7 +26,7 @@ enum class PixelConstant : uint8_t {
   kMismatchEach,   ///< the same for each threshold on its own
   kNoise,          ///< standard deviation of the log intensity at the end of a pattern
   kShotNoise,      ///< the same in the dark; falls with the root of (I + eps) / eps
-  kResetSpan,      ///< the reference after black lies up to this many OFF thresholds above the level
+  kResetSpan,      ///< the reference after black lies up to this many OFF thresholds above the level; 1 without noise
   kResetOffset,    ///< and by this much below that, natural logarithm
   kDarkOff,        ///< share of pixels with an OFF event that nothing caused, per pattern, in the dark
   kDarkOn,         ///< of ON events
@@ -57,14 +57,21 @@ struct Camera {
   /// Light that each lit pattern passes relative to its open cells, for patterns 2, 3, ...; those behind the end: 1.
   std::vector<float> transmission;
   float transmission_uncertainty = 0.0F;
+  /// How that changes over the field, for the same patterns; see transmission_at(). Those behind the end: 0.
+  std::vector<float> transmission_slope_x, transmission_slope_y;
 
   [[nodiscard]] bool is_pixel() const { return event_model == "pixel"; }
 };
 
+/// Light that lit pattern n (0 = the second pattern) passes relative to its open cells at a place of the picture:
+/// transmission * exp(slope_x * x + slope_y * y). The middle of the picture is (0, 0), the middle of its right edge
+/// (1, 0), and y has the same unit.
+[[nodiscard]] float transmission_at(const Camera& camera, size_t n, float x, float y);
+
 /// Reads a camera file: {"name", "event_model", "constants": {"<key>": {"value", "uncertainty", "source"}, ...},
-/// "transmission": {"value": [..], "uncertainty", "source"}}. A camera of the paper's models has the keys eps, tau,
-/// sigma_w and sigma_z, one of "pixel" all of pixel_constant_key(). Fails with kNotFound, kFormat, kInvalidValue
-/// (unknown or missing keys, values that are not finite or out of range), naming the key.
+/// "transmission": {"value": [..], "slope_x": [..], "slope_y": [..], "uncertainty", "source"}}. A camera of the paper's
+/// models has the keys eps, tau, sigma_w and sigma_z, one of "pixel" all of pixel_constant_key(). Fails with kNotFound,
+/// kFormat, kInvalidValue (unknown or missing keys, values that are not finite or out of range), naming the key.
 [[nodiscard]] Result<Camera> read_camera(const std::filesystem::path& path);
 [[nodiscard]] Result<Camera> camera_from_json(const Json& json, const std::string& location);
 [[nodiscard]] Json to_json(const Camera& camera);

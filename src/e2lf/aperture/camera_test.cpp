@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/aperture/camera.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace e2lf::aperture {
@@ -13,10 +14,12 @@ Json pixel_camera() {
   for (size_t i = 0; i < kNumPixelConstants; ++i) {
     constants[pixel_constant_key(static_cast<PixelConstant>(i))] = {{"value", 0.25}, {"uncertainty", 0.1}};
   }
-  return {{"name", "mine"},
-          {"event_model", "pixel"},
-          {"constants", constants},
-          {"transmission", {{"value", {1.0, 1.1, 0.9}}, {"uncertainty", 0.05}}}};
+  return {
+      {"name", "mine"},
+      {"event_model", "pixel"},
+      {"constants", constants},
+      {"transmission",
+       {{"value", {1.0, 1.1, 0.9}}, {"slope_x", {0.0, 0.25}}, {"slope_y", {0.0, -0.5, 0.5}}, {"uncertainty", 0.05}}}};
 }
 
 TEST(Camera, ReadsWhatItWrites) {
@@ -30,6 +33,17 @@ TEST(Camera, ReadsWhatItWrites) {
   EXPECT_EQ(again->pixel, camera->pixel);
   EXPECT_EQ(again->uncertainty, camera->uncertainty);
   EXPECT_EQ(again->transmission, camera->transmission);
+  EXPECT_EQ(again->transmission_slope_x, (std::vector<float>{0.0F, 0.25F}));
+  EXPECT_EQ(again->transmission_slope_y, camera->transmission_slope_y);
+}
+
+TEST(Camera, TransmissionChangesOverTheField) {
+  const auto camera = camera_from_json(pixel_camera(), "mine.json");
+  ASSERT_TRUE(camera) << camera.error().text();
+  EXPECT_FLOAT_EQ(transmission_at(*camera, 1, 0.0F, 0.0F), 1.1F);
+  EXPECT_FLOAT_EQ(transmission_at(*camera, 1, 1.0F, -0.5F), 1.1F * std::exp(0.5F));
+  EXPECT_FLOAT_EQ(transmission_at(*camera, 2, 1.0F, 0.5F), 0.9F * std::exp(0.25F));
+  EXPECT_EQ(transmission_at(*camera, 3, 1.0F, 1.0F), 1.0F);
 }
 
 TEST(Camera, NamesTheConstantThatIsMissingUnknownOrOutOfRange) {
@@ -43,6 +57,12 @@ TEST(Camera, NamesTheConstantThatIsMissingUnknownOrOutOfRange) {
   json = pixel_camera();
   json["constants"]["threshold_on"]["value"] = 0;
   EXPECT_NE(error_of(json).find("threshold_on"), std::string::npos);
+  json = pixel_camera();
+  json["transmission"]["slope_x"] = {0, 0, 0, 0.1};
+  EXPECT_NE(error_of(json).find("slopes"), std::string::npos);
+  json = pixel_camera();
+  json["transmission"]["slope_y"] = {0, 9};
+  EXPECT_NE(error_of(json).find("slope"), std::string::npos);
   json = pixel_camera();
   json["event_model"] = "esim2";
   EXPECT_NE(error_of(json).find("event_model"), std::string::npos);

@@ -96,22 +96,53 @@ Thresholds draw_thresholds(const aperture::PixelConstants& constants, uint64_t m
   return {constants[kThresholdOn] * factor(on), constants[kThresholdOff] * factor(off)};
 }
 
+/// What the lit patterns pass at each place of the picture, a factor of its column times one of its row.
+class TransmissionMap {
+ public:
+  TransmissionMap(const aperture::Camera& camera, size_t num_lit, size_t height, size_t width) : width_(width) {
+    const float middle_x = 0.5F * static_cast<float>(width), middle_y = 0.5F * static_cast<float>(height);
+    for (size_t n = 0; n < num_lit; ++n) {
+      const float middle = aperture::transmission_at(camera, n, 0.0F, 0.0F);
+      auto& column = columns_.emplace_back(width);
+      auto& row = rows_.emplace_back(height);
+      for (size_t x = 0; x < width; ++x) {
+        column[x] = aperture::transmission_at(camera, n, (static_cast<float>(x) + 0.5F) / middle_x - 1.0F, 0.0F);
+      }
+      for (size_t y = 0; y < height; ++y) {
+        const float place = (static_cast<float>(y) + 0.5F - middle_y) / middle_x;
+        row[y] = aperture::transmission_at(camera, n, 0.0F, place) / middle;
+      }
+    }
+  }
+
+  [[nodiscard]] float at(size_t n, size_t pixel) const {
+    return columns_[n][pixel % width_] * rows_[n][pixel / width_];
+  }
+
+ private:
+  size_t width_;
+  std::vector<std::vector<float>> columns_, rows_;
+};
+
 /// Light through the cells of each pattern: what its open cells pass, and what leaks through the others.
 class ExposureOf {
  public:
-  ExposureOf(const aperture::Camera& camera, const CodedIntensities& intensities, float gain)
-      : camera_(camera), intensities_(intensities), gain_over_eps_(gain / camera.pixel[kEps]) {}
-
   /// `intensities` holds one more image than there are patterns: that with all cells open.
+  ExposureOf(const aperture::Camera& camera, const CodedIntensities& intensities, float gain)
+      : intensities_(intensities),
+        transmission_(camera, intensities.num_patterns - 2, intensities.height, intensities.width),
+        gain_over_eps_(gain / camera.pixel[kEps]),
+        leak_(camera.pixel[kLeak]) {}
+
   void operator()(size_t pixel, Exposure& exposure) const {
     const size_t num_patterns = intensities_.num_patterns - 1;
-    const float full = value(num_patterns, pixel), leak = camera_.pixel[kLeak];
+    const float full = value(num_patterns, pixel);
     exposure.of_patterns.resize(num_patterns);
     float last = 0.0F;
     for (size_t n = 0; n < num_patterns; ++n) {
       const float open = value(n, pixel);
-      last = open * transmission(n);
-      exposure.of_patterns[n] = last + leak * (full - open) + 1.0F;
+      last = open * (n == 0 ? 1.0F : transmission_.at(n - 1, pixel));
+      exposure.of_patterns[n] = last + leak_ * (full - open) + 1.0F;
     }
     exposure.inverse = std::max(full - last, 0.0F) + 1.0F;
   }
@@ -120,13 +151,10 @@ class ExposureOf {
   [[nodiscard]] float value(size_t n, size_t pixel) const {
     return std::max(intensities_.image(n)[pixel], 0.0F) * gain_over_eps_;
   }
-  [[nodiscard]] float transmission(size_t n) const {
-    return n >= 1 && n - 1 < camera_.transmission.size() ? camera_.transmission[n - 1] : 1.0F;
-  }
 
-  const aperture::Camera& camera_;
   const CodedIntensities& intensities_;
-  float gain_over_eps_;
+  TransmissionMap transmission_;
+  float gain_over_eps_, leak_;
 };
 
 Result<void> check(const aperture::Codes& codes, const aperture::Camera& camera, const PixelModelOptions& options) {

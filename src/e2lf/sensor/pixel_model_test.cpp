@@ -102,6 +102,22 @@ TEST(PixelModel, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one->counts, three->counts);
 }
 
+TEST(PixelModel, TransmissionChangesOverThePicture) {
+  constexpr float kThreshold = 0.001F, kSlopeX = 0.3F, kSlopeY = -0.2F;
+  auto camera = ideal_camera(kThreshold);
+  camera.transmission = {1.0F, 1.0F};
+  camera.transmission_slope_x = {0.0F, kSlopeX};
+  camera.transmission_slope_y = {0.0F, kSlopeY};
+  lightfield::LightField field({8, 8, 20, 40});
+  std::fill(field.data().begin(), field.data().end(), 100.0F);  // so that the dark level is nothing
+  const auto counts = simulate_pixel_events(half_codes(), field, camera, {});
+  ASSERT_TRUE(counts);
+  // Both halves are as bright, so the second change is that of the transmission alone. A pixel is 0.05 wide.
+  const auto change = [&](size_t y, size_t x) { return kThreshold * counts->image(1)[y * 40 + x]; };
+  EXPECT_NEAR(change(9, 39), kSlopeX * 0.975F + kSlopeY * -0.025F, 2 * kThreshold);
+  EXPECT_NEAR(change(0, 0), kSlopeX * -0.975F + kSlopeY * -0.475F, 2 * kThreshold);
+}
+
 TEST(PixelModel, RefusesOtherCamerasAndPatternsWithoutBlack) {
   const auto field = ramp(4, 4, 1.0F);
   EXPECT_EQ(simulate_pixel_events(half_codes(), field, {}, {}).error().code, ErrorCode::kInvalidValue);
