@@ -131,22 +131,6 @@ void check_strict(const Decoded& decoded, const OpenOptions& options, Bytes byte
   require(is_clean == losses(decoded.summary).empty(), "the strict policy fails where something was left out");
 }
 
-void check_accumulation(const Decoded& decoded, const OpenOptions& options, Bytes bytes) {
-  const EventColumns& events = decoded.all.events;
-  const size_t width = decoded.info.width, height = decoded.info.height;
-  if (events.empty() || width == 0 || height == 0 || width * height > (size_t{1} << 20)) return;
-  const int64_t first_us = events.t.front(), last_us = events.t.back(), middle_us = events.t[events.size() / 2];
-  const std::vector<TimeSlice> slices = {{first_us, middle_us}, {middle_us, last_us}};
-  auto reader = open_recording(make_memory_source(bytes), options);
-  EventImages images(2, height, width), expected(2, height, width);
-  require((*reader)->accumulate(slices, images).ok(), "what can be read can be accumulated");
-  for (size_t i = 0; i < events.size() && events.t[i] < last_us; ++i) {
-    int16_t& count = expected.image(events.t[i] >= middle_us)[events.y[i] * width + events.x[i]];
-    count = static_cast<int16_t>(std::clamp(count + (events.p[i] != 0 ? 1 : -1), -32768, 32767));
-  }
-  require(images == expected, "accumulated images hold the events of their slices");
-}
-
 void check_seek(const Decoded& decoded, const OpenOptions& options, Bytes bytes, uint32_t hash) {
   const EventColumns& events = decoded.all.events;
   // Where times are damaged, a search may lead elsewhere.

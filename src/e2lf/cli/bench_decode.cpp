@@ -15,7 +15,6 @@ namespace e2lf::cli {
 namespace {
 
 using events::DecodeBenchmarkRow;
-using events::DecodeRates;
 
 /// Measured on one thread of a Zen 4 class server CPU, from memory, on streams of these shapes; 0 = does not read it.
 struct PublishedRates {
@@ -32,10 +31,9 @@ constexpr PublishedRates kPublished[] = {
     {"expelliarmus", {87, 0, 129, 340, 0}},
 };
 
-Json rates_json(const DecodeRates& rates, const DecodeRates& reference) {
-  Json json = {{"columns", rates.columns}, {"images", rates.images}};
-  if (reference.columns > 0) json["columns_ratio"] = rates.columns / reference.columns;
-  if (reference.images > 0) json["images_ratio"] = rates.images / reference.images;
+Json rate_json(double rate, double reference) {
+  Json json = {{"columns", rate}};
+  if (reference > 0) json["columns_ratio"] = rate / reference;
   return json;
 }
 
@@ -46,9 +44,9 @@ Json to_json(const std::vector<DecodeBenchmarkRow>& rows) {
                   {"source", row.source},
                   {"events", row.events},
                   {"bytes_per_event", row.bytes_per_event},
-                  {"one_thread", rates_json(row.one_thread, row.reference)},
-                  {"all_threads", rates_json(row.all_threads, row.reference)}};
-    if (row.reference.columns > 0) entry["reference"] = rates_json(row.reference, {});
+                  {"one_thread", rate_json(row.one_thread, row.reference)},
+                  {"all_threads", rate_json(row.all_threads, row.reference)}};
+    if (row.reference > 0) entry["reference"] = rate_json(row.reference, 0);
     json["streams"].push_back(std::move(entry));
   }
   for (const PublishedRates& published : kPublished) {
@@ -71,11 +69,9 @@ Result<std::vector<events::ConvertBenchmarkRow>> measure_conversion(const std::f
   return events::benchmark_conversion(options);
 }
 
-void print_line(const char* what, const DecodeRates& rates, const DecodeRates& reference) {
-  std::printf("  %-24s %9.0f", what, rates.columns);
-  std::printf(reference.columns > 0 ? " %6.1fx" : "       -", rates.columns / reference.columns);
-  std::printf(" %9.0f", rates.images);
-  std::printf(reference.images > 0 ? " %6.1fx\n" : "       -\n", rates.images / reference.images);
+void print_line(const char* what, double rate, double reference) {
+  std::printf("  %-24s %9.0f", what, rate);
+  std::printf(reference > 0 ? " %6.1fx\n" : "       -\n", rate / reference);
 }
 
 void print_table(const std::vector<DecodeBenchmarkRow>& rows) {
@@ -83,13 +79,13 @@ void print_table(const std::vector<DecodeBenchmarkRow>& rows) {
       "decoding from memory, M events/s; %d threads, %s; ratios to the scalar reference in this run; one thread by its "
       "processor time\n",
       num_threads(), current_isa().c_str());
-  std::printf("\n%-26s %9s %7s %9s %7s\n", "", "columns", "ratio", "images", "ratio");
+  std::printf("\n%-26s %9s %7s\n", "", "columns", "ratio");
   for (const DecodeBenchmarkRow& row : rows) {
     std::printf("%s: %s, %.1f M events, %.2f bytes per event\n", row.shape.c_str(), row.source.c_str(),
                 static_cast<double>(row.events) * 1e-6, row.bytes_per_event);
     print_line("one thread", row.one_thread, row.reference);
     print_line("all threads", row.all_threads, row.reference);
-    if (row.reference.columns > 0) print_line("scalar reference", row.reference, {});
+    if (row.reference > 0) print_line("scalar reference", row.reference, 0);
   }
   std::printf("\nother decoders on one thread, as measured on ANOTHER machine (Zen 4):\n%-42s", "");
   for (const char* shape : kShapes) std::printf(" %11s", shape);
@@ -105,7 +101,7 @@ void print_table(const std::vector<DecodeBenchmarkRow>& rows) {
 
 int run_bench_decode(const std::vector<std::string>& arguments) {
   Verb verb("bench decode",
-            "Measure the decoding of RAW recordings from memory, to columns and straight to event images, against the "
+            "Measure the decoding of RAW recordings from memory, to columns, against the "
             "scalar reference in the same run.",
             "e2lf bench decode RECORDINGS_DIR --json");
   events::DecodeBenchmarkOptions options;

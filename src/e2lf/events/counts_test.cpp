@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The kernels that count ON events and add event images, on every instruction set against plain loops.
+// The kernel that counts ON events, on every instruction set against a plain loop.
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
@@ -7,7 +7,6 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/events/count_on.h"
-#include "e2lf/events/move_counts.h"
 
 namespace e2lf::events {
 namespace {
@@ -29,24 +28,6 @@ TEST_F(Counts, OnEventsAreCountedWhateverTheLength) {
       EXPECT_EQ(count_on(p), static_cast<uint64_t>(std::count(p.begin(), p.end(), 1))) << isa << " " << length;
       std::fill(p.begin(), p.end(), uint8_t{1});
       EXPECT_EQ(count_on(p), length) << isa;
-    }
-  }
-}
-
-TEST_F(Counts, MovedImagesAreSumsThatStopAtTheEndsAndLeaveZeros) {
-  std::mt19937 random(2);
-  for (const std::string& isa : available_isas()) {
-    ASSERT_TRUE(set_max_isa(isa));
-    for (const size_t length : kLengths) {
-      std::vector<int16_t> from(length), to(length), expected(length);
-      for (size_t i = 0; i < length; ++i) {
-        from[i] = static_cast<int16_t>(random());
-        to[i] = static_cast<int16_t>(random());
-        expected[i] = static_cast<int16_t>(std::clamp(int{from[i]} + to[i], INT16_MIN, INT16_MAX));
-      }
-      move_counts(from, to);
-      EXPECT_EQ(to, expected) << isa << " " << length;
-      EXPECT_EQ(from, std::vector<int16_t>(length)) << isa << " " << length;
     }
   }
 }

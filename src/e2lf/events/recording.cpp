@@ -13,15 +13,6 @@
 namespace e2lf::events {
 namespace {
 
-/// Adds the signed events [begin, end) to an image, saturating; events outside it are left out.
-void add_events(const EventColumns& events, size_t begin, size_t end, int16_t* image, size_t width, size_t height) {
-  for (size_t i = begin; i < end; ++i) {
-    if (events.x[i] >= width || events.y[i] >= height) continue;
-    int16_t& count = image[events.y[i] * width + events.x[i]];
-    count = static_cast<int16_t>(std::clamp(count + (events.p[i] != 0 ? 1 : -1), -32768, 32767));
-  }
-}
-
 }  // namespace
 
 std::optional<std::string> RecordingInfo::find(const std::string& key) const {
@@ -160,67 +151,6 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
     for (Trigger& trigger : batch.triggers) trigger.t -= shift_us;
   }
   return !batch.empty();
-}
-
-bool RecordingReader::accumulate_pending(std::span<const TimeSlice> slices, EventImages& images,
-                                         std::vector<Trigger>* triggers) {
-  const EventBatch& batch = pending_.batch();
-  const EventColumns& events = batch.events;
-  const int64_t end_us = slices.back().end_us;
-  size_t slice = 0;
-  size_t i = pending_.event();
-  while (i < events.size() && events.t[i] < end_us) {
-    while (events.t[i] >= slices[slice].end_us) ++slice;
-    const bool is_inside = events.t[i] >= slices[slice].begin_us;
-    const int64_t until_us = is_inside ? slices[slice].end_us : slices[slice].begin_us;
-    const size_t begin = i;
-    while (i < events.size() && events.t[i] < until_us) ++i;
-    if (is_inside) add_events(events, begin, i, images.image(slice).data(), images.width, images.height);
-  }
-  const size_t trigger_end = pending_.first_trigger(end_us);
-  count(events, pending_.event(), i);
-  summary_.triggers += trigger_end - pending_.trigger();
-  if (triggers != nullptr) {
-    triggers->insert(triggers->end(), batch.triggers.begin() + static_cast<ptrdiff_t>(pending_.trigger()),
-                     batch.triggers.begin() + static_cast<ptrdiff_t>(trigger_end));
-  }
-  pending_.skip_to(i, trigger_end);
-  return !pending_.empty();
-}
-
-Result<bool> RecordingReader::accumulate_next(std::span<const TimeSlice> slices, EventImages& images,
-                                              std::vector<Trigger>* triggers) {
-  bool more = true;
-  while (more) {
-    E2LF_ASSIGN_OR_RETURN(more, refill_pending(kDefaultBatch));
-    if (accumulate_pending(slices, images, triggers)) return true;
-  }
-  return false;
-}
-
-Result<bool> RecordingReader::accumulate(std::span<const TimeSlice> slices, EventImages& images,
-                                         std::vector<Trigger>* triggers) {
-  E2LF_REQUIRE(images.transitions == slices.size(), "one image for each slice");
-  for (size_t i = 0; i < slices.size(); ++i) {
-    E2LF_REQUIRE(slices[i].begin_us <= slices[i].end_us, "a slice ends before it begins");
-    E2LF_REQUIRE(i == 0 || slices[i - 1].end_us <= slices[i].begin_us, "slices ascend and do not overlap");
-  }
-  if (slices.empty()) return true;
-  E2LF_RETURN_IF_ERROR(find_shift());
-  const int64_t shift_us = shift_us_.value_or(0);
-  std::vector<TimeSlice> absolute(slices.begin(), slices.end());
-  for (TimeSlice& slice : absolute) slice = {slice.begin_us + shift_us, slice.end_us + shift_us};
-  const size_t known_triggers = triggers != nullptr ? triggers->size() : 0;
-
-  bool more = accumulate_pending(absolute, images, triggers);
-  if (!more) {
-    E2LF_ASSIGN_OR_RETURN(more, accumulate_next(absolute, images, triggers));
-    E2LF_RETURN_IF_ERROR(apply_policy());
-  }
-  if (triggers != nullptr && shift_us != 0) {
-    for (size_t i = known_triggers; i < triggers->size(); ++i) (*triggers)[i].t -= shift_us;
-  }
-  return more;
 }
 
 Result<void> RecordingReader::seek_before(int64_t) {

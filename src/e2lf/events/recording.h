@@ -17,7 +17,6 @@
 #include "e2lf/events/byte_source.h"
 #include "e2lf/events/decode_summary.h"
 #include "e2lf/events/event.h"
-#include "e2lf/events/event_images.h"
 #include "e2lf/events/pending_batch.h"
 
 namespace e2lf::events {
@@ -56,7 +55,7 @@ struct OpenOptions {
   size_t height = 0;
   TimeUnit time_unit = TimeUnit::kAuto;  ///< of arrays; other formats say it themselves
   std::string columns = {};              ///< of an array [events, 4], as "txyp"; empty = found by their values
-  int threads = 1;                       ///< for one read() or accumulate() call; 0 = all cores
+  int threads = 1;                       ///< for one read() call; 0 = all cores
 
   /// read() hands out from_us <= t < to_us only: times of the sensor's clock, whatever `time` is, or under kZero of
   /// `range` since the first event or trigger of the recording. A file is sought, a stream is skipped.
@@ -92,13 +91,6 @@ class RecordingReader {
   /// first violation.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
-  /// Adds the signed events of each slice to one image: images.image(i) += slice i, saturating at int16 (several
-  /// threads: part by part). Slices ascend and do not overlap; images has slices.size() transitions, the sensor's size
-  /// (events outside are dropped). Stops before the first event at or after the last slice's end: the next call begins
-  /// with it. Triggers go to `triggers` when given. False when the recording ended before that. Fails like read().
-  [[nodiscard]] Result<bool> accumulate(std::span<const TimeSlice> slices, EventImages& images,
-                                        std::vector<Trigger>* triggers = nullptr);
-
   /// Goes to the first event or trigger with t >= t_us, forwards or backwards; starts the summary anew.
   /// Fails with kUnsupported where the source cannot be sought.
   [[nodiscard]] Result<void> seek(int64_t t_us);
@@ -106,17 +98,13 @@ class RecordingReader {
   /// When the newest bytes behind what was handed out arrived at this host; nothing for what is not live.
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
-  /// What was met in what read() and accumulate() have handed out; times are shifted as theirs.
+  /// What was met in what read() has handed out; times are shifted as theirs.
   [[nodiscard]] DecodeSummary summary() const;
 
  protected:
   /// Appends the next events and triggers, absolute in time, at most `max_events` of each. False when there is no more.
   /// Counts violations in summary_; events and triggers are counted by the caller.
   [[nodiscard]] virtual Result<bool> read_next(EventBatch& batch, size_t max_events) = 0;
-
-  /// accumulate() in absolute time, with events and triggers counted in summary_. The default goes through read_next().
-  [[nodiscard]] virtual Result<bool> accumulate_next(std::span<const TimeSlice> slices, EventImages& images,
-                                                     std::vector<Trigger>* triggers);
 
   /// Goes to a place at or before the first event with t >= t_us (absolute), as near as is cheap; the start will do.
   [[nodiscard]] virtual Result<void> seek_before(int64_t t_us);
@@ -127,7 +115,6 @@ class RecordingReader {
   std::string name_ = "recording";  ///< of the source, for messages
 
  private:
-  bool accumulate_pending(std::span<const TimeSlice> slices, EventImages& images, std::vector<Trigger>* triggers);
   [[nodiscard]] Result<bool> refill_pending(size_t max_events);
   [[nodiscard]] Result<void> find_shift();
   [[nodiscard]] int64_t in_range(int64_t t_us) const;

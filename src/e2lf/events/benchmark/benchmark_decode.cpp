@@ -44,33 +44,14 @@ Result<DecodeSummary> decode_to_columns(const BenchmarkStream& stream, int threa
   return reader->summary();
 }
 
-/// The stream's time in slices of about a million events, accumulated a few at a time.
-Result<DecodeSummary> decode_to_images(const BenchmarkStream& stream, const DecodeSummary& known, int threads) {
-  constexpr size_t kSlices = 4;
-  E2LF_ASSIGN_OR_RETURN(const auto reader, open_stream(stream, threads));
-  EventImages images(kSlices, reader->info().height, reader->info().width);
-  const auto slices = static_cast<int64_t>(known.events() / 1'000'000 + 1);
-  const int64_t length_us = (known.last_t_us - known.first_t_us) / slices + 1;
-  std::vector<TimeSlice> wanted(kSlices);
-  int64_t begin_us = known.first_t_us;
-  for (bool more = true; more;) {
-    for (TimeSlice& slice : wanted) {
-      slice = {begin_us, begin_us + length_us};
-      begin_us += length_us;
-    }
-    E2LF_ASSIGN_OR_RETURN(more, reader->accumulate(wanted, images));
-  }
-  return reader->summary();
-}
-
-/// Millions of events per second of the fastest run of `decode`, all of which must give the same events.
-template <typename Decode>
-Result<double> measure(const DecodeBenchmarkOptions& options, uint64_t events, int threads, const Decode& decode) {
+/// Millions of events per second of the fastest run, all of which must give the same events.
+Result<double> measure(const DecodeBenchmarkOptions& options, const BenchmarkStream& stream, uint64_t events,
+                       int threads) {
   double best_s = 0;
   const auto begin = Clock::now();
   for (int run = 0; run < 2 || seconds_since(begin) < options.seconds; ++run) {
     const double start_s = clock_s(threads);
-    E2LF_ASSIGN_OR_RETURN(const DecodeSummary summary, decode());
+    E2LF_ASSIGN_OR_RETURN(const DecodeSummary summary, decode_to_columns(stream, threads));
     const double run_s = clock_s(threads) - start_s;
     if (summary.events() != events) {
       return Error{ErrorCode::kInvalidValue, cat("a run gave ", summary.events(), " events instead of ", events), ""};
@@ -78,16 +59,6 @@ Result<double> measure(const DecodeBenchmarkOptions& options, uint64_t events, i
     best_s = run == 0 ? run_s : std::min(best_s, run_s);
   }
   return static_cast<double>(events) * 1e-6 / best_s;
-}
-
-Result<DecodeRates> measure_rates(const DecodeBenchmarkOptions& options, const BenchmarkStream& stream,
-                                  const DecodeSummary& known, int threads) {
-  DecodeRates rates;
-  E2LF_ASSIGN_OR_RETURN(rates.columns,
-                        measure(options, known.events(), threads, [&] { return decode_to_columns(stream, threads); }));
-  E2LF_ASSIGN_OR_RETURN(rates.images, measure(options, known.events(), threads,
-                                              [&] { return decode_to_images(stream, known, threads); }));
-  return rates;
 }
 
 /// Runs `work` on the scalar kernels.
@@ -109,10 +80,10 @@ Result<DecodeBenchmarkRow> measure_stream(const DecodeBenchmarkOptions& options,
   row.events = known.events();
   row.bytes_per_event =
       static_cast<double>(stream.bytes.size()) / static_cast<double>(std::max<uint64_t>(row.events, 1));
-  E2LF_ASSIGN_OR_RETURN(row.one_thread, measure_rates(options, stream, known, 1));
-  E2LF_ASSIGN_OR_RETURN(row.all_threads, measure_rates(options, stream, known, 0));
+  E2LF_ASSIGN_OR_RETURN(row.one_thread, measure(options, stream, row.events, 1));
+  E2LF_ASSIGN_OR_RETURN(row.all_threads, measure(options, stream, row.events, 0));
   if (options.with_reference) {
-    const auto reference = [&] { return measure_rates(options, stream, known, 1); };
+    const auto reference = [&] { return measure(options, stream, row.events, 1); };
     E2LF_ASSIGN_OR_RETURN(row.reference, with_scalar_kernels(reference));
   }
   return row;

@@ -18,19 +18,15 @@ struct DecodeBenchmarkOptions {
   bool with_reference = true;    ///< measure the scalar reference too
 };
 
-/// Millions of events per second, the fastest run; 0 = not measured. One thread is measured by its processor time.
-struct DecodeRates {
-  double columns = 0;  ///< to columns in batches of the default size
-  double images = 0;   ///< straight to event images, about a million events each
-};
-
 struct DecodeBenchmarkRow {
   std::string shape;   ///< "evt3 dense"
   std::string source;  ///< what the stream was made of
   uint64_t events = 0;
   double bytes_per_event = 0;
-  DecodeRates one_thread, all_threads;
-  DecodeRates reference;  ///< the scalar reference on one thread, in the same run
+  /// Millions of events per second to columns, in batches of the default size: the fastest run. One thread is measured by
+  /// its processor time.
+  double one_thread = 0, all_threads = 0;
+  double reference = 0;  ///< the scalar reference on one thread, in the same run; 0 = not measured
 };
 
 /// Measures decoding from memory, shape by shape. A folder gives "evt3 dense" and "evt3 sparse" from its EVT3

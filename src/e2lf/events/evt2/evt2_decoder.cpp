@@ -10,11 +10,7 @@ size_t Codec::check(const uint8_t* words, size_t count, Check& check, const Sens
 }
 
 size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  return timed::kernels(timed::Encoding::kEvt2).decode_columns(words, count, state, limits, sink);
-}
-
-size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  return timed::kernels(timed::Encoding::kEvt2).decode_images(words, count, state, limits, sink);
+  return timed::kernels(timed::Encoding::kEvt2).decode(words, count, state, limits, sink);
 }
 
 }  // namespace e2lf::events::evt2

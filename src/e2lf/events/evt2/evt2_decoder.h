@@ -17,7 +17,6 @@ struct Layout {
 struct Codec : timed::Words<Layout> {
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
-  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
 };
 
 }  // namespace e2lf::events::evt2

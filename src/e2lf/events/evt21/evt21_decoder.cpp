@@ -43,13 +43,7 @@ size_t Codec<kOrder>::check(const uint8_t* words, size_t count, Check& check, co
 template <ByteOrder kOrder>
 size_t Codec<kOrder>::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
                              ColumnSink& sink) {
-  return timed::kernels(kEncoding<kOrder>).decode_columns(words, count, state, limits, sink);
-}
-
-template <ByteOrder kOrder>
-size_t Codec<kOrder>::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
-                             ImageSink& sink) {
-  return timed::kernels(kEncoding<kOrder>).decode_images(words, count, state, limits, sink);
+  return timed::kernels(kEncoding<kOrder>).decode(words, count, state, limits, sink);
 }
 
 template struct Codec<ByteOrder::kLittle>;

@@ -28,7 +28,6 @@ struct Codec : timed::Words<Layout<kOrder>> {
   using Check = timed::Check;
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
-  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
 };
 
 /// The byte order in which the first words make sense for longer, or where that is the same, in which fewer of them

@@ -48,9 +48,10 @@ uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLim
   return mask;
 }
 
-template <typename Sink>
-size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, Sink& sink) {
-  bool open = sink.set_time(Codec::time(state));
+}  // namespace
+
+size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  sink.set_time(Codec::time(state));
   for (size_t i = 0; i < count; ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
     switch (word >> 12) {
@@ -58,7 +59,6 @@ size_t decode_words(const uint8_t* words, size_t count, State& state, const Sens
         state.y = static_cast<uint16_t>(word & kCoordinateMask);
         break;
       case kAddrX:
-        if (!open) return i;
         sink.add(word & kCoordinateMask, state.y, (word >> 11) & 1);
         break;
       case kVectBaseX:
@@ -66,7 +66,6 @@ size_t decode_words(const uint8_t* words, size_t count, State& state, const Sens
         break;
       case kVect12:
       case kVect8: {
-        if (!open) return i;
         const uint32_t bits = word >> 12 == kVect12 ? 12 : 8;
         const uint32_t base = state.base_x;
         const uint32_t mask = take_vector(word & ((1u << bits) - 1), bits, state, limits);
@@ -75,14 +74,13 @@ size_t decode_words(const uint8_t* words, size_t count, State& state, const Sens
       }
       case kTimeLow:
         state.low = static_cast<uint16_t>(word & kPayloadMask);
-        open = sink.set_time(Codec::time(state));
+        sink.set_time(Codec::time(state));
         break;
       case kTimeHigh:
         take_time_high(word, state);
-        open = sink.set_time(Codec::time(state));
+        sink.set_time(Codec::time(state));
         break;
       case kTrigger:
-        if (!open) return i;
         sink.add_trigger((word >> 8) & 0xF, word & 1);
         break;
       default:
@@ -90,16 +88,6 @@ size_t decode_words(const uint8_t* words, size_t count, State& state, const Sens
     }
   }
   return count;
-}
-
-}  // namespace
-
-size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  return decode_words(words, count, state, limits, sink);
-}
-
-size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  return decode_words(words, count, state, limits, sink);
 }
 
 size_t Codec::settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {

@@ -69,13 +69,10 @@ struct Codec {
 
   /// The vector version where the CPU has one, the scalar reference otherwise.
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
-  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
 };
 
-/// The scalar reference: decodes checked words one by one. Returns how many were used: fewer than `count` when the sink
-/// took no more. Vector events outside the sensor are dropped.
+/// The scalar reference: decodes checked words one by one. Returns `count`. Vector events outside the sensor are dropped.
 size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
-size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink);
 
 /// The scalar reference of Codec::check().
 size_t check_scalar(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);

@@ -23,22 +23,10 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
 size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   return decode_scalar(words, count, state, limits, sink);
 }
-size_t decode_images(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  return decode_scalar(words, count, state, limits, sink);
-}
-
 #else
 
 size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   ToColumns target(sink);
-  return decode_words(words, count, state, limits, sink, target);
-}
-
-size_t decode_images(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  if (limits.width > sink.width() || limits.height > sink.height()) {
-    return decode_scalar(words, count, state, limits, sink);
-  }
-  ToImages target(sink);
   return decode_words(words, count, state, limits, sink, target);
 }
 
@@ -53,7 +41,6 @@ namespace e2lf::events::evt3 {
 
 HWY_EXPORT(check_words);
 HWY_EXPORT(decode_columns);
-HWY_EXPORT(decode_images);
 
 size_t Codec::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
   return HWY_DYNAMIC_DISPATCH(check_words)(words, count, check, limits);
@@ -61,10 +48,6 @@ size_t Codec::check(const uint8_t* words, size_t count, Check& check, const Sens
 
 size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   return HWY_DYNAMIC_DISPATCH(decode_columns)(words, count, state, limits, sink);
-}
-
-size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  return HWY_DYNAMIC_DISPATCH(decode_images)(words, count, state, limits, sink);
 }
 
 }  // namespace e2lf::events::evt3

@@ -103,45 +103,15 @@ Decoded decode_columns(const std::vector<uint8_t>& words, const Decode& decode) 
   return decoded;
 }
 
-struct Counted {
-  EventImages images{3, kHeight, kWidth};
-  std::vector<Trigger> triggers;
-  State state;
-  size_t used = 0;
-  uint64_t on = 0, off = 0;
-  int64_t first_us = 0, last_us = 0, latest_us = 0;
-  bool operator==(const Counted&) const = default;
-};
-
-template <typename Decode>
-Counted decode_images(const std::vector<uint8_t>& words, const Decode& decode) {
-  Counted counted;
-  counted.state = settled_state();
-  const int64_t t_us = counted.state.high_us;
-  // Slices with and without a gap between them; the last one ends before the words do.
-  const std::vector<TimeSlice> slices = {{t_us + 5, t_us + 900}, {t_us + 900, t_us + 1500}, {t_us + 1517, t_us + 5000}};
-  ImageSink sink(slices, counted.images, &counted.triggers);
-  counted.used = decode(words.data(), words.size() / 2, counted.state, SensorLimits{kWidth, kHeight}, sink);
-  sink.settle();
-  counted.on = sink.on;
-  counted.off = sink.off;
-  counted.first_us = sink.first_t_us;
-  counted.last_us = sink.last_t_us;
-  counted.latest_us = sink.latest();
-  return counted;
-}
-
 TEST(Evt3Kernels, GiveWhatTheScalarReferenceGives) {
   const auto kernel = [](auto&&... arguments) { return Codec::decode(arguments...); };
   const auto reference = [](auto&&... arguments) { return decode_scalar(arguments...); };
   for (uint32_t seed = 0; seed < 120; ++seed) {
     const auto words = WordMaker(seed).make(seed % 3 == 0 ? 1 + seed : 3000 + seed);
     const Decoded columns = decode_columns(words, reference);
-    const Counted images = decode_images(words, reference);
     for (const std::string& isa : available_isas()) {
       ASSERT_TRUE(set_max_isa(isa));
       ASSERT_EQ(decode_columns(words, kernel), columns) << isa << " " << seed;
-      ASSERT_EQ(decode_images(words, kernel), images) << isa << " " << seed;
     }
   }
   ASSERT_TRUE(set_max_isa(""));

@@ -37,7 +37,6 @@ HWY_ALIGN constexpr uint8_t kNotPlain[16] = {0, 255, 0, 255, 255, 255, 0, 0, 255
 /// What bounds the words that are taken.
 struct Bounds {
   uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
-  int64_t last_low;    ///< the latest low bits of the time
   uint32_t width;      ///< of the sensor
 };
 
@@ -64,7 +63,7 @@ HWY_INLINE size_t take_places(uint64_t next, const Bounds& bounds, Cursor& curso
     y = type == kAddrY ? word & kCoordinateMask : y;
     low = new_low;
   }
-  if (bad != 0 || static_cast<int64_t>(low) > bounds.last_low) return 0;
+  if (bad != 0) return 0;
   cursor.low = low;
   cursor.y = y;
   return count;
@@ -72,9 +71,8 @@ HWY_INLINE size_t take_places(uint64_t next, const Bounds& bounds, Cursor& curso
 
 /// Decodes vectors, their bases and what stands in front of these, up to another word or a vector that reaches beyond
 /// the sensor or has no base. Returns how many words were used.
-template <typename Target>
 HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor,
-                               Target& target) {
+                               ToColumns& target) {
   constexpr uint64_t kTripleTypes = 0xF000F000F000, kTriple = 0x500040004000;
   Cursor at = cursor;
   size_t i = 0;
@@ -106,15 +104,13 @@ HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds&
   return i;
 }
 
-/// Decodes words up to the first that needs a closer look, brings a time before the last one or after the bound, or is
+/// Decodes words up to the first that needs a closer look, brings a time before the last one, or is
 /// among the last few. No branch depends on the order of plain words. Returns how many words were used.
-template <typename Target>
-HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor, Target& target) {
+HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor, ToColumns& target) {
   const Group d;
   const SignedGroup di;
   const auto not_plain = hn::Load(GroupBytes(), kNotPlain);
   const auto time_high = hn::Set(d, static_cast<uint16_t>(bounds.time_high));
-  const auto last_low = hn::Set(di, static_cast<int16_t>(bounds.last_low));
   auto low = hn::Set(d, static_cast<uint16_t>(cursor.low));
   auto y = hn::Set(d, static_cast<uint16_t>(cursor.y));
   size_t i = 0;
@@ -132,9 +128,8 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& b
 
     const auto lows = fill_forward(hn::And(word, hn::Set(d, uint16_t{kPayloadMask})), rows_lows >> 8 & taken, low);
     const auto before = hn::CombineShiftRightBytes<14>(d, lows, low);
-    const auto is_late = hn::Gt(hn::BitCast(di, lows), last_low);
     const auto is_back = hn::Lt(hn::BitCast(di, lows), hn::BitCast(di, before));
-    if (!hn::AllFalse(di, hn::Or(is_late, is_back))) break;
+    if (!hn::AllFalse(di, is_back)) break;
 
     const auto x = hn::And(word, hn::Set(d, uint16_t{kCoordinateMask}));
     const auto rows = fill_forward(x, rows_lows & taken, y);
@@ -152,7 +147,6 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& b
       low = hn::Set(d, static_cast<uint16_t>(cursor.low));
       y = hn::Set(d, static_cast<uint16_t>(cursor.y));
     }
-    target.make_room();
   }
   cursor.low = hn::GetLane(low);
   cursor.y = hn::GetLane(y);
@@ -160,15 +154,13 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& b
 }
 
 /// Groups of words by the kernels above, what they leave by the scalar reference.
-template <typename Target, typename Sink>
-HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, Sink& sink,
-                               Target& target) {
+HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                               ColumnSink& sink, ToColumns& target) {
   sink.set_time(Codec::time(state));
   for (size_t i = 0; i < count;) {
-    // The kernels take time as it comes: not while it is held up by an earlier event, or after the last slice.
-    if (target.is_open() && sink.time() == Codec::time(state)) {
-      const int64_t last_low = std::clamp<int64_t>(target.end_us() - state.high_us, 0, 4096) - 1;
-      const Bounds bounds{state.time_high, last_low, limits.width};
+    // The kernels take time as it comes: not while it is held up by an earlier event.
+    if (sink.time() == Codec::time(state)) {
+      const Bounds bounds{state.time_high, limits.width};
       Cursor cursor{state.low, state.y, state.base_x, state.base_p};
       target.begin(state.high_us);
       i += take_words(words + 2 * i, count - i, bounds, cursor, target);
@@ -179,9 +171,7 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
       state.base_p = static_cast<uint8_t>(cursor.base_p);
     }
     const size_t left = std::min(count - i, kGroupWords);
-    const size_t used = decode_scalar(words + 2 * i, left, state, limits, sink);
-    i += used;
-    if (used < left) return i;
+    i += decode_scalar(words + 2 * i, left, state, limits, sink);
     sink.set_time(Codec::time(state));
   }
   return count;

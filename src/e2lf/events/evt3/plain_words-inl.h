@@ -24,14 +24,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_AVX3_DL
 
-using events::HWY_NAMESPACE::add_mask_to_row;
 using events::HWY_NAMESPACE::Columns;
 using events::HWY_NAMESPACE::expand_mask;
 
 /// What plain words change: events and everything that leaves the loops out of them.
 struct Cursor {
   int64_t high;        ///< time without its low bits
-  int64_t end_us;      ///< words that bring this time or a later one are not taken
   uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
   uint32_t low;
   uint32_t y;
@@ -41,7 +39,7 @@ struct Cursor {
 constexpr uint32_t kPlainTypes =
     (1u << kAddrY) | (1u << kAddrX) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kOthers) | (1u << kContinued12);
 
-/// Decodes plain words up to the first that is not, or that moves time back or to the end. No branch depends on the
+/// Decodes plain words up to the first that is not, or that moves time back. No branch depends on the
 /// order in which the types come. Returns how many words were used.
 size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
   struct Effect {
@@ -61,7 +59,6 @@ size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Colu
   const Cursor from = cursor;
   size_t num_events = to.count;
   int64_t low = cursor.low;
-  const int64_t last_low = std::min<int64_t>(cursor.end_us - cursor.high, 4096) - 1;
   uint32_t y = cursor.y;
   size_t i = 0;
   for (; i < count; ++i) {
@@ -70,9 +67,9 @@ size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Colu
     const Effect effect = kEffects[type];
     const int64_t next_low = (low & ~effect.low_mask) | (word & effect.low_mask);
     // Signs in place of comparisons, of which the compiler would make branches that nothing can predict.
-    const auto out_of_time = static_cast<uint64_t>((next_low - low) | (last_low - next_low)) >> 63;
+    const auto is_back = static_cast<uint64_t>(next_low - low) >> 63;
     const uint32_t is_heartbeat = ((word ^ from.time_high) - 1) >> 31;
-    if ((((kPlainTypes >> type) & 1 & ~static_cast<uint32_t>(out_of_time)) | is_heartbeat) == 0) break;
+    if ((((kPlainTypes >> type) & 1 & ~static_cast<uint32_t>(is_back)) | is_heartbeat) == 0) break;
     to.x[num_events] = static_cast<uint16_t>(word & kCoordinateMask);
     to.y[num_events] = static_cast<uint16_t>(y);
     to.p[num_events] = static_cast<uint8_t>((word >> 11) & 1);
@@ -131,7 +128,7 @@ size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Col
       const __m512i before = move_up(low, static_cast<int>(cursor.low));
       last_low = load_le<uint16_t>(words + 2 * (i + 31 - static_cast<size_t>(std::countl_zero(lows)))) & kPayloadMask;
       const bool back = _mm512_mask_cmplt_epu16_mask(taken, low, before) != 0;
-      if (back || (cursor.high | static_cast<int64_t>(last_low)) >= cursor.end_us) break;
+      if (back) break;
     }
     if (events != 0) {
       const __m512i y = fill_forward(place, rows, cursor.y);
@@ -184,9 +181,6 @@ struct ToColumns {
   Columns out;
 
   explicit ToColumns(ColumnSink& target) : sink(target), out{target.x, target.y, target.p, target.t, target.count} {}
-  [[nodiscard]] static bool is_open() { return true; }
-  [[nodiscard]] static int64_t end_us() { return INT64_MAX; }
-  [[nodiscard]] static size_t room() { return SIZE_MAX; }
   void flush() { sink.count = out.count; }
   void reload() { out.count = sink.count; }
   void add_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, int64_t t) {
@@ -194,83 +188,16 @@ struct ToColumns {
   }
 };
 
-/// Events to images, in their order: few at one time by way of some columns, many straight to their row, so that the
-/// pixels can be brought near before they are counted.
-class ToImages {
- public:
-  Columns out{x_, y_, p_, t_, 0};
-
-  explicit ToImages(ImageSink& target) : sink_(target) {}
-  [[nodiscard]] bool is_open() const { return sink_.is_open() && sink_.image() != nullptr; }
-  [[nodiscard]] int64_t end_us() const { return sink_.slice_end_us(); }
-  /// How many events `out` takes.
-  [[nodiscard]] size_t room() {
-    if (out.count > kColumns / 2) flush_columns();
-    return kColumns - out.count;
-  }
-  void flush() {
-    flush_columns();
-    flush_rows();
-  }
-  void reload() {}
-  void add_vector(uint32_t mask, uint32_t base, uint32_t row, uint32_t polarity, int64_t time) {
-    const int count = std::popcount(mask);
-    if (count <= kFew) {
-      if (out.count > kColumns - 32) flush_columns();
-      expand_mask<32>(mask, base, row, polarity, time, out);
-      return;
-    }
-    flush_columns();
-    sink_.set_time(time);
-    (polarity != 0 ? sink_.on : sink_.off) += static_cast<uint64_t>(count);
-    sink_.prefetch_pixel(base, row);
-    sink_.prefetch_pixel(base + 31, row);
-    if (num_rows_ >= kRows) add(rows_[num_rows_ % kRows]);
-    rows_[num_rows_++ % kRows] = {sink_.image() + row * sink_.width() + base, mask, polarity != 0 ? 1 : -1};
-  }
-
- private:
-  static constexpr size_t kColumns = 512, kRows = 16;
-  static constexpr int kFew = 8;
-
-  struct Row {
-    int16_t* pixels;
-    uint32_t mask;
-    int step;
-  };
-
-  static void add(const Row& row) { add_mask_to_row(row.mask, row.step, row.pixels); }
-  void flush_columns() {
-    if (out.count == 0) return;
-    flush_rows();
-    sink_.add_block(x_, y_, p_, t_, out.count);
-    out.count = 0;
-  }
-  void flush_rows() {
-    for (size_t i = num_rows_ - std::min(num_rows_, kRows); i < num_rows_; ++i) add(rows_[i % kRows]);
-    num_rows_ = 0;
-  }
-
-  ImageSink& sink_;
-  uint16_t x_[kColumns + kSinkSlack];
-  uint16_t y_[kColumns + kSinkSlack];
-  uint8_t p_[kColumns + kSinkSlack];
-  int64_t t_[kColumns + kSinkSlack];
-  Row rows_[kRows];
-  size_t num_rows_ = 0;
-};
-
 /// Runs of plain words and of vectors by the kernels above, the rest by the scalar reference, word by word.
-template <typename Target, typename Sink>
-HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, Sink& sink,
-                               Target& target) {
+HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                               ColumnSink& sink, ToColumns& target) {
   sink.set_time(Codec::time(state));
   size_t i = 0;
   while (i < count) {
-    // The kernels take time as it comes: not while it is held up by an earlier event, or after the last slice.
+    // The kernels take time as it comes: not while it is held up by an earlier event.
     const int64_t time = Codec::time(state);
-    if (target.is_open() && sink.time() == time) {
-      Cursor cursor{state.high_us, target.end_us(), state.time_high, state.low, state.y};
+    if (sink.time() == time) {
+      Cursor cursor{state.high_us, state.time_high, state.low, state.y};
       for (;;) {
         const uint32_t word = load_le<uint16_t>(words + 2 * i);
         uint32_t mask = 0;
@@ -285,7 +212,7 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
           state.base_x = static_cast<uint16_t>(base + 32);
           i += 3;
         } else {
-          const size_t used = take_plain(words + 2 * i, std::min(count - i, target.room()), cursor, target.out);
+          const size_t used = take_plain(words + 2 * i, count - i, cursor, target.out);
           i += used;
           if (used == 0) break;
         }
@@ -296,7 +223,7 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
       target.flush();
       if (i == count) break;
     }
-    if (decode_scalar(words + 2 * i, 1, state, limits, sink) == 0) return i;
+    decode_scalar(words + 2 * i, 1, state, limits, sink);
     sink.set_time(Codec::time(state));
     target.reload();
     ++i;

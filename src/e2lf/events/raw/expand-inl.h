@@ -105,17 +105,6 @@ HWY_INLINE void expand_mask(uint32_t mask, uint32_t base_x, uint32_t y, uint32_t
 
 #endif
 
-/// Adds `step` to pixels[i] for each set bit i of 32, stopping at the ends of int16.
-HWY_INLINE void add_mask_to_row(uint32_t mask, int step, int16_t* HWY_RESTRICT pixels) {
-  const hn::CappedTag<int16_t, 32> d;
-  const size_t lanes = hn::Lanes(d);
-  const auto steps = hn::Set(d, static_cast<int16_t>(step));
-  for (size_t begin = 0; begin < 32; begin += lanes) {
-    const auto selected = hn::IfThenElseZero(mask_of(d, mask >> begin), steps);
-    hn::StoreU(hn::SaturatedAdd(hn::LoadU(d, pixels + begin), selected), d, pixels + begin);
-  }
-}
-
 #endif
 
 }  // namespace HWY_NAMESPACE

@@ -193,53 +193,6 @@ TEST_P(Anchors, ZeroOriginShiftsEventsAndTriggersAlike) {
   }
 }
 
-TEST_P(Anchors, AccumulatedImagesEqualThoseOfTheColumns) {
-  const Anchor& anchor = GetParam();
-  const EventBatch whole = read_whole(path_);
-  const int64_t length_us = anchor.last_us - anchor.first_us;
-  // Slices that touch, a hole, one that is empty, and one up to the last event.
-  const int64_t a = anchor.first_us + length_us / 7, b = anchor.first_us + length_us / 3 + 1;
-  const int64_t c = anchor.first_us + length_us / 2, d = anchor.last_us;
-  const std::vector<TimeSlice> first = {{a, b}, {b, b}, {c, c + 5}}, second = {{c + 5, d}};
-  for (const std::string& isa : available_isas()) {
-    for (const int threads : {1, 3}) {
-      SCOPED_TRACE(isa);
-      ASSERT_TRUE(set_max_isa(isa));
-      OpenOptions options;
-      options.threads = threads;
-      auto reader = open_recording(path_, options).value();
-      const RecordingInfo& info = reader->info();
-      EventImages images(3, info.height, info.width), rest(1, info.height, info.width);
-      EventImages expected = images, expected_rest = rest;
-      std::vector<Trigger> triggers;
-      EXPECT_TRUE(reader->accumulate(first, images, &triggers).value());
-      EXPECT_TRUE(reader->accumulate(second, rest, &triggers).value());
-      for (size_t i = 0; i < whole.events.size(); ++i) {
-        const Event event = whole.events[i];
-        const size_t place = event.y * info.width + event.x;
-        const auto step = static_cast<int16_t>(event.p != 0 ? 1 : -1);
-        for (size_t slice = 0; slice < first.size(); ++slice) {
-          if (event.t >= first[slice].begin_us && event.t < first[slice].end_us) {
-            expected.image(slice)[place] = static_cast<int16_t>(expected.image(slice)[place] + step);
-          }
-        }
-        if (event.t >= c + 5 && event.t < d) {
-          expected_rest.image(0)[place] = static_cast<int16_t>(expected_rest.image(0)[place] + step);
-        }
-      }
-      EXPECT_EQ(images, expected);
-      EXPECT_EQ(rest, expected_rest);
-      EventBatch last;
-      EXPECT_TRUE(reader->read(last).value());
-      EXPECT_GE(last.events.t.front(), d);
-      EXPECT_EQ(triggers.size() + last.triggers.size(), anchor.triggers);
-      while (reader->read(last).value()) EXPECT_EQ(last.events.t.front(), d);
-      expect_clean(reader->summary(), anchor);
-    }
-  }
-  ASSERT_TRUE(set_max_isa(""));
-}
-
 TEST_P(Anchors, SeekFindsTheFirstEventOfATime) {
   const EventBatch whole = read_whole(path_);
   auto reader = open_recording(path_).value();

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/events/raw/image_parts.h"
 #include "e2lf/events/raw/part_decoder.h"
 #include "e2lf/events/raw/raw_header.h"
 #include "e2lf/events/raw/raw_stream.h"
@@ -30,14 +29,12 @@ class RawReader final : public RecordingReader {
     const auto threads = static_cast<size_t>(options.threads == 0 ? num_threads() : options.threads);
     if (threads == 1 || !source_->seekable()) return;
     parts_.emplace(kPartsPerThread * threads, limits_of(info_));
-    image_parts_.emplace(threads, limits_of(info_));
   }
 
   std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
-    if (next_part_ == num_parts_ && drains_parts_) return false;
     if (next_part_ == num_parts_) E2LF_RETURN_IF_ERROR(decode_parts());
     if (next_part_ == num_parts_) return read_directly(batch, max_events);
     auto& part = parts_->part(next_part_);
@@ -47,28 +44,6 @@ class RawReader final : public RecordingReader {
     part.batch.take(batch, max_events);
     if (part.batch.empty()) ++next_part_;
     return true;
-  }
-
-  Result<bool> accumulate_next(std::span<const TimeSlice> slices, EventImages& images,
-                               std::vector<Trigger>* triggers) override {
-    // What was decoded for read() comes first.
-    drains_parts_ = true;
-    const Result<bool> full_of_parts = RecordingReader::accumulate_next(slices, images, triggers);
-    drains_parts_ = false;
-    if (!full_of_parts || *full_of_parts) return full_of_parts;
-    ImageSink sink(slices, images, triggers);
-    sink.set_latest(latest_us_);
-    const Result<bool> full = count(slices, images, sink);
-    sink.settle();
-    latest_us_ = sink.latest();
-    if (sink.on + sink.off > 0) {
-      if (summary_.events() == 0) summary_.first_t_us = sink.first_t_us;
-      summary_.last_t_us = sink.last_t_us;
-    }
-    summary_.events_on += sink.on;
-    summary_.events_off += sink.off;
-    summary_.triggers += sink.num_triggers;
-    return full;
   }
 
   Result<void> seek_before(int64_t t_us) override {
@@ -84,10 +59,6 @@ class RawReader final : public RecordingReader {
 
  private:
   static constexpr uint64_t kCheckpointBytes = uint64_t{4} << 20;
-  static constexpr size_t kNoStop = RawStream<Codec>::kNoStop;
-  /// What one thread counts before it is asked again whether several would be faster.
-  static constexpr size_t kStepBytes = size_t{1} << 17;
-
   static constexpr size_t kPartsPerThread = 4;
 
   struct Checkpoint {
@@ -102,36 +73,6 @@ class RawReader final : public RecordingReader {
     if (info.width != 0) limits.width = static_cast<uint32_t>(info.width);
     if (info.height != 0) limits.height = static_cast<uint32_t>(info.height);
     return limits;
-  }
-
-  /// Counts up to the end of the last slice; false when the source ends before that.
-  Result<bool> count(std::span<const TimeSlice> slices, EventImages& images, ImageSink& sink) {
-    bool more = true, full = false;
-    while (more && !full) {
-      const uint64_t byte = source_->position();
-      const int64_t latest_us = sink.latest();
-      E2LF_ASSIGN_OR_RETURN(const bool is_counted, count_parts(slices, images, sink));
-      if (!is_counted) {
-        E2LF_ASSIGN_OR_RETURN(more, step(sink, full, image_parts_ ? kStepBytes : kNoStop));
-      }
-      if (image_parts_) image_parts_->learn(source_->position() - byte, latest_us, sink.latest());
-    }
-    return full;
-  }
-
-  /// Counts the next parts on several threads; false when that does not pay or cannot be done.
-  Result<bool> count_parts(std::span<const TimeSlice> slices, EventImages& images, ImageSink& sink) {
-    if (!image_parts_ || !stream_.is_steady()) return false;
-    const size_t wanted = image_parts_->plan(slices, images, sink.latest());
-    if (wanted == 0) return false;
-    E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> bytes, source_->fetch(wanted));
-    const size_t used = image_parts_->count({bytes, source_->position(), slices}, images, stream_, sink, summary_);
-    if (used == 0) return false;
-    source_->consume(used);
-    wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
-    summary_.time_loops = stream_.time_loops();
-    add_checkpoint(source_->position(), sink.latest());
-    return true;
   }
 
   /// Decodes the next parts on several threads, where that can be done.
@@ -167,19 +108,17 @@ class RawReader final : public RecordingReader {
     return more;
   }
 
-  /// Decodes what is at hand, about `stop` bytes at most; false at the end of the source, `full` when the sink stopped.
-  template <typename Sink>
-  Result<bool> step(Sink& sink, bool& full, size_t stop = kNoStop) {
+  /// Decodes what is at hand; false at the end of the source, `full` when the sink stopped.
+  Result<bool> step(ColumnSink& sink, bool& full) {
     E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> bytes, source_->fetch(wanted_));
     const bool ended = bytes.size() < wanted_;
-    const auto progress = stream_.process(bytes, ended, source_->position(), sink, summary_, stop);
+    const auto progress = stream_.process(bytes, ended, source_->position(), sink, summary_);
     source_->consume(progress.used);
     summary_.time_loops = stream_.time_loops();
-    const bool is_at_stop = progress.used + Codec::kWordBytes > stop;
-    full = progress.wanted == 0 && !is_at_stop && !(ended && progress.used == bytes.size());
+    full = progress.wanted == 0 && !(ended && progress.used == bytes.size());
     wanted_ = std::max<size_t>({progress.wanted, stream_.num_seen_bytes(), 1});
     add_checkpoint(source_->position(), sink.latest());
-    return full || is_at_stop || !ended;
+    return full || !ended;
   }
 
   /// Notes that stream_ is at that byte.
@@ -196,10 +135,8 @@ class RawReader final : public RecordingReader {
   int64_t latest_us_ = INT64_MIN;  ///< of what was decoded
 
   std::optional<PartDecoder<Codec>> parts_;
-  std::optional<ImageParts<Codec>> image_parts_;
   size_t num_parts_ = 0;  ///< of these are decoded, the first next_part_ of them handed out
   size_t next_part_ = 0;
-  bool drains_parts_ = false;  ///< read_next() gives what is decoded and no more
 };
 
 }  // namespace e2lf::events

@@ -192,31 +192,6 @@ TEST_P(Shapes, WrongSensorSizeIsReportedAlike) {
   }
 }
 
-TEST_P(Shapes, AccumulatedImagesAreTheSame) {
-  const BenchmarkStream stream = stream_of(GetParam(), 1'500'000);
-  const Decoded whole = reference(stream.bytes, with_threads(1));
-  const int64_t begin_us = whole.summary.first_t_us, length_us = whole.summary.last_t_us - begin_us;
-  const auto at = [&](int part) { return begin_us + length_us * part / 20; };
-  const std::vector<TimeSlice> first = {{at(1), at(3)}, {at(3), at(9)}}, second = {{at(10), at(11)}, {at(12), at(19)}};
-  std::vector<EventImages> expected;
-  for (const int threads : {1, 2, 3, 8}) {
-    SCOPED_TRACE(threads);
-    auto reader =
-        open_recording(make_memory_source(std::span<const uint8_t>(stream.bytes)), with_threads(threads)).value();
-    std::vector<EventImages> images(2, EventImages(2, 720, 1280));
-    EXPECT_TRUE(reader->accumulate(first, images[0]).value());
-    EXPECT_TRUE(reader->accumulate(second, images[1]).value());
-    EventBatch batch;
-    size_t left = 0;
-    while (reader->read(batch).value()) left += batch.events.size();
-    const auto& t = whole.batch.events.t;
-    EXPECT_EQ(left, static_cast<size_t>(t.end() - std::lower_bound(t.begin(), t.end(), at(19))));
-    EXPECT_EQ(reader->summary().events(), whole.summary.events());
-    if (expected.empty()) expected = images;
-    EXPECT_TRUE(images == expected);
-  }
-}
-
 TEST_P(Shapes, SeeksFindTheSameEvent) {
   const BenchmarkStream stream = stream_of(GetParam(), 5'000'000);
   const Decoded whole = reference(stream.bytes, with_threads(1));

@@ -25,18 +25,12 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
   return Words<Layout>::check_scalar(words, count, check, limits);
 }
 template <typename Layout>
-size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   return Words<Layout>::decode_scalar(words, count, state, limits, sink);
 }
-template <typename Layout>
-size_t decode_images(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  return Words<Layout>::decode_scalar(words, count, state, limits, sink);
-}
-
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
-using events::HWY_NAMESPACE::add_mask_to_row;
 using events::HWY_NAMESPACE::Columns;
 using events::HWY_NAMESPACE::expand_mask;
 
@@ -152,7 +146,7 @@ HWY_INLINE size_t take_masks(const uint8_t* words, size_t count, int64_t high_us
 }
 
 template <typename Layout>
-size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   for (size_t i = 0; i < count;) {
     const uint8_t* word = words + i * Layout::kWordBytes;
     const uint32_t head = Layout::head(word);
@@ -172,81 +166,11 @@ size_t decode_columns(const uint8_t* words, size_t count, State& state, const Se
   return count;
 }
 
-/// Whether an event word has any event inside the sensor; a damaged EVT2.1 word may have none.
-template <typename Layout>
-HWY_INLINE bool has_events(const uint8_t* word, const SensorLimits& limits) {
-  if constexpr (Layout::kWordBytes == 4) {
-    return true;
-  } else {
-    return Words<Layout>::inside(word, limits) != 0;
-  }
-}
-
-/// Adds events to the current image up to the first word that is none. The first word has events: times before its own
-/// are raised to it, so all lie in the current slice.
-template <typename Layout>
-HWY_INLINE size_t add_events(const uint8_t* words, size_t count, const State& state, const SensorLimits& limits,
-                             ImageSink& sink) {
-  int16_t* const image = sink.image();
-  const size_t width = sink.width();
-  constexpr size_t kAhead = 32;
-  uint64_t all = 0, on = 0;
-  uint32_t last_low = 0;
-  size_t i = 0;
-  for (; i < count; ++i) {
-    const uint8_t* word = words + i * Layout::kWordBytes;
-    const uint32_t head = Layout::head(word);
-    const uint32_t p = type_of(head);
-    const uint32_t x = x_of(head);
-    if (p > kOn) break;
-    if (i + kAhead < count) {
-      const uint32_t later = Layout::head(word + kAhead * Layout::kWordBytes);
-      sink.prefetch_pixel(x_of(later), y_of(later));
-      if constexpr (Layout::kWordBytes > 4) sink.prefetch_pixel(x_of(later) + 31, y_of(later));
-    }
-    int16_t* const pixel = image + y_of(head) * width + x;
-    if constexpr (Layout::kWordBytes == 4) {
-      ImageSink::bump(*pixel, static_cast<int>(2 * p) - 1);
-      all += 1;
-      on += p;
-    } else {
-      if (x + 32 > limits.width) break;
-      const uint32_t mask = Layout::mask(word);
-      add_mask_to_row(mask, static_cast<int>(2 * p) - 1, pixel);
-      const auto events = static_cast<uint64_t>(std::popcount(mask));
-      all += events;
-      on += events * p;
-    }
-    if (has_events<Layout>(word, limits)) last_low = std::max(last_low, low_of(head));
-  }
-  if (all > 0) sink.note_events(on, all - on, sink.time(), state.high_us | last_low);
-  return i;
-}
-
-template <typename Layout>
-size_t decode_images(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ImageSink& sink) {
-  const bool fits = limits.width <= sink.width() && limits.height <= sink.height();
-  for (size_t i = 0; i < count;) {
-    const uint8_t* word = words + i * Layout::kWordBytes;
-    const uint32_t head = Layout::head(word);
-    size_t used = 0;
-    if (fits && type_of(head) <= kOn && has_events<Layout>(word, limits) &&
-        sink.set_time(state.high_us | low_of(head)) && sink.image() != nullptr &&
-        state.high_us + 64 <= sink.slice_end_us()) {
-      used = add_events<Layout>(word, count - i, state, limits, sink);
-    }
-    if (used == 0) used = Words<Layout>::decode_scalar(word, 1, state, limits, sink);
-    if (used == 0) return i;
-    i += used;
-  }
-  return count;
-}
-
 #endif
 
 template <typename Layout>
 Kernels kernels_of() {
-  return {check_words<Layout>, decode_columns<Layout>, decode_images<Layout>};
+  return {check_words<Layout>, decode_words<Layout>};
 }
 
 Kernels find_kernels(Encoding encoding) {

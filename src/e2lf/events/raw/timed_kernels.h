@@ -10,10 +10,8 @@ enum class Encoding { kEvt2, kEvt21Little, kEvt21Legacy };
 /// The vector versions of Words<Layout>::check_scalar() and decode_scalar() for one encoding.
 struct Kernels {
   size_t (*check)(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
-  size_t (*decode_columns)(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+  size_t (*decode)(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
                            ColumnSink& sink);
-  size_t (*decode_images)(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
-                          ImageSink& sink);
 };
 
 /// Those for this CPU; the scalar references where it has no vector unit.

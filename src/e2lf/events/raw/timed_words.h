@@ -224,9 +224,8 @@ struct Words {
     return x + 32 <= limits.width ? mask : mask & ((1u << (limits.width - x)) - 1);
   }
 
-  template <typename Sink>
   static size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
-                              Sink& sink) {
+                              ColumnSink& sink) {
     for (size_t i = 0; i < count; ++i) {
       const uint8_t* word = words + i * kWordBytes;
       const uint32_t head = Layout::head(word);
@@ -234,12 +233,11 @@ struct Words {
         case kOff:
         case kOn:
           if constexpr (kMaxEventsPerWord == 1) {
-            if (!sink.set_time(state.high_us | low_of(head))) return i;
+            sink.set_time(state.high_us | low_of(head));
             sink.add(x_of(head), y_of(head), type_of(head));
           } else {
-            // The time of a vector without events is nobody's: no slice ends at it.
             const uint32_t mask = inside(word, limits);
-            if (mask != 0 && !sink.set_time(state.high_us | low_of(head))) return i;
+            if (mask != 0) sink.set_time(state.high_us | low_of(head));
             state.num_outside += static_cast<uint64_t>(std::popcount(Layout::mask(word) ^ mask));
             sink.add_mask(x_of(head), y_of(head), type_of(head), mask);
           }
@@ -248,7 +246,7 @@ struct Words {
           take_time_high(head & kTimeHighMask, state);
           break;
         case kTrigger:
-          if (!sink.set_time(state.high_us | low_of(head))) return i;
+          sink.set_time(state.high_us | low_of(head));
           sink.add_trigger((head >> 8) & 0x1F, head & 1);
           break;
         default:
