@@ -77,7 +77,7 @@ function(e2lf_add_test module)
   endif()
   set(name e2lf_${module}_test)
   add_executable(${name} ${ARG_SRCS})
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})  # testing/
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS} GTest::gmock GTest::gtest_main)
   # The tests' own sources are most of the build and little of the run.
   target_compile_options(${name} PRIVATE -O1)

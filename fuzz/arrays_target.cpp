@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The target of .npy and .npz arrays of any kind (event images, light fields): the input is a file.
-#include "e2lf/base/npy.h"
+#include "e2lf/files/npy.h"
 #include "require.h"
 
 namespace {

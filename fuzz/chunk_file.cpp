@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <hdf5.h>
 
-#include "e2lf/events/hdf5/metavision_layout.h"
-#include "e2lf/events/little_endian.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
+#include "e2lf/base/little_endian.h"
 
 namespace e2lf::fuzz {
 namespace {

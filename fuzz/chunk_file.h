@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/events/event.h"
+#include "e2lf/recordings/event.h"
 
 namespace e2lf::fuzz {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The target of event images: the first byte chooses .npz, .npy or a folder's first image, the rest is the file.
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "require.h"
 #include "scratch.h"
 

@@ -4,15 +4,15 @@
 #include <map>
 
 #include "chunk_file.h"
-#include "e2lf/base/file.h"
-#include "e2lf/base/npy.h"
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/base/text.h"
-#include "e2lf/events/aedat4/test_file.h"
-#include "e2lf/events/ecf/ecf_chunk.h"
-#include "e2lf/events/recording.h"
-#include "e2lf/events/registry.h"
-#include "e2lf/events/test_streams.h"
+#include "testing/test_aedat4.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
+#include "e2lf/recordings/recording.h"
+#include "e2lf/recordings/registry.h"
+#include "testing/test_streams.h"
 #include "e2lf/lightfield/image.h"
 #include "reader_seeds.h"
 

@@ -3,16 +3,16 @@
 
 #include <zlib.h>
 
-#include "e2lf/aperture/camera.h"
-#include "e2lf/aperture/codes_header.h"
-#include "e2lf/aperture/codes_io.h"
-#include "e2lf/base/file.h"
-#include "e2lf/base/npy.h"
-#include "e2lf/events/cycles/schedule.h"
+#include "e2lf/capture/camera.h"
+#include "e2lf/capture/codes_header.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/cycles/schedule.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/lightfield/test_jpeg.h"
-#include "e2lf/lightfield/test_light_field.h"
+#include "testing/test_jpeg.h"
+#include "testing/test_light_field.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::fuzz {

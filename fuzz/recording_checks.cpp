@@ -7,9 +7,9 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
-#include "e2lf/events/raw/chunked_source.h"
-#include "e2lf/events/recording.h"
-#include "e2lf/events/registry.h"
+#include "testing/chunked_source.h"
+#include "e2lf/recordings/recording.h"
+#include "e2lf/recordings/registry.h"
 #include "require.h"
 
 namespace e2lf::fuzz {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The target of .safetensors: the input is a file.
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/safetensors.h"
 #include "require.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

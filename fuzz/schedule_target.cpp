@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The target of pattern schedules: the input is a file.
-#include "e2lf/events/cycles/schedule.h"
+#include "e2lf/cycles/schedule.h"
 #include "require.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -3,7 +3,7 @@
 // JSON it is applied to.
 #include <algorithm>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "require.h"
 
 namespace {

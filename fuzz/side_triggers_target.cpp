@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The target of the side file of triggers: the input is one.
-#include "e2lf/events/raw/chunked_source.h"
-#include "e2lf/events/side_triggers.h"
+#include "testing/chunked_source.h"
+#include "e2lf/recordings/side_triggers.h"
 #include "require.h"
 
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The target of folders of view images. The input lists files: u8 which name, u16 how many bytes, which follow; a file
 // without bytes is a copy of the first.
-#include "e2lf/events/little_endian.h"
+#include "e2lf/base/little_endian.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "require.h"
 #include "scratch.h"

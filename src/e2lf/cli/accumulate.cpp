@@ -2,7 +2,7 @@
 // e2lf accumulate: recording -> event images per pattern cycle
 #include <cstdio>
 
-#include "e2lf/aperture/codes_io.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
@@ -13,8 +13,8 @@
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/events/event_image_writer.h"
-#include "e2lf/events/event_rate.h"
+#include "e2lf/capture/event_image_writer.h"
+#include "e2lf/recordings/event_rate.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

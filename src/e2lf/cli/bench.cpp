@@ -9,7 +9,7 @@
 #include "e2lf/cli/trainer_program.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/model/model.h"
-#include "e2lf/sensor/benchmark.h"
+#include "bench/simulate/benchmark_simulate.h"
 
 namespace e2lf::cli {
 namespace {

@@ -8,8 +8,8 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/events/benchmark/benchmark_convert.h"
-#include "e2lf/events/benchmark/benchmark_decode.h"
+#include "bench/decode/benchmark_convert.h"
+#include "bench/decode/benchmark_decode.h"
 
 namespace e2lf::cli {
 namespace {

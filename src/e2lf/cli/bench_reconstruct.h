@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/model/model.h"

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "e2lf/aperture/camera.h"
+#include "e2lf/capture/camera.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/run_record.h"
 

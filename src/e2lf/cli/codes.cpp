@@ -2,8 +2,8 @@
 // e2lf codes: show; render (codes_render.cpp)
 #include <cstdio>
 
-#include "e2lf/aperture/codes_io.h"
-#include "e2lf/base/file.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/files/file.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"

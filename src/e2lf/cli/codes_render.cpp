@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "e2lf/aperture/codes_io.h"
-#include "e2lf/aperture/display.h"
-#include "e2lf/base/file.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/display.h"
+#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/events/cycles/schedule.h"
+#include "e2lf/cycles/schedule.h"
 #include "e2lf/lightfield/formats/bitmap.h"
 
 namespace e2lf::cli {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf convert: between event formats, or between light-field formats
-#include "e2lf/events/convert.h"
+#include "e2lf/recordings/convert.h"
 
 #include <cctype>
 #include <cstdio>
@@ -12,8 +12,8 @@
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/events/recording_place.h"
-#include "e2lf/events/tcp_source.h"
+#include "e2lf/recordings/recording_place.h"
+#include "e2lf/recordings/open_named_recording.h"
 #include "e2lf/lightfield/light_field_io.h"
 
 namespace e2lf::cli {

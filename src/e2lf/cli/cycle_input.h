@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/cycle_options.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 
 namespace e2lf::cli {
 

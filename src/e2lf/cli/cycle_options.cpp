@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/npy.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/number_check.h"
-#include "e2lf/events/live/camera.h"
-#include "e2lf/events/tcp_source.h"
+#include "e2lf/recordings/live/camera.h"
+#include "e2lf/recordings/open_named_recording.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

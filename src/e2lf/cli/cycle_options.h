@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/recording_flags.h"
-#include "e2lf/events/cycles/cycle_reader.h"
+#include "e2lf/cycles/cycle_reader.h"
 
 namespace e2lf::cli {
 

@@ -2,7 +2,7 @@
 // e2lf demo: the whole loop on a procedural scene
 #include <cstdio>
 
-#include "e2lf/aperture/codes_io.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/bundled_files.h"
@@ -12,7 +12,7 @@
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"

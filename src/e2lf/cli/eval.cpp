@@ -9,7 +9,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -3,7 +3,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/cli/inputs.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::cli {

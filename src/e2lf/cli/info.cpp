@@ -2,7 +2,7 @@
 // e2lf info: what a file or folder is
 #include <cstdio>
 
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/info_recording.h"
 #include "e2lf/cli/light_field_flags.h"
@@ -10,7 +10,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"

@@ -9,7 +9,7 @@
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
 #include "e2lf/cli/recording_statistics.h"
-#include "e2lf/events/tcp_source.h"
+#include "e2lf/recordings/open_named_recording.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

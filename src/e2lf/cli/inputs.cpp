@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/inputs.h"
 
-#include "e2lf/aperture/codes_io.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/light_field_io.h"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/aperture/codes.h"
-#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/capture/codes.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/run_record.h"

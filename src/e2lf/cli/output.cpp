@@ -8,13 +8,13 @@
 #include <iterator>
 #include <string>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/is_stream.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/is_stream.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/run_record.h"
-#include "e2lf/events/event_image_writer.h"
-#include "e2lf/events/recording_place.h"
+#include "e2lf/capture/event_image_writer.h"
+#include "e2lf/recordings/recording_place.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

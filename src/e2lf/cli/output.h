@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/base/result_folder.h"
-#include "e2lf/base/workspace.h"
+#include "e2lf/files/result_folder.h"
+#include "e2lf/files/workspace.h"
 
 namespace e2lf::cli {
 

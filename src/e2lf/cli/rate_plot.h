@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/events/cycles/pattern_tracker.h"
-#include "e2lf/events/event_rate.h"
-#include "e2lf/events/recording.h"
+#include "e2lf/cycles/pattern_tracker.h"
+#include "e2lf/recordings/event_rate.h"
+#include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
 

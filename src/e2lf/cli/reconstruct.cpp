@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 
-#include "e2lf/aperture/codes_io.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
@@ -25,7 +25,7 @@
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/linear_estimate.h"
 

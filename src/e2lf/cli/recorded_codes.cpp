@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/recorded_codes.h"
 
-#include "e2lf/aperture/codes_header.h"
-#include "e2lf/aperture/codes_io.h"
+#include "e2lf/capture/codes_header.h"
+#include "e2lf/capture/codes_io.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

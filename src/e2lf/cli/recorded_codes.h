@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "e2lf/aperture/codes.h"
+#include "e2lf/capture/codes.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/run_record.h"
-#include "e2lf/events/recording.h"
+#include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
 

@@ -3,7 +3,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/events/live/camera.h"
+#include "e2lf/recordings/live/camera.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

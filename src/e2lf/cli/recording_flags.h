@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
-#include "e2lf/events/recording.h"
+#include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
 

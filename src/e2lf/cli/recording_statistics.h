@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include "e2lf/base/options.h"
-#include "e2lf/events/event.h"
+#include "e2lf/files/options.h"
+#include "e2lf/recordings/event.h"
 
 namespace e2lf::cli {
 

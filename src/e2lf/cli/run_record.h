@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verb.h"
 

@@ -4,9 +4,9 @@
 #include <functional>
 #include <optional>
 
-#include "e2lf/aperture/codes_header.h"
-#include "e2lf/aperture/codes_io.h"
 #include "e2lf/base/log.h"
+#include "e2lf/capture/codes_header.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/camera_option.h"
@@ -18,10 +18,10 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/events/event_image_writer.h"
-#include "e2lf/events/event_images.h"
-#include "e2lf/events/recording_place.h"
-#include "e2lf/events/synthesise.h"
+#include "e2lf/capture/event_image_writer.h"
+#include "e2lf/capture/event_images.h"
+#include "e2lf/recordings/recording_place.h"
+#include "e2lf/cycles/synthesise.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 

@@ -12,7 +12,7 @@
 #include <hwy/highway.h>
 
 #include "e2lf/engine/amx-inl.h"
-#include "e2lf/engine/vector-inl.h"
+#include "e2lf/kernels/vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::engine {

@@ -11,7 +11,7 @@
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/engine/peak.h"
-#include "e2lf/engine/test_networks.h"
+#include "testing/test_networks.h"
 
 namespace e2lf::engine {
 namespace {

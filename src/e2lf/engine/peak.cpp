@@ -13,7 +13,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "e2lf/engine/vector-inl.h"
+#include "e2lf/kernels/vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::engine {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <new>
 
-#include "e2lf/engine/test_networks.h"
+#include "testing/test_networks.h"
 #include "e2lf/model/unet.h"
 
 namespace e2lf::engine {

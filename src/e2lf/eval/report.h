@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
 

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <string_view>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/test_files.h"
+#include "e2lf/files/file.h"
+#include "testing/test_files.h"
 #include "e2lf/hdf5/library.h"
 
 namespace e2lf::hdf5 {

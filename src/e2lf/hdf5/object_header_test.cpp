@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/test_files.h"
+#include "e2lf/files/file.h"
+#include "testing/test_files.h"
 #include "e2lf/hdf5/bytes_driver.h"
 #include "e2lf/hdf5/library.h"
 

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/test_files.h"
+#include "e2lf/files/file.h"
+#include "testing/test_files.h"
 
 namespace e2lf::hdf5 {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <torch/types.h>
 
-#include "e2lf/aperture/codes.h"
-#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/capture/codes.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/learn/pixel_model.h"
 
 namespace e2lf::learn {

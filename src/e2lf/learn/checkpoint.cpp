@@ -2,7 +2,7 @@
 // The part of Trainer that writes and reads checkpoints.
 #include <cstring>
 
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/learn/trainer.h"
 
 namespace e2lf::learn {

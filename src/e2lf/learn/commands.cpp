@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "e2lf/base/isa.h"
-#include "e2lf/base/workspace.h"
+#include "e2lf/files/workspace.h"
 #include "e2lf/learn/benchmark.h"
 #include "e2lf/learn/device.h"
 #include "e2lf/learn/run_log.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "e2lf/learn/acqnet.h"
 #include "e2lf/learn/synthesiser.h"
 #include "e2lf/model/model.h"

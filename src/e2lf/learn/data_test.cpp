@@ -6,11 +6,11 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/isa.h"
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/learn/batches.h"
 #include "e2lf/learn/surfaces.h"
 #include "e2lf/learn/synthesiser.h"
-#include "e2lf/learn/test_data.h"
+#include "testing/test_training_data.h"
 
 namespace e2lf::learn {
 namespace {

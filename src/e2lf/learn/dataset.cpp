@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/dataset.h"
 
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::learn {

@@ -7,7 +7,7 @@
 #define E2LF_LEARN_MATRIX_PRODUCT_INL_H_
 #endif
 
-#include "e2lf/engine/vector-inl.h"
+#include "e2lf/kernels/vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::learn {

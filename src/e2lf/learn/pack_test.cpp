@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/learn/dataset.h"
-#include "e2lf/learn/test_data.h"
+#include "testing/test_training_data.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 

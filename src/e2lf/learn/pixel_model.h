@@ -3,7 +3,7 @@
 
 #include <torch/types.h>
 
-#include "e2lf/aperture/camera.h"
+#include "e2lf/capture/camera.h"
 
 namespace e2lf::learn {
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "e2lf/base/file.h"
+#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/learn/curves.h"
 

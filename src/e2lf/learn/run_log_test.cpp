@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <sstream>
 
-#include "e2lf/learn/test_data.h"
+#include "testing/test_training_data.h"
 
 namespace e2lf::learn {
 namespace {

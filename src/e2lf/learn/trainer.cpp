@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "e2lf/aperture/codes_io.h"
-#include "e2lf/base/file.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/files/file.h"
 #include "e2lf/learn/centring.h"
 #include "e2lf/learn/device.h"
 #include "e2lf/learn/draws.h"

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "e2lf/aperture/codes_io.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/learn/commands.h"
-#include "e2lf/learn/test_data.h"
+#include "testing/test_training_data.h"
 
 namespace e2lf::learn {
 namespace {

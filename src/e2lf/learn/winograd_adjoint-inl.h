@@ -8,7 +8,7 @@
 #define E2LF_LEARN_WINOGRAD_ADJOINT_INL_H_
 #endif
 
-#include "e2lf/engine/winograd-inl.h"
+#include "e2lf/kernels/winograd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::learn {

@@ -11,7 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "e2lf/engine/winograd-inl.h"
+#include "e2lf/kernels/winograd-inl.h"
 #include "e2lf/learn/matrix_product-inl.h"
 #include "e2lf/learn/winograd_adjoint-inl.h"
 

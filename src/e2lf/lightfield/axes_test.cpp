@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "e2lf/lightfield/image.h"
-#include "e2lf/lightfield/test_light_field.h"
+#include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {
 namespace {

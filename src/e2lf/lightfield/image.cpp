@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "e2lf/base/file.h"
+#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/formats/raw_image.h"
 

@@ -9,10 +9,10 @@
 #include <png.h>
 #include <zlib.h>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/test_files.h"
+#include "e2lf/files/file.h"
+#include "testing/test_files.h"
 #include "e2lf/lightfield/formats/raw_image.h"
-#include "e2lf/lightfield/test_jpeg.h"
+#include "testing/test_jpeg.h"
 
 namespace e2lf::lightfield {
 namespace {

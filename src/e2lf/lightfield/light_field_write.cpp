@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <mutex>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/npy.h"
-#include "e2lf/base/result_folder.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/result_folder.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/axes.h"

@@ -2,11 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/test_files.h"
+#include "e2lf/files/file.h"
+#include "testing/test_files.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/lightfield/test_light_field.h"
+#include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {
 namespace {

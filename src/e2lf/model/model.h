@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/aperture/camera.h"
-#include "e2lf/aperture/codes.h"
-#include "e2lf/aperture/sensor_constants.h"
-#include "e2lf/base/options.h"
+#include "e2lf/capture/camera.h"
+#include "e2lf/capture/codes.h"
+#include "e2lf/capture/sensor_constants.h"
+#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
 #include "e2lf/model/network.h"
 

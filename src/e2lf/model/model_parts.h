@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/model/model.h"
 
 /// The parts a model file is read and written with; not for other modules.

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/safetensors.h"
-#include "e2lf/base/test_files.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/safetensors.h"
+#include "testing/test_files.h"
 #include "e2lf/model/summary.h"
 
 namespace e2lf::model {

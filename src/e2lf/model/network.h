@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/base/options.h"
+#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
 
 namespace e2lf::model {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/summary.h"
 
-#include "e2lf/aperture/codes_io.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/text.h"
 #include "e2lf/model/model_parts.h"
 

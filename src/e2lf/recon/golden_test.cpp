@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "e2lf/base/npy.h"
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/recon/inversion.h"
 #include "e2lf/recon/linear_estimate.h"

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::recon {

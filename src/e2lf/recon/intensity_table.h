@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
 
 namespace e2lf::recon {

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <span>
 
-#include "e2lf/aperture/coded_intensities.h"
-#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/capture/coded_intensities.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 
 namespace e2lf::recon {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "e2lf/aperture/coded_intensities.h"
-#include "e2lf/aperture/codes.h"
-#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/capture/coded_intensities.h"
+#include "e2lf/capture/codes.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/recon/coded_disparity.h"
 #include "e2lf/recon/view_weights.h"

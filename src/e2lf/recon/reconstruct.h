@@ -6,7 +6,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/engine/engine.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/gain.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "e2lf/aperture/codes.h"
+#include "e2lf/capture/codes.h"
 
 namespace e2lf::recon {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "e2lf/aperture/coded_intensities.h"
-#include "e2lf/aperture/codes.h"
+#include "e2lf/capture/coded_intensities.h"
+#include "e2lf/capture/codes.h"
 #include "e2lf/base/result.h"
 #include "e2lf/lightfield/light_field.h"
 

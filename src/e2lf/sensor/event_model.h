@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <string>
 
-#include "e2lf/aperture/codes.h"
-#include "e2lf/aperture/sensor_constants.h"
+#include "e2lf/capture/codes.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/coded_intensity.h"
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-#include "e2lf/base/npy.h"
-#include "e2lf/base/safetensors.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/sensor/event_model.h"
 

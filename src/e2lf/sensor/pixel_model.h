@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-#include "e2lf/aperture/camera.h"
-#include "e2lf/aperture/codes.h"
+#include "e2lf/capture/camera.h"
+#include "e2lf/capture/codes.h"
 #include "e2lf/base/result.h"
-#include "e2lf/events/event_images.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::sensor {

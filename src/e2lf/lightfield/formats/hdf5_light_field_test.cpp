@@ -3,10 +3,10 @@
 #include <hdf5.h>
 #include <zlib.h>
 
-#include "e2lf/base/file.h"
-#include "e2lf/base/test_files.h"
+#include "e2lf/files/file.h"
+#include "testing/test_files.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/lightfield/test_light_field.h"
+#include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {
 namespace {

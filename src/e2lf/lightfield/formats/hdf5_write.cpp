@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/lightfield/formats/hdf5_write.h"
 
-#include "e2lf/base/file.h"
+#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/hdf5/library.h"
 

@@ -2,7 +2,7 @@
 #include <cstring>
 #include <vector>
 
-#include "e2lf/base/file.h"
+#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/mat5.h"

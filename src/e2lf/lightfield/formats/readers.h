@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "e2lf/base/npy.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/lightfield/light_field_io.h"

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "bench/decode/benchmark_decode.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <map>
+
+#include "e2lf/base/isa.h"
+#include "e2lf/base/text.h"
+#include "bench/decode/benchmark_streams.h"
+#include "e2lf/recordings/recording.h"
+
+namespace e2lf::events {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// A clock for one thread's work that stands while other programs have the processor, and the usual one for several.
+double clock_s(int threads) {
+  timespec now{};
+  ::clock_gettime(threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_stream(const BenchmarkStream& stream, int threads) {
+  OpenOptions options;
+  options.policy = DecodePolicy::kSkip;
+  options.threads = threads;
+  return open_recording(make_memory_source(std::span<const uint8_t>(stream.bytes), stream.source), options);
+}
+
+Result<DecodeSummary> decode_to_columns(const BenchmarkStream& stream, int threads) {
+  E2LF_ASSIGN_OR_RETURN(const auto reader, open_stream(stream, threads));
+  EventBatch batch;
+  for (bool more = true; more;) {
+    E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
+  }
+  return reader->summary();
+}
+
+/// Millions of events per second of the fastest run, all of which must give the same events.
+Result<double> measure(const DecodeBenchmarkOptions& options, const BenchmarkStream& stream, uint64_t events,
+                       int threads) {
+  double best_s = 0;
+  const auto begin = Clock::now();
+  for (int run = 0; run < 2 || seconds_since(begin) < options.seconds; ++run) {
+    const double start_s = clock_s(threads);
+    E2LF_ASSIGN_OR_RETURN(const DecodeSummary summary, decode_to_columns(stream, threads));
+    const double run_s = clock_s(threads) - start_s;
+    if (summary.events() != events) {
+      return Error{ErrorCode::kInvalidValue, cat("a run gave ", summary.events(), " events instead of ", events), ""};
+    }
+    best_s = run == 0 ? run_s : std::min(best_s, run_s);
+  }
+  return static_cast<double>(events) * 1e-6 / best_s;
+}
+
+/// Runs `work` on the scalar kernels.
+template <typename Work>
+auto with_scalar_kernels(const Work& work) -> decltype(work()) {
+  const std::string isa = current_isa();
+  E2LF_RETURN_IF_ERROR(set_max_isa("scalar"));
+  auto result = work();
+  E2LF_RETURN_IF_ERROR(set_max_isa(isa));
+  return result;
+}
+
+Result<DecodeBenchmarkRow> measure_stream(const DecodeBenchmarkOptions& options, const BenchmarkStream& stream) {
+  DecodeBenchmarkRow row;
+  row.shape = stream.shape;
+  row.source = stream.source;
+  const auto decode_once = [&] { return decode_to_columns(stream, 1); };
+  E2LF_ASSIGN_OR_RETURN(const DecodeSummary known, with_scalar_kernels(decode_once));
+  row.events = known.events();
+  row.bytes_per_event =
+      static_cast<double>(stream.bytes.size()) / static_cast<double>(std::max<uint64_t>(row.events, 1));
+  E2LF_ASSIGN_OR_RETURN(row.one_thread, measure(options, stream, row.events, 1));
+  E2LF_ASSIGN_OR_RETURN(row.all_threads, measure(options, stream, row.events, 0));
+  if (options.with_reference) {
+    const auto reference = [&] { return measure(options, stream, row.events, 1); };
+    E2LF_ASSIGN_OR_RETURN(row.reference, with_scalar_kernels(reference));
+  }
+  return row;
+}
+
+struct Found {
+  fs::path path;
+  double bytes_per_event = 0;
+};
+
+/// The recordings of a folder by encoding, fewest bytes per event first.
+Result<std::map<std::string, std::vector<Found>>> find_recordings(const fs::path& folder) {
+  std::map<std::string, std::vector<Found>> found;
+  std::error_code status;
+  for (fs::directory_iterator entry(folder, status), end; !status && entry != end; entry.increment(status)) {
+    if (entry->path().extension() != ".raw") continue;
+    const auto once = repeat_recording(entry->path(), 1);
+    if (!once) continue;
+    E2LF_ASSIGN_OR_RETURN(const DecodeSummary summary, decode_to_columns(*once, 1));
+    if (summary.events() == 0) continue;
+    const double bytes_per_event = static_cast<double>(once->bytes.size()) / static_cast<double>(summary.events());
+    found[once->shape].push_back({entry->path(), bytes_per_event});
+  }
+  if (status)
+    return Error{ErrorCode::kIo, cat("cannot list the folder (", status.message(), "); check the path"),
+                 folder.string()};
+  if (found.empty()) {
+    return Error{ErrorCode::kNotFound, "no RAW recording in the folder; leave it away to measure synthesised streams",
+                 folder.string()};
+  }
+  for (auto& [format, files] : found) {
+    std::sort(files.begin(), files.end(), [](const Found& a, const Found& b) {
+      return a.bytes_per_event != b.bytes_per_event ? a.bytes_per_event < b.bytes_per_event : a.path < b.path;
+    });
+  }
+  return found;
+}
+
+/// The recording that has a shape; empty = none.
+fs::path recording_of(StreamShape shape, const std::map<std::string, std::vector<Found>>& found) {
+  const auto files = found.find(shape == StreamShape::kEvt2 ? "evt2" : "evt3");
+  if (files == found.end() || shape == StreamShape::kEvt3Vector || shape == StreamShape::kEvt21) return {};
+  constexpr double kManyBytes = 5;
+  const Found& densest = files->second.front();
+  const Found& sparsest = files->second.back();
+  if (shape == StreamShape::kEvt3Sparse) return sparsest.bytes_per_event > kManyBytes ? sparsest.path : fs::path();
+  return densest.bytes_per_event < kManyBytes ? densest.path : fs::path();
+}
+
+}  // namespace
+
+Result<std::vector<DecodeBenchmarkRow>> benchmark_decoding(const DecodeBenchmarkOptions& options,
+                                                           const ProgressFn& progress) {
+  std::error_code status;
+  std::vector<DecodeBenchmarkRow> rows;
+  if (fs::is_regular_file(options.input, status)) {
+    E2LF_ASSIGN_OR_RETURN(const BenchmarkStream stream, repeat_recording(options.input, options.events));
+    E2LF_ASSIGN_OR_RETURN(rows.emplace_back(), measure_stream(options, stream));
+    return rows;
+  }
+  std::map<std::string, std::vector<Found>> found;
+  if (!options.input.empty()) {
+    E2LF_ASSIGN_OR_RETURN(found, find_recordings(options.input));
+  }
+  for (const StreamShape shape : kStreamShapes) {
+    const fs::path path = recording_of(shape, found);
+    BenchmarkStream stream;
+    if (path.empty()) {
+      stream = synthesise_stream(shape, options.events);
+    } else {
+      E2LF_ASSIGN_OR_RETURN(stream, repeat_recording(path, options.events));
+      stream.shape = shape_name(shape);
+    }
+    E2LF_ASSIGN_OR_RETURN(rows.emplace_back(), measure_stream(options, stream));
+    if (progress) progress(rows.size(), std::size(kStreamShapes));
+  }
+  return rows;
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/event_images.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <string>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::events {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// `array` as int16 values; anything that is not a whole number within int16 is an error.
+Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<int32_t> values, array.to_int32(location));
+  std::vector<int16_t> counts(values.size());
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (values[i] < std::numeric_limits<int16_t>::min() || values[i] > std::numeric_limits<int16_t>::max()) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("the event count ", values[i], " does not fit int16; is this an event image?"), location};
+    }
+    counts[i] = static_cast<int16_t>(values[i]);
+  }
+  return counts;
+}
+
+/// Cycles from an array [cycles, N-1, y, x] or [N-1, y, x].
+Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const std::string& location) {
+  const std::vector<size_t>& shape = array.shape;
+  if ((shape.size() != 3 && shape.size() != 4) || array.num_elements() == 0) {
+    return Error{ErrorCode::kShape,
+                 cat("event images have shape ", shape_text(shape), "; expected [N-1, y, x] or [cycles, N-1, y, x]"),
+                 location};
+  }
+  E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, location));
+  const size_t num_cycles = shape.size() == 4 ? shape[0] : 1;
+  const size_t axis = shape.size() - 3;
+  std::vector<EventImages> cycles(num_cycles);
+  const size_t cycle_size = counts.size() / num_cycles;
+  for (size_t i = 0; i < num_cycles; ++i) {
+    EventImages& cycle = cycles[i];
+    cycle.transitions = shape[axis];
+    cycle.height = shape[axis + 1];
+    cycle.width = shape[axis + 2];
+    const auto begin = counts.begin() + static_cast<ptrdiff_t>(i * cycle_size);
+    cycle.counts.assign(begin, begin + static_cast<ptrdiff_t>(cycle_size));
+  }
+  return cycles;
+}
+
+Result<void> check_codes(const NpyArray& codes, size_t transitions, const std::string& location) {
+  if (codes.shape.size() == 3 && codes.shape[0] == transitions + 1) return {};
+  return Error{ErrorCode::kShape,
+               cat("codes have shape ", shape_text(codes.shape), " but ", transitions, " event images need [",
+                   transitions + 1, ", view_y, view_x]; give the codes that the events were recorded with"),
+               location};
+}
+
+Result<EventImageFile> read_archive(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_npz(path));
+  const auto found = arrays.find("events");
+  if (found == arrays.end()) {
+    return Error{ErrorCode::kNotFound, "no array \"events\" in the archive; expected events and, when known, codes",
+                 path.string()};
+  }
+  EventImageFile file;
+  E2LF_ASSIGN_OR_RETURN(file.cycles, cycles_from_array(found->second, path.string() + ": events"));
+  if (const auto codes = arrays.find("codes"); codes != arrays.end()) {
+    E2LF_RETURN_IF_ERROR(check_codes(codes->second, file.cycles.front().transitions, path.string() + ": codes"));
+    file.codes = std::move(codes->second);
+  }
+  return file;
+}
+
+/// The K of event_image_0000K.npy, or nothing for other names.
+std::optional<size_t> image_number(const fs::path& path) {
+  const std::string stem = path.stem().string(), prefix = "event_image_";
+  if (path.extension() != ".npy" || !stem.starts_with(prefix)) return std::nullopt;
+  size_t number = 0;
+  const char* end = stem.data() + stem.size();
+  const auto parsed = std::from_chars(stem.data() + prefix.size(), end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+  return number;
+}
+
+/// The folder's event images in order; their numbers must run from 0 without a gap.
+Result<std::vector<fs::path>> list_images(const fs::path& folder) {
+  std::vector<std::pair<size_t, fs::path>> found;
+  std::error_code status;
+  for (fs::directory_iterator entry(folder, status), end; !status && entry != end; entry.increment(status)) {
+    if (const auto number = image_number(entry->path())) found.emplace_back(*number, entry->path());
+  }
+  if (status) return Error{ErrorCode::kIo, cat("cannot list the folder: ", status.message()), folder.string()};
+  if (found.empty()) {
+    return Error{ErrorCode::kNotFound,
+                 "no event_image_*.npy in the folder; give a folder of event images (`e2lf simulate` makes them of a "
+                 "light field)",
+                 folder.string()};
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<fs::path> paths;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (found[i].first != i) {
+      return Error{ErrorCode::kNotFound,
+                   cat("event image ", i, " is missing; the numbers must run from 0 without gaps"), folder.string()};
+    }
+    paths.push_back(std::move(found[i].second));
+  }
+  return paths;
+}
+
+Result<EventImageFile> read_folder(const fs::path& folder) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> paths, list_images(folder));
+  EventImages cycle;
+  cycle.transitions = paths.size();
+  for (const fs::path& path : paths) {
+    E2LF_ASSIGN_OR_RETURN(NpyArray array, read_npy(path));
+    std::vector<size_t>& shape = array.shape;
+    if (shape.size() == 3 && shape[2] == 1) shape.pop_back();
+    if (shape.size() != 2 || array.num_elements() == 0) {
+      return Error{ErrorCode::kShape, cat("an event image has shape ", shape_text(shape), "; expected [y, x]"),
+                   path.string()};
+    }
+    if (cycle.counts.empty()) {
+      cycle.height = shape[0];
+      cycle.width = shape[1];
+    } else if (shape[0] != cycle.height || shape[1] != cycle.width) {
+      return Error{ErrorCode::kShape,
+                   cat("this event image has shape ", shape_text(shape), ", the first one ",
+                       shape_text({cycle.height, cycle.width}), "; all must have one size"),
+                   path.string()};
+    }
+    E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, path.string()));
+    cycle.counts.insert(cycle.counts.end(), counts.begin(), counts.end());
+  }
+  return EventImageFile{{std::move(cycle)}, std::nullopt};
+}
+
+}  // namespace
+
+Result<EventImageFile> read_event_images(const fs::path& path) {
+  std::error_code status;
+  if (!fs::exists(path, status)) {
+    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+  }
+  if (fs::is_directory(path, status)) return read_folder(path);
+  const std::string extension = path.extension().string();
+  if (extension == ".npz") return read_archive(path);
+  if (extension == ".npy") {
+    E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
+    E2LF_ASSIGN_OR_RETURN(std::vector<EventImages> cycles, cycles_from_array(array, path.string()));
+    return EventImageFile{std::move(cycles), std::nullopt};
+  }
+  return Error{ErrorCode::kUnsupported,
+               "not a kind of event image file; use .npz, .npy or a folder of event_image_*.npy", path.string()};
+}
+
+Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {
+  E2LF_REQUIRE(!file.cycles.empty(), "writing event images needs at least one cycle");
+  const EventImages& first = file.cycles.front();
+  std::vector<int16_t> counts;
+  counts.reserve(file.cycles.size() * first.counts.size());
+  for (const EventImages& cycle : file.cycles) {
+    E2LF_REQUIRE(cycle.transitions == first.transitions && cycle.height == first.height && cycle.width == first.width,
+                 "all cycles of a file must have one shape");
+    counts.insert(counts.end(), cycle.counts.begin(), cycle.counts.end());
+  }
+  NpzArrays arrays;
+  arrays["events"] = make_npy(std::vector<size_t>{file.cycles.size(), first.transitions, first.height, first.width},
+                              std::span<const int16_t>(counts));
+  if (file.codes) arrays["codes"] = *file.codes;
+  return write_npz(path, arrays);
+}
+
+}  // namespace e2lf::events

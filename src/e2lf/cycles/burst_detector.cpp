@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cycles/burst_detector.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf::events {
+namespace {
+
+/// Empty bins that are put in for a pause; a longer one is as good as this.
+constexpr int64_t kLongestPauseBins = 4096;
+/// Weight of a new burst in the typical rise.
+constexpr double kLearningRate = 0.1;
+/// Bins above the level before the burst by this many standard deviations belong to it.
+constexpr double kFootSignificance = 3;
+
+}  // namespace
+
+BurstDetector::BurstDetector(const BurstOptions& options)
+    : options_(options),
+      window_(static_cast<size_t>(options.window_us / std::max<int64_t>(1, options.bin_us))),
+      spacing_(static_cast<size_t>(options.min_spacing_us / std::max<int64_t>(1, options.bin_us))) {
+  E2LF_REQUIRE(options.bin_us >= 1 && window_ >= 1 && spacing_ >= window_, "windows of at least one bin");
+}
+
+void BurstDetector::add(const EventColumns& events, std::vector<Mark>& marks) {
+  for (size_t i = 0; i < events.size(); ++i) {
+    const int64_t bin = events.t[i] / options_.bin_us - (events.t[i] % options_.bin_us < 0);
+    if (!has_begun_) {
+      has_begun_ = true;
+      open_bin_ = bin;
+      begin_in_silence();
+    }
+    if (bin != open_bin_) close_bins(bin, marks);
+    ++(events.p[i] != 0 ? open_.on : open_.off);
+  }
+}
+
+void BurstDetector::finish(std::vector<Mark>& marks) {
+  if (has_begun_) close_bins(open_bin_ + static_cast<int64_t>(window_ + spacing_) + 1, marks);
+}
+
+int64_t BurstDetector::known_until_us() const {
+  if (!has_begun_) return INT64_MIN;
+  return (open_bin_ - static_cast<int64_t>(2 * window_ + spacing_)) * options_.bin_us;
+}
+
+/// Puts empty bins before the open one, so that a burst at the very start of a recording is found.
+void BurstDetector::begin_in_silence() {
+  bins_.assign(window_ + spacing_, {});
+  rises_.assign(spacing_ - window_ + 1, {});
+  first_bin_ = open_bin_ - static_cast<int64_t>(window_ + spacing_);
+}
+
+/// The open bin and the empty ones behind it are complete.
+void BurstDetector::close_bins(int64_t until_bin, std::vector<Mark>& marks) {
+  const int64_t pause = until_bin - open_bin_;
+  if (pause > kLongestPauseBins) {
+    // The bins of a long pause are not kept one by one: all before it is judged, and the rest begins in silence again.
+    const int64_t resume = until_bin;
+    close_bins(open_bin_ + static_cast<int64_t>(2 * (window_ + spacing_)), marks);
+    open_bin_ = resume;
+    begin_in_silence();
+    return;
+  }
+  for (; open_bin_ < until_bin; ++open_bin_) {
+    bins_.push_back(std::exchange(open_, {}));
+    judge(marks);
+  }
+}
+
+BurstDetector::Rise BurstDetector::rise_at(size_t bin) const {
+  double on[2] = {}, off[2] = {};
+  for (size_t i = bin - window_; i < bin + window_; ++i) {
+    on[i >= bin] += bins_[i].on;
+    off[i >= bin] += bins_[i].off;
+  }
+  const double on_rise = std::max(0.0, on[1] - on[0]), off_rise = std::max(0.0, off[1] - off[0]);
+  Rise rise;
+  rise.count = on_rise + off_rise;
+  const double chance = std::sqrt((on_rise > 0 ? on[0] + on[1] : 0) + (off_rise > 0 ? off[0] + off[1] : 0) + 1);
+  rise.significance = rise.count / chance;
+  if (rise.count > 0) rise.on_share = on_rise / rise.count;
+  return rise;
+}
+
+/// The bin where the burst that rises most at `bin` begins: the first that is clearly above the level before, and those
+/// in front of it that are above the level at all.
+size_t BurstDetector::foot_of(size_t bin) const {
+  const auto count = [&](size_t i) { return static_cast<double>(bins_[i].on + bins_[i].off); };
+  // The nearer half of the window may hold the rise.
+  const size_t begin = bin - window_, settled = std::max<size_t>(1, window_ / 2);
+  double level = 0;
+  for (size_t i = begin; i < begin + settled; ++i) level += count(i) / static_cast<double>(settled);
+  size_t foot = begin + settled;
+  while (foot + 1 < bin + window_ && count(foot) <= level + kFootSignificance * std::sqrt(level + 1)) ++foot;
+  while (foot > begin + settled && count(foot - 1) > level + std::sqrt(level)) --foot;
+  return foot;
+}
+
+/// Judges the bin whose surroundings have just become complete, and forgets what no longer matters.
+void BurstDetector::judge(std::vector<Mark>& marks) {
+  rises_.push_back(rise_at(bins_.size() - window_));
+  if (rises_.size() < 2 * spacing_ + 1) return;
+  // Rise i is that of bin window_ + i.
+  const Rise& rise = rises_[spacing_];
+  const bool is_peak = std::none_of(rises_.begin(), rises_.end(), [&](const Rise& r) { return r.count > rise.count; });
+  const size_t bin = window_ + spacing_;
+  if (is_peak && rise.significance >= options_.min_significance && rise.count >= options_.min_rise * typical_rise_ &&
+      time_of(bin) - last_mark_us_.value_or(INT64_MIN / 2) >= options_.min_spacing_us) {
+    last_mark_us_ = time_of(bin);
+    const auto certainty = static_cast<float>(1 - options_.min_significance / (2 * rise.significance));
+    marks.push_back({time_of(foot_of(bin)), static_cast<float>(rise.on_share), certainty});
+    typical_rise_ += (typical_rise_ == 0 ? 1 : kLearningRate) * (rise.count - typical_rise_);
+  }
+  rises_.pop_front();
+  bins_.pop_front();
+  ++first_bin_;
+}
+
+}  // namespace e2lf::events

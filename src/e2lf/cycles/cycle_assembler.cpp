@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cycles/cycle_assembler.h"
+
+#include <algorithm>
+
+namespace e2lf::events {
+namespace {
+
+/// The share of its last pattern's time that a recording must reach into for its last cycle to count as complete.
+constexpr double kEnoughOfLastPattern = 0.5;
+/// Events are counted for so many cycles at most, should one not end.
+constexpr int64_t kMaxCyclesCounted = 4;
+
+/// A quarter of the shortest pattern, so that the bursts before and after stay out of it; a burst rises faster than the
+/// upper limit.
+int64_t evidence_window_us(const Schedule& schedule) {
+  int64_t shortest_us = INT64_MAX;
+  for (const ScheduledPattern& pattern : schedule.patterns) {
+    shortest_us = std::min(shortest_us, pattern.interval_us());
+  }
+  return std::clamp<int64_t>(shortest_us / 4, 2 * EventHistogram::kBinUs, 2500);
+}
+
+}  // namespace
+
+const char* cycle_fault_name(CycleFault fault) {
+  switch (fault) {
+    case CycleFault::kMissing:
+      return "missing";
+    case CycleFault::kDoubled:
+      return "doubled";
+    case CycleFault::kLost:
+      return "lost";
+    case CycleFault::kPartial:
+      return "partial";
+  }
+  E2LF_REQUIRE(false, "a fault without a name");
+}
+
+CycleAssembler::CycleAssembler(const CycleOptions& options, size_t width, size_t height)
+    : options_(options), width_(width), height_(height), window_us_(evidence_window_us(options.schedule)) {
+  if (options.filter) filter_.emplace(width, height, *options.filter);
+}
+
+void CycleAssembler::add_start(const PatternStart& start) {
+  const auto later = [](int64_t t_us, const PatternStart& s) { return t_us < s.t_us; };
+  starts_.insert(std::upper_bound(starts_.begin(), starts_.end(), start.t_us, later), start);
+}
+
+void CycleAssembler::add_events(const EventColumns& events) {
+  if (next_ > events_.size() / 2) {
+    EventColumns rest;
+    rest.append(events_, next_, events_.size());
+    std::swap(events_, rest);
+    next_ = 0;
+  }
+  events_.append(events);
+  give_up_waiting();
+}
+
+void CycleAssembler::give_up_waiting() {
+  if (events_.size() - next_ <= options_.max_waiting_events) return;
+  const size_t given_up = events_.size() - next_ - options_.max_waiting_events;
+  report_.events_given_up += given_up;
+  next_ += given_up;
+  if (open_) set_fault(CycleFault::kLost, events_.t[next_]);
+}
+
+void CycleAssembler::process(int64_t until_us, const PatternTracker* tracker) {
+  while (!starts_.empty() && starts_.front().t_us < until_us) {
+    const PatternStart start = starts_.front();
+    starts_.pop_front();
+    close_overdue(start.t_us);
+    consume_events(start.t_us);
+    apply(start, tracker);
+  }
+  close_overdue(until_us);
+  // Until the next start is seen or overdue, the events behind the expected end wait.
+  consume_events(pattern_ ? std::min(until_us, expected_end_us_) : until_us);
+}
+
+/// Ends a pattern at its expected end when no start has come although there was time for it.
+void CycleAssembler::close_overdue(int64_t until_us) {
+  if (!pattern_ || until_us <= deadline_us_) return;
+  const bool is_last = *pattern_ + 1 == options_.schedule.size();
+  consume_events(expected_end_us_);
+  close_pattern(expected_end_us_);
+  if (is_last) end_cycle();
+}
+
+void CycleAssembler::finish(int64_t last_us) {
+  if (!open_) return;
+  const bool is_last = pattern_ && *pattern_ + 1 == options_.schedule.size();
+  const auto enough_us = static_cast<int64_t>(
+      is_last ? kEnoughOfLastPattern * static_cast<double>(options_.schedule.patterns[*pattern_].duration_us) : 0);
+  if (!is_last || last_us < pattern_begin_us_ + enough_us) set_fault(CycleFault::kPartial, last_us);
+  consume_events(expected_end_us_);
+  close_pattern(expected_end_us_);
+  end_cycle();
+}
+
+std::optional<Cycle> CycleAssembler::take() {
+  if (complete_.empty()) return std::nullopt;
+  Cycle cycle = std::move(complete_.front());
+  complete_.pop_front();
+  return cycle;
+}
+
+void CycleAssembler::begin_cycle(int64_t t_us) {
+  open_ = Open{};
+  open_->cycle.number = next_number_++;
+  open_->cycle.begin_us = t_us;
+  open_->cycle.images = EventImages(options_.schedule.num_images(), height_, width_);
+}
+
+void CycleAssembler::set_fault(CycleFault fault, int64_t t_us) {
+  if (!open_ || open_->fault) return;
+  open_->fault = DroppedCycle{open_->cycle.number, open_->cycle.begin_us, t_us, fault};
+}
+
+void CycleAssembler::end_cycle() {
+  if (!open_) return;
+  if (filter_) filter_->add_quiet_time(std::exchange(quiet_us_, 0));
+  if (open_->starts.size() < options_.schedule.size()) set_fault(CycleFault::kPartial, open_->cycle.begin_us);
+  if (open_->fault) {
+    ++report_.dropped[static_cast<size_t>(open_->fault->fault)];
+    if (report_.drops.size() < CycleReport::kMaxDrops) report_.drops.push_back(*open_->fault);
+  } else {
+    ++report_.complete;
+    open_->cycle.confidence = confidence_of(open_->starts);
+    if (filter_) {
+      filter_->apply(open_->cycle.images);
+      report_.hot_pixels = filter_->num_silenced();
+    }
+    complete_.push_back(std::move(open_->cycle));
+  }
+  open_.reset();
+}
+
+/// The least of the starts'. Bursts are events; what a trigger or the schedule claims, the events must confirm.
+float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) const {
+  float least = 1.0F;
+  for (const PatternStart& start : starts) {
+    float confidence = start.confidence;
+    if (options_.source != CycleSource::kBursts) {
+      const EventRise rise = event_rise(histogram_, start.t_us, window_us_);
+      confidence *= change_confidence(rise, options_.schedule.patterns[start.pattern].sign);
+    }
+    least = std::min(least, confidence);
+  }
+  return least;
+}
+
+void CycleAssembler::apply(const PatternStart& start, const PatternTracker* tracker) {
+  if (start.kind == PatternStart::Kind::kDoubled) return set_fault(CycleFault::kDoubled, start.t_us);
+  close_pattern(start.t_us);
+  if (start.kind == PatternStart::Kind::kLost) {
+    set_fault(CycleFault::kLost, start.t_us);
+    end_cycle();
+    return;
+  }
+  if (start.pattern == 0) end_cycle();
+  // The first cycle of a recording may begin in its middle; it ends as a partial one.
+  if (!open_) begin_cycle(start.t_us);
+  if (start.kind == PatternStart::Kind::kMissing) set_fault(CycleFault::kMissing, start.t_us);
+  open_->starts.push_back(start);
+  pattern_ = start.pattern;
+  pattern_begin_us_ = start.t_us;
+  const ScheduledPattern& pattern = options_.schedule.patterns[start.pattern];
+  const int64_t expected_us = tracker != nullptr ? tracker->interval_us(start.pattern) : pattern.interval_us();
+  expected_end_us_ = start.t_us + expected_us;
+  deadline_us_ = expected_end_us_ + static_cast<int64_t>(options_.tracker.tolerance * static_cast<double>(expected_us));
+}
+
+void CycleAssembler::close_pattern(int64_t end_us) {
+  if (!pattern_) return;
+  if (open_ && options_.schedule.patterns[*pattern_].image) open_->cycle.slices.push_back({pattern_begin_us_, end_us});
+  if (filter_) quiet_us_ += std::max<int64_t>(0, end_us - pattern_begin_us_ - options_.filter->settle_us);
+  pattern_.reset();
+}
+
+void CycleAssembler::consume_events(int64_t until_us) {
+  const auto index_at = [&](int64_t t_us) {
+    const auto begin = events_.t.begin() + static_cast<ptrdiff_t>(next_);
+    return static_cast<size_t>(std::lower_bound(begin, events_.t.end(), t_us) - events_.t.begin());
+  };
+  const size_t end = index_at(until_us);
+  if (pattern_ && open_) {
+    if (options_.schedule.patterns[*pattern_].image) accumulate(next_, end);
+    if (filter_) {
+      const size_t quiet = std::min(end, index_at(pattern_begin_us_ + options_.filter->settle_us));
+      filter_->add_quiet_events(events_, quiet, end);
+    }
+  }
+  if (options_.source != CycleSource::kBursts) {
+    histogram_.add(events_, next_, end);
+    const int64_t newest_us = next_ < end ? events_.t[end - 1] : INT64_MIN / 2;
+    const int64_t oldest_us = open_ ? open_->cycle.begin_us : newest_us;
+    histogram_.forget_before(std::max(oldest_us - window_us_ - EventHistogram::kBinUs,
+                                      newest_us - kMaxCyclesCounted * options_.schedule.cycle_us()));
+  }
+  next_ = end;
+}
+
+void CycleAssembler::accumulate(size_t begin, size_t end) {
+  Cycle& cycle = open_->cycle;
+  const std::span<int16_t> image = cycle.images.image(*options_.schedule.patterns[*pattern_].image);
+  for (size_t i = begin; i < end; ++i) {
+    if (events_.x[i] >= width_ || events_.y[i] >= height_) continue;
+    int16_t& count = image[events_.y[i] * width_ + events_.x[i]];
+    const int sum = count + (events_.p[i] != 0 ? 1 : -1);
+    count = static_cast<int16_t>(std::clamp(sum, -32768, 32767));
+  }
+  cycle.events += end - begin;
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cycles/cycle_reader.h"
+
+#include <algorithm>
+#include <deque>
+
+#include "e2lf/base/text.h"
+#include "e2lf/cycles/cycle_assembler.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr size_t kBatchEvents = size_t{1} << 16;
+/// How far kAuto looks for triggers.
+constexpr int64_t kCyclesAhead = 2;
+constexpr size_t kEventsAhead = 1'000'000, kMaxEventsAhead = 16'000'000;
+
+/// The schedule as the tracker sees it: with one trigger per cycle, one pattern as long as the cycle.
+Schedule tracked_schedule(const CycleOptions& options) {
+  if (options.source != CycleSource::kTriggers || !options.one_trigger_per_cycle) return options.schedule;
+  ScheduledPattern cycle;
+  cycle.duration_us = options.schedule.cycle_us();
+  return {.patterns = {cycle}};
+}
+
+TrackerOptions tracker_options(const CycleOptions& options) {
+  TrackerOptions tracker = options.tracker;
+  if (options.source == CycleSource::kBursts) tracker.likely_first_pattern.reset();
+  if (options.source == CycleSource::kTriggers && options.one_trigger_per_cycle) tracker.first_pattern = 0;
+  return tracker;
+}
+
+/// Whether a trigger is one that patterns may begin with.
+bool is_mark(const Trigger& trigger, const CycleOptions& options) {
+  if (options.channel && trigger.id != *options.channel) return false;
+  return options.edge == TriggerEdge::kBoth || (trigger.p != 0) == (options.edge == TriggerEdge::kRising);
+}
+
+/// The first batches of a recording, read to look for triggers.
+struct Beginning {
+  std::deque<EventBatch> batches;
+  bool has_triggers = false;
+};
+
+/// Reads until there is a trigger, or until there should have been one: in a live recording, where cycles wait for it,
+/// after two cycles; in others after a million events too, for those that begin before the aperture moves.
+Result<Beginning> read_beginning(RecordingReader& reader, const CycleOptions& options) {
+  Beginning beginning;
+  std::optional<int64_t> first_us;
+  size_t events = 0;
+  for (EventBatch batch; !beginning.has_triggers;) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch, kBatchEvents));
+    if (!more) break;
+    beginning.has_triggers = std::any_of(batch.triggers.begin(), batch.triggers.end(),
+                                         [&](const Trigger& trigger) { return is_mark(trigger, options); });
+    events += batch.events.size();
+    const std::optional<int64_t> last_us = batch.events.empty() ? std::nullopt : std::optional(batch.events.t.back());
+    if (!first_us && last_us) first_us = batch.events.t.front();
+    beginning.batches.push_back(std::move(batch));
+    const bool is_long = last_us && *last_us - *first_us >= kCyclesAhead * options.schedule.cycle_us();
+    if (is_long && (events >= kEventsAhead || reader.arrival())) break;
+    if (events >= kMaxEventsAhead) break;
+  }
+  return beginning;
+}
+
+}  // namespace
+
+class CycleReader::Impl {
+ public:
+  Impl(std::unique_ptr<RecordingReader> reader, const CycleOptions& options, Beginning beginning)
+      : reader_(std::move(reader)),
+        beginning_(std::move(beginning.batches)),
+        options_(options),
+        tracker_(tracked_schedule(options), tracker_options(options)),
+        bursts_(options.bursts),
+        signer_(options.signs),
+        assembler_(options, reader_->info().width, reader_->info().height) {}
+
+  Result<std::optional<Cycle>> next() {
+    for (;;) {
+      if (auto cycle = assembler_.take()) {
+        cycle->known_us = last_us_;
+        cycle->arrival = reader_->arrival();
+        return cycle;
+      }
+      if (has_ended_) return std::optional<Cycle>();
+      E2LF_RETURN_IF_ERROR(advance());
+    }
+  }
+
+  CycleReport report() const {
+    CycleReport report = assembler_.report();
+    report.marks = marks_;
+    report.unassigned_marks = tracker_.unassigned_marks();
+    report.has_assumed_first = tracker_.has_assumed_first();
+    return report;
+  }
+
+  const RecordingReader& recording() const { return *reader_; }
+  CycleSource source() const { return options_.source; }
+
+ private:
+  /// The next batch: of those that were read already, then of the recording.
+  Result<bool> read_batch() {
+    if (beginning_.empty()) return reader_->read(batch_, kBatchEvents);
+    batch_ = std::move(beginning_.front());
+    beginning_.pop_front();
+    return true;
+  }
+
+  /// Reads one batch and works through what it makes known.
+  Result<void> advance() {
+    E2LF_ASSIGN_OR_RETURN(const bool more, read_batch());
+    has_ended_ = !more;
+    if (options_.on_batch) options_.on_batch(batch_);
+    if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
+    if (!batch_.triggers.empty()) last_us_ = std::max(last_us_, batch_.triggers.back().t);
+    found_.clear();
+    int64_t known_us = last_us_;
+    switch (options_.source) {
+      case CycleSource::kSchedule:
+        add_scheduled_starts();
+        break;
+      case CycleSource::kTriggers:
+        find_trigger_marks();
+        add_starts_of_triggers();
+        known_us = tracker_.known_until(has_ended_ ? INT64_MAX : signer_.known_until(known_us));
+        break;
+      case CycleSource::kBursts:
+        bursts_.add(batch_.events, found_);
+        if (has_ended_) bursts_.finish(found_);
+        add_starts_of_marks();
+        known_us = tracker_.known_until(has_ended_ ? INT64_MAX : bursts_.known_until_us());
+        break;
+      case CycleSource::kAuto:
+        E2LF_REQUIRE(false, "the source was decided on when the recording was opened");
+    }
+    assembler_.add_events(batch_.events);
+    assembler_.process(has_ended_ ? INT64_MAX : known_us, tracker_by_pattern());
+    if (has_ended_) assembler_.finish(last_us_);
+    return {};
+  }
+
+  void add_starts_of_marks() {
+    starts_.clear();
+    for (const Mark& mark : found_) add_mark(mark);
+    add_starts();
+  }
+
+  void add_starts() {
+    if (has_ended_) tracker_.finish(starts_);
+    for (const PatternStart& start : starts_) add_start(start);
+  }
+
+  void add_mark(const Mark& mark) {
+    ++marks_;
+    if (options_.on_mark) options_.on_mark(mark);
+    tracker_.add(mark, starts_);
+  }
+
+  /// While the pattern is known, triggers go on at once; otherwise each waits for the sign of its events.
+  void add_starts_of_triggers() {
+    starts_.clear();
+    signer_.add(batch_.events, found_);
+    while (const auto mark = signer_.take(/*needs_sign=*/!tracker_.is_locked(), has_ended_)) add_mark(*mark);
+    add_starts();
+  }
+
+  /// The starts up to the last time read; the first whole cycle of the recording is the first.
+  void add_scheduled_starts() {
+    if (batch_.empty()) return;
+    if (!next_start_us_) {
+      const int64_t first_us = batch_.events.empty() ? batch_.triggers.front().t : batch_.events.t.front();
+      const int64_t period_us = options_.schedule.cycle_us(), since_us = first_us - options_.origin_us;
+      const int64_t cycles = since_us / period_us + (since_us % period_us > 0);
+      next_start_us_ = options_.origin_us + cycles * period_us;
+    }
+    while (*next_start_us_ <= last_us_) {
+      assembler_.add_start({*next_start_us_, next_pattern_, PatternStart::Kind::kSeen, 1.0F});
+      *next_start_us_ += options_.schedule.patterns[next_pattern_].interval_us();
+      next_pattern_ = (next_pattern_ + 1) % options_.schedule.size();
+    }
+  }
+
+  /// The tracker, where its patterns are those of the schedule.
+  const PatternTracker* tracker_by_pattern() const {
+    const bool has_all_patterns = options_.source == CycleSource::kBursts ||
+                                  (options_.source == CycleSource::kTriggers && !options_.one_trigger_per_cycle);
+    return has_all_patterns ? &tracker_ : nullptr;
+  }
+
+  void find_trigger_marks() {
+    for (const Trigger& trigger : batch_.triggers) {
+      if (is_mark(trigger, options_)) found_.push_back({trigger.t, {}, 1.0F});
+    }
+  }
+
+  /// With one trigger per cycle, a start is that of all patterns of the cycle, in proportion to the schedule.
+  void add_start(const PatternStart& start) {
+    const bool is_fault = start.kind == PatternStart::Kind::kDoubled || start.kind == PatternStart::Kind::kLost;
+    if (options_.source != CycleSource::kTriggers || !options_.one_trigger_per_cycle || is_fault)
+      return assembler_.add_start(start);
+    const double scale =
+        static_cast<double>(tracker_.interval_us(0)) / static_cast<double>(options_.schedule.cycle_us());
+    double offset_us = 0;
+    for (size_t i = 0; i < options_.schedule.size(); ++i) {
+      PatternStart of_pattern = start;
+      of_pattern.pattern = i;
+      of_pattern.t_us += static_cast<int64_t>(offset_us * scale);
+      assembler_.add_start(of_pattern);
+      offset_us += static_cast<double>(options_.schedule.patterns[i].interval_us());
+    }
+  }
+
+  std::unique_ptr<RecordingReader> reader_;
+  std::deque<EventBatch> beginning_;  ///< read already, to look for triggers
+  CycleOptions options_;
+  PatternTracker tracker_;
+  BurstDetector bursts_;
+  MarkSigner signer_;
+  CycleAssembler assembler_;
+  EventBatch batch_;
+  std::vector<Mark> found_;
+  std::vector<PatternStart> starts_;
+  int64_t last_us_ = INT64_MIN;
+  bool has_ended_ = false;
+  uint64_t marks_ = 0;
+  std::optional<int64_t> next_start_us_;  ///< kSchedule
+  size_t next_pattern_ = 0;
+};
+
+Result<CycleReader> CycleReader::open(std::unique_ptr<RecordingReader> reader, const CycleOptions& options) {
+  E2LF_RETURN_IF_ERROR(validate(options.schedule, "schedule"));
+  const auto invalid = [](const std::string& message) { return Error{ErrorCode::kInvalidValue, message, ""}; };
+  if (options.tracker.first_pattern && *options.tracker.first_pattern >= options.schedule.size()) {
+    return invalid(cat("the first pattern is ", *options.tracker.first_pattern, " of a schedule of ",
+                       options.schedule.size(), "; count from 0"));
+  }
+  if (!(options.tracker.tolerance > 0 && options.tracker.tolerance < 0.5)) {
+    return invalid("the tolerance of intervals must be between 0 and 0.5");
+  }
+  if (reader->info().width == 0 || reader->info().height == 0) {
+    return invalid(
+        "the recording does not say how large the sensor is; give its width and height (--sensor-width, "
+        "--sensor-height)");
+  }
+  if (options.source != CycleSource::kAuto) {
+    return CycleReader(std::make_unique<Impl>(std::move(reader), options, Beginning()));
+  }
+  E2LF_ASSIGN_OR_RETURN(Beginning beginning, read_beginning(*reader, options));
+  CycleOptions decided = options;
+  decided.source = beginning.has_triggers ? CycleSource::kTriggers : CycleSource::kBursts;
+  return CycleReader(std::make_unique<Impl>(std::move(reader), decided, std::move(beginning)));
+}
+
+CycleReader::CycleReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+CycleReader::CycleReader(CycleReader&&) noexcept = default;
+CycleReader& CycleReader::operator=(CycleReader&&) noexcept = default;
+CycleReader::~CycleReader() = default;
+
+Result<std::optional<Cycle>> CycleReader::next() {
+  return impl_->next();
+}
+CycleReport CycleReader::report() const {
+  return impl_->report();
+}
+CycleSource CycleReader::source() const {
+  return impl_->source();
+}
+const RecordingReader& CycleReader::recording() const {
+  return impl_->recording();
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cycles/schedule.h"
+
+#include "e2lf/files/options.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr int64_t kPaperOverheadUs = 592;
+
+const char* sign_name(BurstSign sign) {
+  return sign == BurstSign::kOn ? "on" : sign == BurstSign::kOff ? "off" : "any";
+}
+
+Result<ScheduledPattern> parse_pattern(const Json& json, const std::string& location) {
+  ScheduledPattern pattern;
+  std::string sign = "any";
+  OptionReader reader(json, location);
+  reader.read("name", pattern.name)
+      .read("duration_us", pattern.duration_us)
+      .read("overhead_us", pattern.overhead_us)
+      .read("image", pattern.image)
+      .read("sign", sign);
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  for (const BurstSign known : {BurstSign::kAny, BurstSign::kOn, BurstSign::kOff}) {
+    if (sign != sign_name(known)) continue;
+    pattern.sign = known;
+    return pattern;
+  }
+  return Error{ErrorCode::kInvalidValue, cat("sign \"", sign, "\" is unknown; use on, off or any"), location};
+}
+
+}  // namespace
+
+size_t Schedule::num_images() const {
+  size_t count = 0;
+  for (const ScheduledPattern& pattern : patterns) count += pattern.image.has_value();
+  return count;
+}
+
+int64_t Schedule::cycle_us() const {
+  int64_t sum_us = 0;
+  for (const ScheduledPattern& pattern : patterns) sum_us += pattern.interval_us();
+  return sum_us;
+}
+
+Schedule paper_schedule(size_t num_codes) {
+  E2LF_REQUIRE(num_codes >= 2, "a cycle needs two coding patterns at least");
+  Schedule schedule;
+  for (const bool inverse : {true, false}) {
+    for (size_t i = 0; i < num_codes; ++i) {
+      ScheduledPattern pattern;
+      pattern.name = cat(inverse ? "inverse a" : "a", i + 1);
+      pattern.duration_us = i == 0 ? 15000 : 10000;
+      pattern.overhead_us = kPaperOverheadUs;
+      if (!inverse && i > 0) pattern.image = i - 1;
+      // a1 is black: its inverse is white.
+      if (i == 0) pattern.sign = inverse ? BurstSign::kOn : BurstSign::kOff;
+      if (i == 1) pattern.sign = inverse ? BurstSign::kOff : BurstSign::kOn;
+      schedule.patterns.push_back(pattern);
+    }
+  }
+  return schedule;
+}
+
+Schedule plain_schedule(size_t num_codes, int64_t duration_us) {
+  E2LF_REQUIRE(num_codes >= 2 && duration_us >= 1, "a cycle needs two patterns at least, shown for a time");
+  Schedule schedule;
+  for (size_t i = 0; i < num_codes; ++i) {
+    ScheduledPattern pattern;
+    pattern.name = cat("a", i + 1);
+    pattern.duration_us = duration_us;
+    if (i > 0) pattern.image = i - 1;
+    schedule.patterns.push_back(pattern);
+  }
+  return schedule;
+}
+
+Result<void> validate(const Schedule& schedule, const std::string& location) {
+  size_t images = 0;
+  for (const ScheduledPattern& pattern : schedule.patterns) {
+    if (pattern.duration_us < 1 || pattern.overhead_us < 0) {
+      return Error{ErrorCode::kInvalidValue, cat("pattern \"", pattern.name, "\" is not shown for a positive time"),
+                   location};
+    }
+    if (pattern.image && *pattern.image != images++) {
+      return Error{ErrorCode::kInvalidValue, "images must be numbered 0, 1, ... in the order of the patterns",
+                   location};
+    }
+  }
+  if (images == 0) {
+    return Error{ErrorCode::kInvalidValue, "no pattern's events are used; give a pattern an \"image\"", location};
+  }
+  return {};
+}
+
+Result<Schedule> parse_schedule(const std::string& text, const std::string& name) {
+  E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, name));
+  OptionReader reader(json, name + ": $");
+  const Json& patterns = reader.child("patterns");
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  Schedule schedule;
+  for (size_t i = 0; patterns.is_array() && i < patterns.size(); ++i) {
+    E2LF_ASSIGN_OR_RETURN(auto pattern, parse_pattern(patterns[i], cat(name, ": $.patterns[", i, "]")));
+    schedule.patterns.push_back(std::move(pattern));
+  }
+  E2LF_RETURN_IF_ERROR(validate(schedule, name));
+  return schedule;
+}
+
+Result<Schedule> read_schedule(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  return parse_schedule(std::string(bytes.begin(), bytes.end()), path.string());
+}
+
+std::string schedule_text(const Schedule& schedule) {
+  Json patterns = Json::array();
+  for (const ScheduledPattern& pattern : schedule.patterns) {
+    Json json = {{"name", pattern.name},
+                 {"duration_us", pattern.duration_us},
+                 {"overhead_us", pattern.overhead_us},
+                 {"sign", sign_name(pattern.sign)}};
+    if (pattern.image) json["image"] = *pattern.image;
+    patterns.push_back(std::move(json));
+  }
+  return Json{{"patterns", std::move(patterns)}}.dump(2) + "\n";
+}
+
+}  // namespace e2lf::events

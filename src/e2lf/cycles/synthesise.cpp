@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cycles/synthesise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/rng.h"
+#include "e2lf/base/stop.h"
+
+namespace e2lf::events {
+namespace {
+
+/// Draws one after the other from a stream of its own.
+class Draws {
+ public:
+  Draws(uint64_t seed, uint64_t stream) : rng_(seed, stream) {}
+  float uniform() { return rng_.uniform(next_++); }
+  uint32_t below(uint32_t bound) { return rng_.below(next_++, bound); }
+
+ private:
+  CounterRng rng_;
+  uint64_t next_ = 0;
+};
+
+class Cycle {
+ public:
+  Cycle(const EventImages& images, uint64_t number, const SynthesisOptions& options)
+      : images_(images),
+        options_(options),
+        draws_(options.seed, number),
+        begin_us_(options.begin_us + static_cast<int64_t>(number) * options.schedule.cycle_us()) {}
+
+  SynthesisedCycle make() {
+    int64_t t_us = begin_us_;
+    for (const ScheduledPattern& pattern : options_.schedule.patterns) {
+      const int64_t start_us = t_us + jitter();
+      result_.starts_us.push_back(start_us);
+      if (pattern.image) {
+        add_burst(images_.image(*pattern.image), start_us);
+      } else {
+        add_unused_burst(pattern.sign, start_us);
+      }
+      add_trigger(start_us);
+      t_us += pattern.interval_us();
+    }
+    add_noise(t_us);
+    sort_events();
+    return std::move(result_);
+  }
+
+ private:
+  int64_t jitter() {
+    if (options_.jitter_us == 0) return 0;
+    return static_cast<int64_t>(draws_.below(static_cast<uint32_t>(2 * options_.jitter_us + 1))) - options_.jitter_us;
+  }
+
+  void add_event(size_t pixel, bool is_on, int64_t t_us) {
+    events_.push_back({static_cast<uint16_t>(pixel % images_.width), static_cast<uint16_t>(pixel / images_.width),
+                       static_cast<uint8_t>(is_on), t_us});
+  }
+
+  /// A time after a change of pattern: exponential, cut off at the end of the burst by drawing from what is left.
+  int64_t delay_us() {
+    const double span_us = static_cast<double>(options_.burst_us - options_.latency_us);
+    const double reach = 1 - std::exp(-span_us / options_.decay_us);
+    const double delay = -options_.decay_us * std::log(1 - reach * static_cast<double>(draws_.uniform()));
+    return options_.latency_us + static_cast<int64_t>(std::min(delay, span_us - 1));
+  }
+
+  void add_burst(std::span<const int16_t> image, int64_t start_us) {
+    for (size_t pixel = 0; pixel < image.size(); ++pixel) {
+      for (int i = 0; i < std::abs(image[pixel]); ++i) add_event(pixel, image[pixel] > 0, start_us + delay_us());
+    }
+  }
+
+  void add_unused_burst(BurstSign sign, int64_t start_us) {
+    const std::span<const int16_t> model = images_.image(0);
+    for (size_t pixel = 0; pixel < model.size(); ++pixel) {
+      const double wanted = std::abs(model[pixel]) * options_.unused_share;
+      const int count = static_cast<int>(wanted + static_cast<double>(draws_.uniform()));
+      const bool is_on = sign == BurstSign::kAny ? (pixel / 3) % 2 == 0 : sign == BurstSign::kOn;
+      for (int i = 0; i < count; ++i) add_event(pixel, is_on, start_us + delay_us());
+    }
+  }
+
+  void add_trigger(int64_t start_us) {
+    if (!options_.trigger_channel) return;
+    result_.batch.triggers.push_back({start_us, *options_.trigger_channel, 1});
+    if (options_.trigger_width_us > 0) {
+      result_.batch.triggers.push_back({start_us + options_.trigger_width_us, *options_.trigger_channel, 0});
+    }
+  }
+
+  void add_noise(int64_t end_us) {
+    if (options_.noise_hz <= 0) return;
+    const double seconds = static_cast<double>(end_us - begin_us_) * 1e-6;
+    const double mean = options_.noise_hz * seconds * static_cast<double>(images_.image_size());
+    const auto count = static_cast<size_t>(mean + static_cast<double>(draws_.uniform()));
+    for (size_t i = 0; i < count; ++i) {
+      const auto t_us = static_cast<int64_t>(draws_.uniform() * static_cast<float>(end_us - begin_us_));
+      add_event(draws_.below(static_cast<uint32_t>(images_.image_size())), draws_.below(2) != 0, begin_us_ + t_us);
+    }
+  }
+
+  void sort_events() {
+    std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+    result_.batch.events.reserve(events_.size());
+    for (const Event& event : events_) result_.batch.events.push_back(event);
+  }
+
+  const EventImages& images_;
+  const SynthesisOptions& options_;
+  Draws draws_;
+  int64_t begin_us_;
+  std::vector<Event> events_;
+  SynthesisedCycle result_;
+};
+
+}  // namespace
+
+SynthesisedCycle synthesise_cycle(const EventImages& images, uint64_t number, const SynthesisOptions& options) {
+  E2LF_REQUIRE(images.transitions == options.schedule.num_images(), "one image for each used pattern");
+  E2LF_REQUIRE(options.latency_us >= options.jitter_us, "events may not come before their cycle");
+  for (const ScheduledPattern& pattern : options.schedule.patterns) {
+    E2LF_REQUIRE(options.burst_us + 2 * options.jitter_us <= pattern.interval_us(), "a burst is longer than a pattern");
+  }
+  return Cycle(images, number, options).make();
+}
+
+Result<void> synthesise_recording(RecordingWriter& writer, uint64_t cycles, const SynthesisOptions& options,
+                                  const std::function<Result<EventImages>(uint64_t number)>& images_of) {
+  for (uint64_t number = 0; number < cycles && !(number > 0 && stop_requested()); ++number) {
+    E2LF_ASSIGN_OR_RETURN(const EventImages images, images_of(number));
+    E2LF_RETURN_IF_ERROR(writer.write(synthesise_cycle(images, number, options).batch));
+  }
+  return {};
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/files/file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "e2lf/files/is_stream.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf {
+namespace fs = std::filesystem;
+namespace {
+
+Error system_error(const fs::path& path, const char* action, int error_number) {
+  const ErrorCode code = error_number == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
+  const char* remedy = error_number == ENOENT   ? "check the path"
+                       : error_number == EACCES ? "check its permissions"
+                       : error_number == ENOSPC ? "free some disk space"
+                                                : "check the disk and the path";
+  return {code, cat("cannot ", action, " (", std::strerror(error_number), "); ", remedy), path.string()};
+}
+
+/// A name in the same folder that no other writer uses at the same time.
+fs::path staging_name(const fs::path& target) {
+  static int counter = 0;
+  fs::path name = target;
+  if (name.filename().empty()) name = name.parent_path();
+  name += cat(".", ::getpid(), ".", __atomic_add_fetch(&counter, 1, __ATOMIC_RELAXED), ".part");
+  return name;
+}
+
+Result<void> make_parent(const fs::path& path) {
+  if (!path.has_parent_path()) return {};
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  if (error) return system_error(path.parent_path(), "make the folder", error.value());
+  return {};
+}
+
+Result<void> write_all(int descriptor, const fs::path& path, std::span<const uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      return system_error(path, "write", errno);
+    }
+    bytes = bytes.subspan(static_cast<size_t>(written));
+  }
+  return {};
+}
+
+Result<void> write_stream(const fs::path& path, std::span<const uint8_t> bytes) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return system_error(path, "write", errno);
+  const Result<void> status = write_all(descriptor, path, bytes);
+  if (::close(descriptor) != 0 && status.ok()) return system_error(path, "write", errno);
+  return status;
+}
+
+}  // namespace
+
+Result<std::vector<uint8_t>> read_file(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return system_error(path, "open", errno);
+  struct stat info {};
+  std::vector<uint8_t> bytes;
+  if (::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode)) bytes.reserve(static_cast<size_t>(info.st_size) + 1);
+  constexpr size_t kChunk = size_t{1} << 20;
+  for (;;) {
+    const size_t filled = bytes.size();
+    bytes.resize(std::max(bytes.capacity(), filled + kChunk));
+    const ssize_t count = ::read(descriptor, bytes.data() + filled, bytes.size() - filled);
+    const int error_number = errno;
+    bytes.resize(filled + (count > 0 ? static_cast<size_t>(count) : 0));
+    if (count == 0) break;
+    if (count < 0 && error_number != EINTR) {
+      ::close(descriptor);
+      return system_error(path, "read", error_number);
+    }
+  }
+  ::close(descriptor);
+  return bytes;
+}
+
+bool is_stream(const fs::path& path) {
+  std::error_code error;
+  return fs::is_other(fs::status(path, error)) && !error;
+}
+
+Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {
+  if (is_stream(path)) return write_stream(path, bytes);
+  E2LF_RETURN_IF_ERROR(make_parent(path));
+  const fs::path staging = staging_name(path);
+  const int descriptor = ::open(staging.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) return system_error(path, "write", errno);
+  // The lock tells that the writer is alive; see remove_dead_parts().
+  static_cast<void>(::flock(descriptor, LOCK_EX | LOCK_NB));
+  Result<void> status = write_all(descriptor, path, bytes);
+  if (::close(descriptor) != 0 && status.ok()) status = system_error(path, "write", errno);
+  if (status.ok() && ::rename(staging.c_str(), path.c_str()) != 0) status = system_error(path, "write", errno);
+  if (!status.ok()) ::unlink(staging.c_str());
+  return status;
+}
+
+Result<void> write_file(const fs::path& path, const std::string& text) {
+  return write_file(path, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+Result<void> check_output(const fs::path& path, bool overwrite) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    return Error{ErrorCode::kExists, "the output is a file, and a folder has this name; name another", path.string()};
+  }
+  if (!overwrite && !is_stream(path) && fs::exists(fs::symlink_status(path, error))) {
+    return Error{ErrorCode::kExists, "the output exists already; give --overwrite or another name", path.string()};
+  }
+  return {};
+}
+
+Result<AtomicFile> AtomicFile::create(const fs::path& target) {
+  if (is_stream(target)) {
+    return Error{ErrorCode::kUnsupported,
+                 "this is a device or a pipe, and what is written needs a file to go back in; name a file",
+                 target.string()};
+  }
+  E2LF_RETURN_IF_ERROR(make_parent(target));
+  return AtomicFile(target, staging_name(target));
+}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : target_(std::move(other.target_)), staging_(std::exchange(other.staging_, fs::path())) {}
+
+AtomicFile::~AtomicFile() {
+  if (!staging_.empty()) ::unlink(staging_.c_str());
+}
+
+Result<void> AtomicFile::commit() {
+  if (::rename(staging_.c_str(), target_.c_str()) != 0) return system_error(target_, "write", errno);
+  staging_.clear();
+  return {};
+}
+
+}  // namespace e2lf

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/files/file.h"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "e2lf/files/is_stream.h"
+#include "testing/test_files.h"
+
+namespace e2lf {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+size_t count_entries(const fs::path& folder) {
+  return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+std::string text_of(const fs::path& path) {
+  const auto bytes = read_file(path);
+  return bytes.ok() ? std::string(bytes->begin(), bytes->end()) : "<" + bytes.error().text() + ">";
+}
+
+TEST(File, RoundTripsBytesAndLeavesNothingElse) {
+  const TestFolder folder;
+  std::vector<uint8_t> bytes(3'000'001);
+  for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<uint8_t>(i * 7);
+  ASSERT_TRUE(write_file(folder / "a/b/c.bin", bytes).ok());
+  const auto read = read_file(folder / "a/b/c.bin");
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(*read, bytes);
+  EXPECT_EQ(count_entries(folder / "a/b"), 1U);
+}
+
+TEST(File, ReadsEmptyFilesAndFilesWithoutASize) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "empty", std::string()).ok());
+  EXPECT_TRUE(read_file(folder / "empty")->empty());
+  EXPECT_FALSE(read_file("/proc/self/status")->empty());
+}
+
+TEST(File, ReplacesAnExistingFile) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "a", std::string("long old text")).ok());
+  ASSERT_TRUE(write_file(folder / "a", std::string("new")).ok());
+  EXPECT_EQ(text_of(folder / "a"), "new");
+}
+
+TEST(File, ReadingNamesTheFileThatIsMissingOrAFolder) {
+  const TestFolder folder;
+  const Error missing = read_file(folder / "none").error();
+  EXPECT_EQ(missing.code, ErrorCode::kNotFound);
+  EXPECT_EQ(missing.location, (folder / "none").string());
+  EXPECT_EQ(read_file(folder.path()).error().code, ErrorCode::kIo);
+}
+
+TEST(File, WritingBelowAFileFailsAndLeavesTheFile) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "a", std::string("kept")).ok());
+  EXPECT_EQ(write_file(folder / "a/b", std::string("x")).error().code, ErrorCode::kIo);
+  EXPECT_EQ(text_of(folder / "a"), "kept");
+  // A folder cannot be replaced by a file either, and the part that was written is removed.
+  fs::create_directories(folder / "d/sub");
+  EXPECT_EQ(write_file(folder / "d", std::string("x")).error().code, ErrorCode::kIo);
+  EXPECT_EQ(count_entries(folder.path()), 2U);
+}
+
+TEST(File, CheckOutputAsksForOverwrite) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "a", std::string("x")).ok());
+  const Error error = check_output(folder / "a", /*overwrite=*/false).error();
+  EXPECT_EQ(error.code, ErrorCode::kExists);
+  EXPECT_THAT(error.message, HasSubstr("--overwrite"));
+  EXPECT_TRUE(check_output(folder / "a", /*overwrite=*/true).ok());
+  EXPECT_TRUE(check_output(folder / "b", /*overwrite=*/false).ok());
+}
+
+TEST(File, ADeviceIsWrittenToAndNotReplaced) {
+  ASSERT_TRUE(write_file("/dev/null", std::string("x")).ok());
+  EXPECT_TRUE(is_stream("/dev/null"));
+  EXPECT_EQ(write_file("/dev/full", std::string("x")).error().code, ErrorCode::kIo);
+  EXPECT_EQ(AtomicFile::create("/dev/null").error().code, ErrorCode::kUnsupported);
+}
+
+}  // namespace
+}  // namespace e2lf

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/npy_header.h"
+#include "e2lf/base/text.h"
+#include "e2lf/files/zip.h"
+
+namespace e2lf {
+namespace {
+
+constexpr std::string_view kSuffix = ".npy";
+
+/// Stops the unpacking of a member whose header does not account for the size its directory entry claims.
+Result<void> check_head(std::span<const uint8_t> head, uint64_t claimed, const std::string& location) {
+  const Result<NpyHeader> header = parse_npy_header(head, location);
+  if (!header) {
+    const bool longer_header = header.error().code == ErrorCode::kTruncated && head.size() < claimed;
+    return longer_header ? Result<void>() : Result<void>(header.error());
+  }
+  const uint64_t needed = header->data_size + header->data_offset;
+  if (needed == claimed) return {};
+  return Error{needed > claimed ? ErrorCode::kTruncated : ErrorCode::kFormat,
+               cat("the numpy header needs ", needed, " bytes, the archive says ", claimed, "; write the file again"),
+               location};
+}
+
+}  // namespace
+
+Result<NpzArrays> decode_npz(std::span<const uint8_t> bytes, const std::string& name) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<ZipEntry> entries, read_zip_directory(bytes, name));
+  NpzArrays arrays;
+  for (const ZipEntry& entry : entries) {
+    if (!entry.name.ends_with(kSuffix)) continue;
+    const std::string location = cat(name, ": ", entry.name);
+    const auto peek = [&](std::span<const uint8_t> head) { return check_head(head, entry.size, location); };
+    E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> member, unpack_zip_entry(entry, location, peek));
+    E2LF_ASSIGN_OR_RETURN(NpyArray array, decode_npy(member, location));
+    arrays.emplace(entry.name.substr(0, entry.name.size() - kSuffix.size()), std::move(array));
+  }
+  return arrays;
+}
+
+std::vector<uint8_t> encode_npz(const NpzArrays& arrays, bool compress) {
+  ZipWriter writer;
+  for (const auto& [name, array] : arrays) writer.add(name + std::string(kSuffix), encode_npy(array), compress);
+  return writer.finish();
+}
+
+Result<NpzArrays> read_npz(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  return decode_npz(bytes, path.string());
+}
+
+Result<void> write_npz(const std::filesystem::path& path, const NpzArrays& arrays, bool compress) {
+  return write_file(path, encode_npz(arrays, compress));
+}
+
+}  // namespace e2lf

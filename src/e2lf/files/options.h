@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "e2lf/files/file.h"
+#include "e2lf/base/result.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf {
+
+using Json = nlohmann::ordered_json;
+
+/// The number as it is usually written (0.3, not 0.30000001192092896); reading it as float gives the same float.
+[[nodiscard]] Json json_number(float value);
+
+/// Parses JSON text (comments allowed). Fails with kFormat; the location is `name` and the byte.
+[[nodiscard]] Result<Json> parse_json(const std::string& text, const std::string& name);
+[[nodiscard]] Result<Json> read_json(const std::filesystem::path& path);
+
+/// Applies "a.b.c=value" (value: JSON, or a bare string) to a configuration, making objects on the way.
+/// Fails with kInvalidValue when there is no "=" or a step is not an object.
+[[nodiscard]] Result<void> apply_override(Json& config, const std::string& assignment);
+
+/// Reads the fields of one JSON object into a plain options struct and refuses what it does not know:
+///
+///   OptionReader reader(json, "config.json: $.train");
+///   reader.read("batch", options.batch).read("steps", options.steps);
+///   return reader.finish();   // the first wrong type, or an unknown key with the nearest known one
+///
+/// Absent keys keep the struct's default.
+class OptionReader {
+ public:
+  OptionReader(const Json& object, std::string location);
+
+  template <typename T>
+  OptionReader& read(const std::string& key, T& field) {
+    return convert<T>(key, [&](T value) { field = std::move(value); });
+  }
+  template <typename T>
+  OptionReader& read(const std::string& key, std::optional<T>& field) {
+    return convert<T>(key, [&](T value) { field = std::move(value); });
+  }
+
+  /// The nested object under `key` (null when absent), to be read by another reader.
+  [[nodiscard]] const Json& child(const std::string& key);
+  [[nodiscard]] std::string child_location(const std::string& key) const { return location_ + "." + key; }
+
+  /// Success, or the first error met: a value of the wrong type, or an unknown key.
+  [[nodiscard]] Result<void> finish() const;
+
+ private:
+  template <typename T, typename Set>
+  OptionReader& convert(const std::string& key, Set&& set) {
+    known_.push_back(key);
+    if (!object_->is_object() || !object_->contains(key)) return *this;
+    const Json& value = object_->at(key);
+    try {
+      if (!fits<T>(value)) {
+        fail(key, kind_of<T>());
+      } else {
+        set(value.get<T>());
+      }
+    } catch (const nlohmann::json::exception&) {
+      fail(key, kind_of<T>());
+    }
+    return *this;
+  }
+
+  /// Stricter than the JSON library, which turns -1, 2.5 and true into any number type.
+  template <typename T>
+  static bool fits(const Json& value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      return value.is_boolean();
+    } else if constexpr (std::is_integral_v<T>) {
+      return value.is_number_unsigned() ? std::in_range<T>(value.get<uint64_t>())
+                                        : value.is_number_integer() && std::in_range<T>(value.get<int64_t>());
+    } else if constexpr (std::is_floating_point_v<T>) {
+      return value.is_number();
+    } else {
+      return true;
+    }
+  }
+  /// What a value of that type is called in errors.
+  template <typename T>
+  static const char* kind_of() {
+    if constexpr (std::is_same_v<T, bool>) {
+      return "true or false";
+    } else if constexpr (std::is_integral_v<T>) {
+      return std::is_unsigned_v<T> ? "a whole number from 0" : "a whole number";
+    } else if constexpr (std::is_floating_point_v<T>) {
+      return "a number";
+    } else {
+      return std::is_convertible_v<T, std::string> ? "a text" : "a list";
+    }
+  }
+  void fail(const std::string& key, const char* kind);
+
+  const Json* object_;
+  std::string location_;
+  std::vector<std::string> known_;
+  std::optional<Error> error_;
+};
+
+}  // namespace e2lf

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/files/result_folder.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <random>
+#include <set>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <vector>
+
+#include "e2lf/files/file.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr char kRecord[] = "run.json";
+
+Error io_error(const fs::path& path, const char* action, int error_number) {
+  return {ErrorCode::kIo,
+          cat("cannot ", action, " (", std::strerror(error_number), "); check the disk and the folder's permissions"),
+          path.string()};
+}
+
+Error exists(const fs::path& path, const std::string& what) {
+  return {ErrorCode::kExists, what, path.string()};
+}
+
+/// The record of a folder, or null when it has none of ours. A link is none.
+Json record_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(path, error))) return nullptr;
+  const auto json = read_json(path);
+  if (!json || !json->is_object()) return nullptr;
+  const bool is_marked = json->value("written_by", Json()) == "e2lf";
+  const bool is_older = json->contains("verb") && json->contains("version") && json->contains("options");
+  return is_marked || is_older ? *json : Json(nullptr);
+}
+
+/// A path as a record lists it: below its folder and nowhere else.
+bool is_inner(const fs::path& path) {
+  if (path.empty() || path.is_absolute()) return false;
+  for (const fs::path& step : path) {
+    if (step == ".." || step == ".") return false;
+  }
+  return true;
+}
+
+void add_listed(const Json& record, const fs::path& below, std::set<fs::path>& listed) {
+  listed.insert(below / kRecord);
+  const Json files = record.value("files", Json::array());
+  if (!files.is_array()) return;
+  for (const Json& file : files) {
+    if (file.is_string() && is_inner(file.get<std::string>())) listed.insert(below / file.get<std::string>());
+  }
+}
+
+/// The files of a folder that its record and those of its parts list, relative to it.
+std::set<fs::path> listed_files(const fs::path& folder) {
+  std::set<fs::path> listed;
+  const Json record = record_of(folder / kRecord);
+  if (record.is_null()) return listed;
+  add_listed(record, {}, listed);
+  const Json run = record.value("run", Json());
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    if (run.is_null() || !fs::is_directory(entry->symlink_status(ignored))) continue;
+    const Json part = record_of(entry->path() / kRecord);
+    if (!part.is_null() && part.value("run", Json()) == run) add_listed(part, entry->path().filename(), listed);
+  }
+  return listed;
+}
+
+/// Whether a folder is needed by a listed file alone.
+bool leads_to_listed(const fs::path& folder, const std::set<fs::path>& listed) {
+  const auto next = listed.lower_bound(folder / "");
+  return next != listed.end() && next->string().starts_with((folder / "").string());
+}
+
+/// What lies in a folder and is not listed, folders before what is in them.
+Result<std::vector<fs::path>> foreign_entries(const fs::path& folder) {
+  const std::set<fs::path> listed = listed_files(folder);
+  std::vector<fs::path> foreign;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    const fs::path inner = entry->path().lexically_relative(folder);
+    const fs::file_status status = entry->symlink_status(ignored);
+    const bool is_ours = fs::is_directory(status) ? leads_to_listed(inner, listed)
+                                                  : fs::is_regular_file(status) && listed.count(inner) > 0;
+    if (!is_ours) foreign.push_back(inner);
+  }
+  if (error) return io_error(folder, "look through the folder", error.value());
+  return foreign;
+}
+
+/// Whether two names are of one file, without following links.
+bool is_same(const fs::path& a, const fs::path& b) {
+  struct stat of_a {};
+  struct stat of_b {};
+  return ::lstat(a.c_str(), &of_a) == 0 && ::lstat(b.c_str(), &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+         of_a.st_ino == of_b.st_ino;
+}
+
+/// Gives what is not ours in `from` a second name in `to`: in no moment is it without one.
+Result<void> carry_over(const fs::path& from, const fs::path& to, const fs::path& target) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> foreign, foreign_entries(from));
+  for (const fs::path& inner : foreign) {
+    const fs::path old_name = from / inner, new_name = to / inner;
+    std::error_code error;
+    fs::create_directories(new_name.parent_path(), error);
+    if (fs::is_directory(fs::symlink_status(old_name, error))) {
+      if (::mkdir(new_name.c_str(), 0777) == 0) fs::permissions(new_name, fs::status(old_name).permissions(), error);
+      if (fs::is_directory(fs::symlink_status(new_name, error))) continue;
+    } else if (::linkat(AT_FDCWD, old_name.c_str(), AT_FDCWD, new_name.c_str(), 0) == 0) {
+      continue;
+    } else if (errno != EEXIST) {
+      return io_error(target / inner, "keep this file, which e2lf did not write", errno);
+    }
+    if (is_same(old_name, new_name)) continue;
+    return exists(target, cat("the folder holds ", inner.string(),
+                              ", which e2lf did not write and would have to replace; move it away or name another "
+                              "folder"));
+  }
+  return {};
+}
+
+Result<void> check_replaceable(const fs::path& target, bool overwrite) {
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(target, error);
+  if (!fs::exists(status)) return {};
+  if (!fs::is_directory(status)) {
+    return exists(target, "the output is a folder, and a file or link has this name; name another");
+  }
+  if (!overwrite) return exists(target, "the output exists already; give --overwrite or another name");
+  if (fs::is_empty(target, error)) return {};
+  if (error) return io_error(target, "look into the folder", error.value());
+  if (record_of(target / kRecord).is_null()) {
+    return exists(
+        target,
+        "e2lf did not write this folder (it holds no run.json of ours), so it is not replaced, --overwrite or "
+        "not; name another folder");
+  }
+  E2LF_ASSIGN_OR_RETURN(const auto foreign, foreign_entries(target));
+  static_cast<void>(foreign);
+  return {};
+}
+
+int rename_with(const fs::path& from, const fs::path& to, unsigned int how) {
+  return ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), how);
+}
+
+/// Renames to a name that must be free, also on file systems that cannot promise it.
+Result<void> rename_to_free(const fs::path& from, const fs::path& to) {
+  if (rename_with(from, to, RENAME_NOREPLACE) == 0) return {};
+  int error_number = errno;
+  std::error_code error;
+  if ((error_number == EINVAL || error_number == ENOSYS) && !fs::exists(fs::symlink_status(to, error))) {
+    if (::rename(from.c_str(), to.c_str()) == 0) return {};
+    error_number = errno;
+  }
+  if (error_number == EEXIST || error_number == EINVAL) {
+    return exists(to, "the output came to be while it was made; name another");
+  }
+  return io_error(to, "put the folder in place", error_number);
+}
+
+/// Puts `place` where `target` is and the old folder where `place` was; at once, where the file system can.
+Result<void> exchange(const fs::path& place, const fs::path& target) {
+  if (rename_with(place, target, RENAME_EXCHANGE) == 0) return {};
+  if (errno != EINVAL && errno != ENOSYS) return io_error(target, "replace the folder", errno);
+  const fs::path aside = place.parent_path() / "replaced";
+  if (::rename(target.c_str(), aside.c_str()) != 0) return io_error(target, "replace the folder", errno);
+  if (::rename(place.c_str(), target.c_str()) != 0) {
+    const int error_number = errno;
+    static_cast<void>(::rename(aside.c_str(), target.c_str()));
+    return io_error(target, "replace the folder", error_number);
+  }
+  static_cast<void>(::rename(aside.c_str(), place.c_str()));
+  return {};
+}
+
+/// The record with what tells that the folder is ours: the files in it, but for those of its parts.
+Json complete_record(Json record, const fs::path& folder, const std::string& run) {
+  std::set<std::string> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    if (fs::is_directory(entry->symlink_status(ignored))) {
+      if (fs::exists(entry->path() / kRecord, ignored)) entry.disable_recursion_pending();
+    } else if (const fs::path inner = entry->path().lexically_relative(folder); inner != kRecord) {
+      files.insert(inner.string());
+    }
+  }
+  record["written_by"] = "e2lf";
+  record["run"] = run;
+  record["files"] = files;
+  return record;
+}
+
+Result<void> write_record(const fs::path& folder, const Json& record) {
+  // Names of files may be no UTF-8, for which dump() alone throws.
+  return write_file(folder / kRecord,
+                    record.dump(2, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace) + "\n");
+}
+
+std::string new_run() {
+  std::random_device device;
+  char text[17];
+  std::snprintf(text, sizeof text, "%08x%08x", device(), device());
+  return text;
+}
+
+}  // namespace
+
+bool is_our_record(const fs::path& path) {
+  return !record_of(path).is_null();
+}
+
+ResultFolder::ResultFolder(fs::path target, bool overwrite, Workspace workspace)
+    : target_(std::move(target)),
+      place_(workspace.path() / target_.filename()),
+      overwrite_(overwrite),
+      run_(new_run()),
+      workspace_(std::move(workspace)) {}
+
+Result<ResultFolder> ResultFolder::create(const fs::path& named, bool overwrite) {
+  std::error_code unknown;
+  fs::path target =
+      fs::weakly_canonical(fs::absolute(named.has_filename() ? named : named.parent_path(), unknown), unknown);
+  if (unknown) target = named;
+  E2LF_RETURN_IF_ERROR(check_replaceable(target, overwrite));
+  E2LF_ASSIGN_OR_RETURN(Workspace workspace, Workspace::create(target));
+  ResultFolder folder(target, overwrite, std::move(workspace));
+  std::error_code error;
+  fs::create_directory(folder.place_, error);
+  if (error) return io_error(target, "make the folder", error.value());
+  return folder;
+}
+
+Result<void> ResultFolder::commit(Json record) {
+  E2LF_RETURN_IF_ERROR(write_record(place_, complete_record(std::move(record), place_, run_)));
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(target_, error))) {
+    E2LF_RETURN_IF_ERROR(rename_to_free(place_, target_));
+  } else {
+    // What is there may have changed since create().
+    E2LF_RETURN_IF_ERROR(check_replaceable(target_, overwrite_));
+    E2LF_RETURN_IF_ERROR(carry_over(target_, place_, target_));
+    E2LF_RETURN_IF_ERROR(exchange(place_, target_));
+    // What came into the old folder in between.
+    E2LF_RETURN_IF_ERROR(carry_over(place_, target_, target_));
+  }
+  is_committed_ = true;
+  return {};
+}
+
+Result<fs::path> ResultFolder::begin_part(const std::string& name) {
+  const fs::path folder = (is_committed_ ? workspace_.path() / "parts" : place_) / name;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return io_error(target_ / name, "make the folder", error.value());
+  return folder;
+}
+
+Result<void> ResultFolder::commit_part(const std::string& name, Json record) {
+  const fs::path folder = (is_committed_ ? workspace_.path() / "parts" : place_) / name;
+  E2LF_RETURN_IF_ERROR(write_record(folder, complete_record(std::move(record), folder, run_)));
+  return is_committed_ ? rename_to_free(folder, target_ / name) : Result<void>();
+}
+
+Result<void> ResultFolder::update_record(Json record) const {
+  E2LF_REQUIRE(is_committed_, "a record is written again after commit()");
+  const Json before = record_of(target_ / kRecord);
+  record["written_by"] = "e2lf";
+  record["run"] = run_;
+  record["files"] = before.is_null() ? Json::array() : before.value("files", Json::array());
+  return write_record(target_, record);
+}
+
+}  // namespace e2lf

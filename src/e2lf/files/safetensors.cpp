@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/files/safetensors.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <numeric>
+#include <set>
+
+#include "e2lf/files/elements.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/options.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf {
+namespace {
+
+constexpr size_t kLengthSize = 8;
+constexpr const char* kMetadata = "__metadata__";
+
+struct TypeName {
+  const char* name;
+  const char* code;  ///< of base/elements.h
+};
+
+constexpr TypeName kTypes[] = {{"F32", "f4"}, {"F16", "f2"}, {"BF16", "bf16"}, {"F64", "f8"}, {"U8", "u1"},
+                               {"I8", "i1"},  {"I16", "i2"}, {"U16", "u2"},    {"I32", "i4"}, {"U32", "u4"},
+                               {"I64", "i8"}, {"U64", "u8"}, {"BOOL", "b1"}};
+
+/// "" for an unknown type.
+std::string_view type_code(std::string_view name) {
+  const auto* found = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const auto& t) { return name == t.name; });
+  return found == std::end(kTypes) ? std::string_view() : found->code;
+}
+
+Error malformed(const std::string& location, const std::string& what) {
+  return {ErrorCode::kFormat, cat(what, "; save the file again"), location};
+}
+
+/// The header as JSON. A key that is there twice would hide one of its tensors, so it is refused.
+Result<Json> parse_header(std::string_view text, const std::string& name) {
+  const std::string location = name + ": header";
+  std::set<std::string> keys;
+  std::string twice;
+  const auto watch_keys = [&](int depth, Json::parse_event_t event, Json& value) {
+    if (depth == 1 && event == Json::parse_event_t::key && !keys.insert(value.get<std::string>()).second) {
+      twice = value.get<std::string>();
+    }
+    return true;
+  };
+  const Json header = Json::parse(text, watch_keys, /*allow_exceptions=*/false);
+  if (!header.is_object()) return malformed(location, "the header is not a JSON object");
+  if (!twice.empty()) return malformed(location, cat("\"", twice, "\" is there twice"));
+  return header;
+}
+
+Result<void> read_metadata(const Json& json, const std::string& name, Safetensors& file) {
+  const std::string location = name + ": __metadata__";
+  if (!json.is_object()) return malformed(location, "the metadata is not a JSON object");
+  for (const auto& [key, value] : json.items()) {
+    if (!value.is_string()) return malformed(location, cat("\"", key, "\" is not text"));
+    file.metadata[key] = value.get<std::string>();
+  }
+  return {};
+}
+
+bool is_list_of_sizes(const Json& json) {
+  return json.is_array() && std::all_of(json.begin(), json.end(), [](const Json& n) { return n.is_number_unsigned(); });
+}
+
+struct Range {
+  size_t begin = 0, end = 0;
+  std::string location;
+};
+
+/// Reads one tensor's entry and copies its bytes.
+Result<Range> read_tensor(const Json& json, std::span<const uint8_t> data, const std::string& location,
+                          Tensor& tensor) {
+  if (!json.is_object() || json.size() != 3 || !json.contains("dtype") || !json.contains("shape") ||
+      !json.contains("data_offsets")) {
+    return malformed(location, "expected just dtype, shape and data_offsets");
+  }
+  if (!json["dtype"].is_string()) return malformed(location, "dtype is not text");
+  tensor.type = json["dtype"].get<std::string>();
+  const std::string_view code = type_code(tensor.type);
+  if (code.empty()) {
+    return Error{ErrorCode::kUnsupported, cat("dtype \"", tensor.type, "\" is not supported; save it as F32"),
+                 location};
+  }
+  if (!is_list_of_sizes(json["shape"])) return malformed(location, "shape is not a list of sizes");
+  if (!is_list_of_sizes(json["data_offsets"]) || json["data_offsets"].size() != 2) {
+    return malformed(location, "data_offsets is not a begin and an end");
+  }
+  tensor.shape = json["shape"].get<std::vector<size_t>>();
+  const Range range{json["data_offsets"][0].get<size_t>(), json["data_offsets"][1].get<size_t>(), location};
+  E2LF_ASSIGN_OR_RETURN(const size_t size, checked_byte_size(tensor.shape, element_size(code), location));
+  if (range.begin > range.end || range.end - range.begin != size) {
+    return malformed(location, cat("data_offsets [", range.begin, ", ", range.end, ") do not hold the ", size,
+                                   " bytes of shape ", shape_text(tensor.shape)));
+  }
+  if (range.end > data.size()) {
+    return Error{ErrorCode::kTruncated,
+                 cat("its data end at byte ", range.end, " of ", data.size(), " there are; copy the file again"),
+                 location};
+  }
+  const auto bytes = data.subspan(range.begin, size);
+  tensor.bytes.assign(bytes.begin(), bytes.end());
+  return range;
+}
+
+/// The format asks that tensors cover the data without holes or overlaps.
+Result<void> check_cover(std::vector<Range> ranges, size_t data_size, const std::string& name) {
+  std::sort(ranges.begin(), ranges.end(),
+            [](const Range& a, const Range& b) { return std::pair(a.begin, a.end) < std::pair(b.begin, b.end); });
+  size_t position = 0;
+  for (const Range& range : ranges) {
+    if (range.begin != position) {
+      return malformed(range.location, cat("its data ", range.begin < position ? "overlap" : "leave a hole after",
+                                           " those of another tensor at byte ", std::min(position, range.begin)));
+    }
+    position = range.end;
+  }
+  if (position != data_size) {
+    return malformed(name, cat("the last ", data_size - position, " bytes belong to no tensor"));
+  }
+  return {};
+}
+
+}  // namespace
+
+size_t Tensor::num_elements() const {
+  return std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>());
+}
+
+Result<std::vector<float>> Tensor::to_float(const std::string& name) const {
+  return elements_to_float(type_code(type), bytes, name);
+}
+
+Tensor make_tensor(std::vector<size_t> shape, std::span<const float> values) {
+  Tensor tensor{"F32", std::move(shape), std::vector<uint8_t>(values.size_bytes())};
+  E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
+  if (!values.empty()) std::memcpy(tensor.bytes.data(), values.data(), values.size_bytes());
+  return tensor;
+}
+
+Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> values) {
+  Tensor tensor{"BF16", std::move(shape), {}};
+  E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
+  for (const float value : values) {
+    const auto bits = std::bit_cast<uint32_t>(value);
+    // Half of what is cut off, less one where the kept part is even: a tie goes to the even one. NaN keeps its high
+    // bit.
+    const uint32_t rounded = std::isnan(value) ? bits : bits + 0x7FFFU + ((bits >> 16U) & 1U);
+    tensor.bytes.push_back(static_cast<uint8_t>(rounded >> 16U));
+    tensor.bytes.push_back(static_cast<uint8_t>(rounded >> 24U));
+  }
+  return tensor;
+}
+
+Tensor make_tensor(std::vector<size_t> shape, std::span<const uint8_t> values) {
+  Tensor tensor{"U8", std::move(shape), {values.begin(), values.end()}};
+  E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
+  return tensor;
+}
+
+Result<const Tensor*> Safetensors::find(const std::string& name, const std::string& file) const {
+  const auto found = tensors.find(name);
+  if (found != tensors.end()) return &found->second;
+  std::vector<std::string> names;
+  for (const auto& entry : tensors) names.push_back(entry.first);
+  const std::string nearest = nearest_word(name, names);
+  return Error{ErrorCode::kNotFound,
+               cat("there is no tensor \"", name, "\"; ",
+                   nearest.empty() ? "the file holds none" : cat("the nearest name is \"", nearest, "\"")),
+               file};
+}
+
+Result<Safetensors> decode_safetensors(std::span<const uint8_t> bytes, const std::string& name) {
+  if (bytes.size() < kLengthSize) {
+    return Error{ErrorCode::kTruncated, "the file ends within its first 8 bytes; copy it again", name};
+  }
+  uint64_t length = 0;
+  std::memcpy(&length, bytes.data(), kLengthSize);
+  if (length > bytes.size() - kLengthSize) {
+    return Error{ErrorCode::kTruncated,
+                 cat("a header of ", length, " bytes is larger than the file (", bytes.size(),
+                     " bytes); copy it again, or give a .safetensors file"),
+                 name};
+  }
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + kLengthSize, length);
+  E2LF_ASSIGN_OR_RETURN(const Json header, parse_header(text, name));
+  const auto data = bytes.subspan(kLengthSize + length);
+
+  Safetensors file;
+  std::vector<Range> ranges;
+  for (const auto& [key, value] : header.items()) {
+    if (key == kMetadata) {
+      E2LF_RETURN_IF_ERROR(read_metadata(value, name, file));
+    } else {
+      E2LF_ASSIGN_OR_RETURN(Range range, read_tensor(value, data, cat(name, ": ", key), file.tensors[key]));
+      ranges.push_back(std::move(range));
+    }
+  }
+  E2LF_RETURN_IF_ERROR(check_cover(std::move(ranges), data.size(), name));
+  return file;
+}
+
+std::vector<uint8_t> encode_safetensors(const Safetensors& file) {
+  // Wide elements first, so that every tensor is aligned to its element.
+  std::vector<std::pair<std::string, const Tensor*>> order;
+  for (const auto& [name, tensor] : file.tensors) order.emplace_back(name, &tensor);
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    return element_size(type_code(a.second->type)) > element_size(type_code(b.second->type));
+  });
+
+  Json header = Json::object();
+  if (!file.metadata.empty()) header[kMetadata] = file.metadata;
+  size_t offset = 0;
+  for (const auto& [name, tensor] : order) {
+    E2LF_REQUIRE(tensor->bytes.size() == tensor->num_elements() * element_size(type_code(tensor->type)),
+                 "the shape of " + name + " does not fit its bytes");
+    const size_t end = offset + tensor->bytes.size();
+    header[name] = {{"dtype", tensor->type}, {"shape", tensor->shape}, {"data_offsets", {offset, end}}};
+    offset = end;
+  }
+  std::string text = header.dump(-1, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);
+  text.resize((text.size() + 7) / 8 * 8, ' ');
+
+  std::vector<uint8_t> bytes(kLengthSize + text.size() + offset);
+  const uint64_t length = text.size();
+  std::memcpy(bytes.data(), &length, kLengthSize);
+  uint8_t* target = std::copy(text.begin(), text.end(), bytes.data() + kLengthSize);
+  for (const auto& [name, tensor] : order) target = std::copy(tensor->bytes.begin(), tensor->bytes.end(), target);
+  return bytes;
+}
+
+Result<Safetensors> read_safetensors(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  return decode_safetensors(bytes, path.string());
+}
+
+Result<void> write_safetensors(const std::filesystem::path& path, const Safetensors& file) {
+  return write_file(path, encode_safetensors(file));
+}
+
+}  // namespace e2lf

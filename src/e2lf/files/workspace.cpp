@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/files/workspace.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <string>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <vector>
+
+#include "e2lf/files/file.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr char kLock[] = "e2lf.lock";
+constexpr size_t kLongestStem = 200;  ///< bytes; file systems take 255 for a name
+
+fs::path folder_of(const fs::path& target) {
+  return target.has_parent_path() ? target.parent_path() : fs::path(".");
+}
+
+/// What the names of all workspaces of a target begin with.
+std::string stem_of(const fs::path& target) {
+  return target.filename().string().substr(0, kLongestStem) + ".";
+}
+
+bool is_digits(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// Whether a name is `stem` PID.N.part.
+bool is_workspace_name(const std::string& name, const std::string& stem) {
+  constexpr std::string_view kEnd = ".part";
+  if (name.size() <= stem.size() + kEnd.size() || !name.starts_with(stem) || !name.ends_with(kEnd)) return false;
+  const std::string numbers = name.substr(stem.size(), name.size() - stem.size() - kEnd.size());
+  const size_t dot = numbers.find('.');
+  return dot != std::string::npos && is_digits(numbers.substr(0, dot)) && is_digits(numbers.substr(dot + 1));
+}
+
+/// Closes a descriptor at the end of a scope, and with it ends its lock.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  [[nodiscard]] bool locks(int how) const { return number_ >= 0 && ::flock(number_, how) == 0; }
+  [[nodiscard]] bool is_open() const { return number_ >= 0; }
+  [[nodiscard]] int number() const { return number_; }
+  int release() { return std::exchange(number_, -1); }
+
+ private:
+  int number_;
+};
+
+Descriptor open_lock(const fs::path& workspace, int flags) {
+  return Descriptor(::open((workspace / kLock).c_str(), flags | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0666));
+}
+
+/// Removes the dead workspaces of a target. Fails when one is alive.
+Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead) {
+  const std::string stem = stem_of(target);
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_of(target), error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    if (!is_workspace_name(entry->path().filename().string(), stem)) continue;
+    if (fs::is_directory(entry->symlink_status(ignored))) found.push_back(entry->path());
+  }
+  for (const fs::path& workspace : found) {
+    const Descriptor lock = open_lock(workspace, 0);
+    if (!lock.is_open()) continue;  // a folder of that name, but none of ours
+    if (!lock.locks(LOCK_EX | LOCK_NB)) {
+      return Error{ErrorCode::kExists,
+                   cat("another run is writing this output (in ", workspace.filename().string(),
+                       "); wait for it or name another output"),
+                   target.string()};
+    }
+    if (on_dead) on_dead(workspace);
+    fs::remove_all(workspace, error);
+    log_warning(cat(workspace.string(), ": removed, an interrupted run had left it"));
+  }
+  return {};
+}
+
+}  // namespace
+
+void remove_dead_parts(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    const std::string name = entry->path().filename().string();
+    const std::string target = entry->path().stem().stem().stem().string();
+    const bool is_part = !target.empty() && is_workspace_name(name, target + ".");
+    if (is_part && fs::is_regular_file(entry->symlink_status(ignored))) found.push_back(entry->path());
+  }
+  for (const fs::path& part : found) {
+    const Descriptor lock(::open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    if (!lock.is_open() || !lock.locks(LOCK_EX | LOCK_NB)) continue;
+    fs::remove(part, error);
+    log_warning(cat(part.string(), ": removed, an interrupted run had left it"));
+  }
+}
+
+Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dead) {
+  static int counter = 0;
+  std::error_code error;
+  const fs::path folder = folder_of(target);
+  fs::create_directories(folder, error);
+  if (error) {
+    return Error{ErrorCode::kIo, cat("cannot make the folder (", error.message(), "); check the path"),
+                 folder.string()};
+  }
+  // One process at a time looks for others and makes its own. Where folders cannot be locked, two that begin in the
+  // same moment may both go on; the later one to end then finds the output there.
+  const Descriptor turn(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  static_cast<void>(turn.locks(LOCK_EX));
+  E2LF_RETURN_IF_ERROR(clear_dead(target, on_dead));
+  const int number = __atomic_add_fetch(&counter, 1, __ATOMIC_RELAXED);
+  const fs::path path = folder / cat(stem_of(target), ::getpid(), ".", number, ".part");
+  fs::create_directory(path, error);
+  Descriptor lock = open_lock(path, O_CREAT);
+  if (!lock.is_open()) {
+    const int error_number = errno;
+    fs::remove(path, error);
+    return Error{
+        ErrorCode::kIo,
+        cat("cannot write here (", std::strerror(error_number), "); check the folder's permissions and its disk"),
+        target.string()};
+  }
+  static_cast<void>(lock.locks(LOCK_EX | LOCK_NB));
+  return Workspace(path, lock.release());
+}
+
+Workspace::Workspace(Workspace&& other) noexcept
+    : path_(std::exchange(other.path_, fs::path())), lock_(std::exchange(other.lock_, -1)) {}
+
+Workspace& Workspace::operator=(Workspace&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(lock_, other.lock_);
+  return *this;
+}
+
+Workspace::~Workspace() {
+  std::error_code ignored;
+  if (!path_.empty()) fs::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
+}
+
+}  // namespace e2lf

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/batch_check.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/recordings/batch_check.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::events {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The largest value; 0 for none.
+template <typename T>
+uint32_t largest(const T* values, size_t count) {
+  const hn::ScalableTag<T> d;
+  auto most = hn::Zero(d);
+  size_t i = 0;
+  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) most = hn::Max(most, hn::LoadU(d, values + i));
+  T lanes[hn::MaxLanes(d)];
+  hn::StoreU(most, d, lanes);
+  uint32_t result = *std::max_element(lanes, lanes + hn::Lanes(d));
+  for (; i < count; ++i) result = std::max<uint32_t>(result, values[i]);
+  return result;
+}
+
+bool is_sorted(const int64_t* t, size_t count) {
+  const hn::ScalableTag<int64_t> d;
+  auto falls = hn::MaskFromVec(hn::Zero(d));
+  size_t i = 1;
+  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
+    falls = hn::Or(falls, hn::Lt(hn::LoadU(d, t + i), hn::LoadU(d, t + i - 1)));
+  }
+  bool sorted = hn::AllFalse(d, falls);
+  for (; i < count; ++i) sorted = sorted && t[i] >= t[i - 1];
+  return sorted;
+}
+
+/// Whether all of x, y and p lie below their bounds and times do not fall.
+bool is_good(const EventColumns& events, uint32_t width, uint32_t height) {
+  const size_t count = events.size();
+  return largest(events.x.data(), count) < width && largest(events.y.data(), count) < height &&
+         largest(events.p.data(), count) <= 1 && is_sorted(events.t.data(), count);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::events
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::events {
+
+HWY_EXPORT(is_good);
+
+Error BatchCheck::find_error(const EventColumns& events) const {
+  const auto place = [&](size_t i) { return cat(name_, ": event ", events_done_ + i); };
+  int64_t last_us = last_event_us_;
+  for (size_t i = 0; i < events.size(); ++i) {
+    const Event event = events[i];
+    if ((width_ != 0 && event.x >= width_) || (height_ != 0 && event.y >= height_)) {
+      return {ErrorCode::kInvalidValue,
+              cat("the event at (", event.x, ", ", event.y, ") is outside the sensor of ", width_, "x", height_,
+                  "; give the right size"),
+              place(i)};
+    }
+    if (event.p > 1) return {ErrorCode::kInvalidValue, cat("polarity ", int{event.p}, " is neither 0 nor 1"), place(i)};
+    if (event.t < last_us) {
+      return {ErrorCode::kInvalidValue,
+              cat("time runs back from ", last_us, " to ", event.t, " us; sort the events before writing them"),
+              place(i)};
+    }
+    last_us = event.t;
+  }
+  E2LF_REQUIRE(false, "find_error() on a batch without errors");
+}
+
+Result<void> BatchCheck::operator()(const EventBatch& batch) {
+  const EventColumns& events = batch.events;
+  const uint32_t width = width_ == 0 ? 65536 : static_cast<uint32_t>(width_);
+  const uint32_t height = height_ == 0 ? 65536 : static_cast<uint32_t>(height_);
+  const size_t count = events.size();
+  if ((count > 0 && events.t.front() < last_event_us_) || !HWY_DYNAMIC_DISPATCH(is_good)(events, width, height)) {
+    return find_error(events);
+  }
+  if (count > 0) last_event_us_ = events.t.back();
+  events_done_ += count;
+
+  for (const Trigger& trigger : batch.triggers) {
+    if (trigger.t < last_trigger_us_) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("trigger time runs back from ", last_trigger_us_, " to ", trigger.t,
+                       " us; sort the triggers before writing them"),
+                   name_};
+    }
+    last_trigger_us_ = trigger.t;
+  }
+  return {};
+}
+
+Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, const std::string& name) {
+  const auto apply = [&](size_t given, size_t& stated, const char* what) -> Result<void> {
+    if (given == 0) return {};
+    if (stated != 0 && stated != given) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("the file says its ", what, " is ", stated, ", not ", given, "; leave the option away"), name};
+    }
+    stated = given;
+    return {};
+  };
+  E2LF_RETURN_IF_ERROR(apply(options.width, info.width, "width"));
+  return apply(options.height, info.height, "height");
+}
+
+}  // namespace e2lf::events
+#endif

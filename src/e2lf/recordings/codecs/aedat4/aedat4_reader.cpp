@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/codecs/aedat4/aedat4.h"
+#include "e2lf/recordings/codecs/aedat4/aedat4_header.h"
+#include "e2lf/recordings/codecs/aedat4/aedat4_packets.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/event_blocks.h"
+#include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/time_search.h"
+
+namespace e2lf::events::aedat4 {
+namespace {
+
+constexpr size_t kPacketHeader = 8;
+
+/// Packets that are noted for seeking; those behind them are found by reading on.
+constexpr size_t kMaxNoted = size_t{1} << 20;
+
+enum class Use : uint8_t { kEvents, kTriggers, kNone };
+
+class Aedat4Blocks final : public EventBlocks {
+ public:
+  Aedat4Blocks(std::unique_ptr<ByteSource> source, Header header, std::unique_ptr<Decompressor> decompressor,
+               const Stream* events)
+      : source_(std::move(source)), header_(std::move(header)), decompressor_(std::move(decompressor)) {
+    for (const Stream& stream : header_.streams) {
+      uses_.push_back({stream.id, events != nullptr && stream.id == events->id ? Use::kEvents
+                                  : stream.type == "TRIG"                      ? Use::kTriggers
+                                                                               : Use::kNone});
+    }
+  }
+
+  /// One packet.
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    const uint64_t position = source_->position();
+    if (header_.table_position != 0 && position >= header_.table_position) return false;
+    E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
+    if (bytes.empty()) return false;
+    if (bytes.size() < kPacketHeader) return give_up(Violation::kTruncated, summary);
+    const auto packet = parse_packet(bytes);
+    // Without a file table, a foreign packet is where a proper end would be; nothing tells where the next begins.
+    if (!packet) return give_up(Violation::kMisaligned, summary);
+    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
+    if (bytes.size() < packet->bytes) return give_up(Violation::kTruncated, summary);
+    const auto packed = bytes.subspan(kPacketHeader, packet->bytes - kPacketHeader);
+    if (packet->use != Use::kNone && !append_packet(packed, packet->use, block)) {
+      summary.add(Violation::kBadRecord, position);
+      ++summary.dropped_words;
+    }
+    source_->consume(packet->bytes);
+    return true;
+  }
+
+  /// Goes from packet header to packet header once, unpacking nothing, then bisects the packets of events.
+  Result<void> seek_before(int64_t t_us) override {
+    has_given_up_ = false;
+    if (!has_noted_) E2LF_RETURN_IF_ERROR(note_packets());
+    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
+      E2LF_ASSIGN_OR_RETURN(const EventBatch packet, read_packet(event_packets_[i], Use::kEvents));
+      const auto& times = packet.events.t;
+      // What cannot be read counts as late: the search then ends in front of it.
+      if (times.empty()) return INT64_MAX;
+      return median_time({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
+    };
+    uint64_t position = header_.bytes;
+    if (!event_packets_.empty()) {
+      E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(event_packets_.size(), t_us, time_at));
+      // The first place stands for the start: packets of triggers may come before it.
+      if (place > 0) position = event_packets_[place];
+    }
+    E2LF_ASSIGN_OR_RETURN(position, before_late_triggers(position, t_us));
+    last_trigger_us_ = INT64_MIN;
+    return source_->seek(position);
+  }
+
+ private:
+  struct Packet {
+    Use use = Use::kNone;
+    size_t bytes = 0;  ///< with its header
+  };
+
+  /// The packet that begins with these bytes; nothing when it is none of this file.
+  std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) const {
+    const auto id = load_le<int32_t>(bytes.data()), size = load_le<int32_t>(bytes.data() + 4);
+    const Use* const use = use_of(id);
+    if (use == nullptr || size < 0 || static_cast<size_t>(size) > kMaxPacketBytes) return std::nullopt;
+    return Packet{*use, kPacketHeader + static_cast<size_t>(size)};
+  }
+
+  /// Notes where packets of events and triggers begin.
+  Result<void> note_packets() {
+    event_packets_.clear();
+    trigger_packets_.clear();
+    E2LF_RETURN_IF_ERROR(source_->seek(header_.bytes));
+    while (event_packets_.size() + trigger_packets_.size() < kMaxNoted) {
+      const uint64_t position = source_->position();
+      if (header_.table_position != 0 && position >= header_.table_position) break;
+      E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kPacketHeader));
+      const auto packet = bytes.size() < kPacketHeader ? std::nullopt : parse_packet(bytes);
+      if (!packet) break;
+      if (packet->use == Use::kEvents) event_packets_.push_back(position);
+      if (packet->use == Use::kTriggers) trigger_packets_.push_back(position);
+      if (packet->bytes <= bytes.size()) {
+        source_->consume(packet->bytes);
+      } else {
+        E2LF_RETURN_IF_ERROR(source_->seek(position + packet->bytes));
+      }
+    }
+    has_noted_ = true;
+    return {};
+  }
+
+  /// What is in a packet; nothing where it is damaged.
+  Result<EventBatch> read_packet(uint64_t position, Use use) {
+    E2LF_RETURN_IF_ERROR(source_->seek(position));
+    E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
+    EventBatch contents;
+    const auto packet = bytes.size() < kPacketHeader ? std::nullopt : parse_packet(bytes);
+    if (!packet) return contents;
+    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
+    if (bytes.size() < packet->bytes) return contents;
+    last_trigger_us_ = INT64_MIN;
+    const bool is_whole = append_packet(bytes.subspan(kPacketHeader, packet->bytes - kPacketHeader), use, contents);
+    return is_whole ? contents : EventBatch();
+  }
+
+  /// Goes back over packets of triggers in front of `position` that reach to t_us.
+  Result<uint64_t> before_late_triggers(uint64_t position, int64_t t_us) {
+    auto after = std::lower_bound(trigger_packets_.begin(), trigger_packets_.end(), position);
+    for (; after != trigger_packets_.begin(); --after) {
+      E2LF_ASSIGN_OR_RETURN(const EventBatch packet, read_packet(*std::prev(after), Use::kTriggers));
+      if (packet.triggers.empty()) continue;
+      if (packet.triggers.back().t < t_us) break;
+      position = *std::prev(after);
+    }
+    return position;
+  }
+
+  const Use* use_of(int32_t id) const {
+    for (const auto& [known, use] : uses_) {
+      if (known == id) return &use;
+    }
+    return nullptr;
+  }
+
+  bool append_packet(std::span<const uint8_t> packed, Use use, EventBatch& block) {
+    if (!decompressor_->unpack(packed, unpacked_)) return false;
+    if (use == Use::kEvents) return append_events(unpacked_, block.events);
+    const bool is_whole = append_triggers(unpacked_, block.triggers);
+    // Several trigger streams may overlap in time; one that lies before what was handed out is damaged. Those in front
+    // of damage are looked at like all others.
+    std::erase_if(block.triggers, [this](const Trigger& trigger) {
+      if (trigger.t < last_trigger_us_ || !is_time(trigger.t)) return true;
+      last_trigger_us_ = trigger.t;
+      return false;
+    });
+    return is_whole;
+  }
+
+  /// The packets end here.
+  Result<bool> give_up(Violation violation, DecodeSummary& summary) {
+    if (!std::exchange(has_given_up_, true)) summary.add(violation, source_->position());
+    return false;
+  }
+
+  std::unique_ptr<ByteSource> source_;
+  Header header_;
+  std::unique_ptr<Decompressor> decompressor_;
+  std::vector<std::pair<int32_t, Use>> uses_;
+  std::vector<uint8_t> unpacked_;
+  std::vector<uint64_t> event_packets_, trigger_packets_;  ///< where they begin, once has_noted_
+  bool has_noted_ = false;
+  bool has_given_up_ = false;
+  int64_t last_trigger_us_ = INT64_MIN;
+};
+
+const Stream* lowest_event_stream(const Header& header) {
+  const Stream* lowest = nullptr;
+  for (const Stream& stream : header.streams) {
+    if (stream.type == "EVTS" && (lowest == nullptr || stream.id < lowest->id)) lowest = &stream;
+  }
+  return lowest;
+}
+
+}  // namespace
+
+bool detect(std::span<const uint8_t> head) {
+  return header_size(head).has_value();
+}
+
+Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  const std::string name = source->name();
+  E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kVersionLine.size() + 4));
+  const auto size = header_size(bytes);
+  if (!size || *size > kMaxHeaderBytes) {
+    return Error{ErrorCode::kFormat, "not an AEDAT4 recording, or its header is damaged", name};
+  }
+  E2LF_ASSIGN_OR_RETURN(bytes, source->fetch(*size));
+  E2LF_ASSIGN_OR_RETURN(Header header, parse_header(bytes, name));
+  source->consume(header.bytes);
+  E2LF_ASSIGN_OR_RETURN(auto decompressor, make_decompressor(header.compression));
+
+  RecordingInfo info;
+  info.format = "aedat4";
+  const Stream* const events = lowest_event_stream(header);
+  if (events == nullptr) return Error{ErrorCode::kFormat, "the recording has no stream of events", name};
+  info.width = events->width;
+  info.height = events->height;
+  if (!events->source.empty()) info.header.emplace_back("source", events->source);
+  for (const Stream& stream : header.streams) info.header.emplace_back(cat("stream_", stream.id), stream.type);
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+  auto blocks = std::make_unique<Aedat4Blocks>(std::move(source), header, std::move(decompressor), events);
+  return make_block_reader(std::move(blocks), std::move(info), name, options);
+}
+
+}  // namespace e2lf::events::aedat4

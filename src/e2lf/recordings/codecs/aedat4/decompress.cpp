@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/aedat4/decompress.h"
+
+#include <algorithm>
+#include <lz4frame.h>
+
+#include "e2lf/base/text.h"
+#ifdef E2LF_HAVE_ZSTD
+#include <zstd.h>
+#endif
+
+namespace e2lf::events::aedat4 {
+namespace {
+
+constexpr size_t kFirstRoom = size_t{1} << 16;
+
+Error damaged(const char* why) {
+  return {ErrorCode::kFormat, cat("a packet cannot be unpacked (", why, "); the file is damaged"), ""};
+}
+
+Error cut() {
+  return {ErrorCode::kTruncated, "a packet ends early; the file is damaged", ""};
+}
+
+Error too_large() {
+  return {ErrorCode::kUnsupported, cat("a packet unpacks to more than ", kMaxPacketBytes, " bytes"), ""};
+}
+
+class Stored final : public Decompressor {
+ public:
+  Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) override {
+    out.assign(packed.begin(), packed.end());
+    return {};
+  }
+};
+
+/// Calls step(input, output, done) on growing output until it says done: step moves both spans over what it used.
+template <typename Step>
+Result<void> unpack_stepwise(std::span<const uint8_t> packed, std::vector<uint8_t>& out, const Step& step) {
+  out.resize(kFirstRoom);
+  size_t used = 0;
+  for (;;) {
+    std::span<uint8_t> room = std::span(out).subspan(used);
+    bool done = false;
+    const size_t before = packed.size() + room.size();
+    E2LF_RETURN_IF_ERROR(step(packed, room, done));
+    used = out.size() - room.size();
+    if (done) break;
+    if (room.empty()) {
+      if (out.size() >= kMaxPacketBytes) return too_large();
+      out.resize(2 * out.size());
+    } else if (packed.size() + room.size() == before) {
+      return cut();
+    }
+  }
+  out.resize(used);
+  return {};
+}
+
+class Lz4 final : public Decompressor {
+ public:
+  Lz4() { LZ4F_createDecompressionContext(&context_, LZ4F_VERSION); }
+  Lz4(const Lz4&) = delete;
+  Lz4& operator=(const Lz4&) = delete;
+  ~Lz4() override { LZ4F_freeDecompressionContext(context_); }
+
+  Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) override {
+    LZ4F_resetDecompressionContext(context_);
+    return unpack_stepwise(packed, out, [&](auto& input, auto& room, bool& done) -> Result<void> {
+      size_t read = input.size(), written = room.size();
+      const size_t hint = LZ4F_decompress(context_, room.data(), &written, input.data(), &read, nullptr);
+      if (LZ4F_isError(hint)) return damaged(LZ4F_getErrorName(hint));
+      input = input.subspan(read);
+      room = room.subspan(written);
+      done = hint == 0;
+      return {};
+    });
+  }
+
+ private:
+  LZ4F_dctx* context_ = nullptr;
+};
+
+#ifdef E2LF_HAVE_ZSTD
+class Zstd final : public Decompressor {
+ public:
+  Zstd() : context_(ZSTD_createDCtx()) { ZSTD_DCtx_setParameter(context_, ZSTD_d_windowLogMax, 26); }
+  Zstd(const Zstd&) = delete;
+  Zstd& operator=(const Zstd&) = delete;
+  ~Zstd() override { ZSTD_freeDCtx(context_); }
+
+  Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) override {
+    ZSTD_DCtx_reset(context_, ZSTD_reset_session_only);
+    return unpack_stepwise(packed, out, [&](auto& input, auto& room, bool& done) -> Result<void> {
+      ZSTD_inBuffer in = {input.data(), input.size(), 0};
+      ZSTD_outBuffer written = {room.data(), room.size(), 0};
+      const size_t hint = ZSTD_decompressStream(context_, &written, &in);
+      if (ZSTD_isError(hint)) return damaged(ZSTD_getErrorName(hint));
+      input = input.subspan(in.pos);
+      room = room.subspan(written.pos);
+      done = hint == 0;
+      return {};
+    });
+  }
+
+ private:
+  ZSTD_DCtx* context_;
+};
+#endif
+
+}  // namespace
+
+Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression) {
+  std::unique_ptr<Decompressor> result;
+  switch (compression) {
+    case Compression::kNone:
+      result = std::make_unique<Stored>();
+      return result;
+    case Compression::kLz4:
+    case Compression::kLz4High:
+      result = std::make_unique<Lz4>();
+      return result;
+    case Compression::kZstd:
+    case Compression::kZstdHigh:
+#ifdef E2LF_HAVE_ZSTD
+      result = std::make_unique<Zstd>();
+      return result;
+#else
+      return Error{ErrorCode::kMissingDependency,
+                   "the packets are compressed by Zstd; build with libzstd-dev installed, or record with LZ4", ""};
+#endif
+  }
+  return Error{ErrorCode::kUnsupported,
+               cat("compression ", static_cast<int32_t>(compression), " is unknown; is the file damaged?"), ""};
+}
+
+}  // namespace e2lf::events::aedat4

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/dat/dat_header.h"
+
+#include <charconv>
+#include <string_view>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::events::dat {
+namespace {
+
+size_t number_or_zero(const std::optional<std::string>& text) {
+  size_t value = 0;
+  if (text) std::from_chars(text->data(), text->data() + text->size(), value);
+  return value > 65536 ? 0 : value;
+}
+
+}  // namespace
+
+std::optional<Header> parse_header(std::span<const uint8_t> head) {
+  Header header;
+  header.info.format = "dat";
+  std::string_view rest(reinterpret_cast<const char*>(head.data()), head.size());
+  const size_t all = rest.size();
+  while (!rest.empty() && rest.front() == '%') {
+    const size_t end = rest.find('\n');
+    if (end == std::string_view::npos) return std::nullopt;
+    std::string_view line = rest.substr(1, end - 1);
+    rest.remove_prefix(end + 1);
+    while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    while (!line.empty() && line.front() == ' ') line.remove_prefix(1);
+    if (line == "end") break;
+    const size_t space = line.find(' ');
+    const std::string_view value = space == std::string_view::npos ? "" : line.substr(space + 1);
+    header.info.header.emplace_back(line.substr(0, space), value);
+  }
+  header.bytes = all - rest.size() + 2;
+  if (header.info.header.empty() || rest.size() < 2) return std::nullopt;
+  if (header.info.find("evt") || header.info.find("format")) return std::nullopt;
+  header.type = static_cast<uint8_t>(rest[0]);
+  const bool known = header.type == kTypeEvent2d || header.type == kTypeCd || header.type == kTypeTrigger;
+  if (!known || static_cast<size_t>(rest[1]) != kRecordBytes) return std::nullopt;
+  if (const auto version = number_or_zero(header.info.find("Version")); version != 0) {
+    header.version = static_cast<int>(version);
+  }
+  header.info.width = number_or_zero(header.info.find("Width"));
+  header.info.height = number_or_zero(header.info.find("Height"));
+  return header;
+}
+
+std::string make_header(const RecordingInfo& info, uint8_t type) {
+  std::string text = cat("% Data file containing ", type == kTypeTrigger ? "external trigger" : "CD", " events.\n");
+  text += "% Version 2\n";
+  if (const auto date = info.find("date")) text += cat("% Date ", *date, "\n");
+  if (info.height != 0) text += cat("% Height ", info.height, "\n");
+  if (info.width != 0) text += cat("% Width ", info.width, "\n");
+  text += "% end\n";
+  text += static_cast<char>(type);
+  text += static_cast<char>(kRecordBytes);
+  return text;
+}
+
+}  // namespace e2lf::events::dat

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/dat/dat_seek.h"
+
+#include <algorithm>
+
+#include "e2lf/recordings/codecs/dat/dat_header.h"
+#include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/time_search.h"
+
+namespace e2lf::events::dat {
+namespace {
+
+constexpr uint64_t kMaxProbes = 256;
+
+/// Records in front of the place that are read too, so that what is believable there is judged as in a scan.
+constexpr uint64_t kMargin = 64;
+
+/// A record and its full time.
+struct Probe {
+  uint64_t record = 0;
+  int64_t t_us = 0;
+};
+
+class Search {
+ public:
+  Search(ByteSource& source, uint64_t header_bytes, uint64_t num_records)
+      : source_(source), header_bytes_(header_bytes), num_records_(num_records) {}
+
+  Result<Place> run(int64_t t_us) {
+    E2LF_ASSIGN_OR_RETURN(const int64_t first_us, low_at(0));
+    Probe low{0, first_us};
+    if (first_us >= t_us) return Place();
+    const uint64_t stride = std::max(kMinStride, num_records_ / kMaxProbes);
+    // All of them, as the times in front of the place alone do not show that they are to be believed.
+    Probe last = low, high{num_records_, INT64_MAX};
+    while (last.record + stride < num_records_) {
+      E2LF_ASSIGN_OR_RETURN(const Probe next, probe(last.record + stride, last));
+      if (next.t_us - last.t_us > kMaxStepUs) return Place();
+      if (next.t_us < t_us) low = next;
+      if (next.t_us >= t_us && high.record == num_records_) high = next;
+      last = next;
+    }
+    E2LF_ASSIGN_OR_RETURN(low, bisect(low, high, t_us));
+    return Place{low.record - std::min(low.record, kMargin), TimeUnwrapper(low.t_us)};
+  }
+
+ private:
+  /// The middle one of the clock's low bits of some records.
+  Result<int64_t> low_at(uint64_t record) {
+    E2LF_RETURN_IF_ERROR(source_.seek(header_bytes_ + record * kRecordBytes));
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_.fetch(kTimesPerProbe * kRecordBytes));
+    const size_t count = std::min(kTimesPerProbe, bytes.size() / kRecordBytes);
+    if (count == 0) return Error{ErrorCode::kIo, "the file became shorter while it was read", source_.name()};
+    std::vector<int64_t> times(count);
+    for (size_t i = 0; i < count; ++i) times[i] = load_le<uint32_t>(&bytes[i * kRecordBytes]);
+    return median_time(std::move(times));
+  }
+
+  /// A record behind another one.
+  Result<Probe> probe(uint64_t record, const Probe& before) {
+    E2LF_ASSIGN_OR_RETURN(const int64_t low, low_at(record));
+    return Probe{record, before.t_us + static_cast<uint32_t>(low - before.t_us)};
+  }
+
+  Result<Probe> bisect(Probe low, Probe high, int64_t t_us) {
+    while (high.record - low.record > 1) {
+      E2LF_ASSIGN_OR_RETURN(const Probe middle, probe(low.record + (high.record - low.record) / 2, low));
+      // Damaged: what is known so far will do.
+      if (middle.t_us > high.t_us || middle.t_us - low.t_us > kMaxStepUs) break;
+      (middle.t_us < t_us ? low : high) = middle;
+    }
+    return low;
+  }
+
+  ByteSource& source_;
+  uint64_t header_bytes_;
+  uint64_t num_records_;
+};
+
+}  // namespace
+
+Result<Place> find_place_before(ByteSource& source, uint64_t header_bytes, int64_t t_us) {
+  const uint64_t size = source.size().value_or(0);
+  const uint64_t num_records = size > header_bytes ? (size - header_bytes) / kRecordBytes : 0;
+  // What is read at once is no faster found.
+  if (num_records <= kMinStride) return Place();
+  return Search(source, header_bytes, num_records).run(t_us);
+}
+
+}  // namespace e2lf::events::dat

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <vector>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/dat/dat.h"
+#include "e2lf/recordings/codecs/dat/time_unwrapper.h"
+#include "e2lf/base/little_endian.h"
+
+namespace e2lf::events::dat {
+namespace {
+
+constexpr uint16_t kMaxCoordinate = 0x3FFF;
+constexpr uint16_t kMaxTriggerId = 0x3F;
+
+std::span<const uint8_t> bytes_of(const std::string& text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
+class DatWriter final : public RecordingWriter {
+ public:
+  /// `trigger_file` empty = triggers are not kept.
+  DatWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info, std::filesystem::path trigger_file)
+      : sink_(std::move(sink)),
+        info_(info),
+        trigger_file_(std::move(trigger_file)),
+        check_(most_pixels(info.width), most_pixels(info.height), sink_->name()) {}
+
+  Result<void> begin() { return sink_->write(bytes_of(make_header(info_, kTypeCd))); }
+
+  bool holds_triggers() const override { return !trigger_file_.empty(); }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    const EventColumns& events = batch.events;
+    buffer_.resize(events.size() * kRecordBytes);
+    for (size_t i = 0; i < events.size(); ++i) {
+      E2LF_RETURN_IF_ERROR(check_time(events.t[i], unwrap_event_));
+      const uint32_t place = static_cast<uint32_t>(events.p[i]) << 28 | static_cast<uint32_t>(events.y[i]) << 14 |
+                             static_cast<uint32_t>(events.x[i]);
+      store_le(&buffer_[i * kRecordBytes], static_cast<uint32_t>(events.t[i]));
+      store_le(&buffer_[i * kRecordBytes + 4], place);
+    }
+    E2LF_RETURN_IF_ERROR(sink_->write(buffer_));
+    return holds_triggers() ? write_triggers(batch.triggers) : Result<void>{};
+  }
+
+  Result<void> finish() override {
+    if (trigger_sink_) E2LF_RETURN_IF_ERROR(trigger_sink_->commit());
+    return sink_->commit();
+  }
+
+ private:
+  /// The sensor's size, as far as the format's coordinates reach; 0 = unknown.
+  static size_t most_pixels(size_t size) {
+    constexpr size_t kMost = kMaxCoordinate + size_t{1};
+    return size == 0 ? kMost : std::min(size, kMost);
+  }
+
+  Result<void> write_triggers(const std::vector<Trigger>& triggers) {
+    if (triggers.empty()) return {};
+    if (!trigger_sink_) {
+      E2LF_ASSIGN_OR_RETURN(trigger_sink_, open_file_sink(trigger_file_));
+      E2LF_RETURN_IF_ERROR(trigger_sink_->write(bytes_of(make_header(info_, kTypeTrigger))));
+    }
+    buffer_.resize(triggers.size() * kRecordBytes);
+    for (size_t i = 0; i < triggers.size(); ++i) {
+      const Trigger& trigger = triggers[i];
+      E2LF_RETURN_IF_ERROR(check_time(trigger.t, unwrap_trigger_));
+      if (trigger.id > kMaxTriggerId) {
+        return Error{ErrorCode::kInvalidValue,
+                     cat("trigger id ", trigger.id, " does not fit into DAT; write HDF5 instead"), sink_->name()};
+      }
+      store_le(&buffer_[i * kRecordBytes], static_cast<uint32_t>(trigger.t));
+      store_le(&buffer_[i * kRecordBytes + 4], static_cast<uint32_t>(trigger.id) << 26 | trigger.p);
+    }
+    return trigger_sink_->write(buffer_);
+  }
+
+  /// The reader of the low 32 bits must come to the same time.
+  Result<void> check_time(int64_t t_us, TimeUnwrapper& unwrap) const {
+    if (unwrap(static_cast<uint32_t>(t_us)) == t_us) [[likely]] {
+      return {};
+    }
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("time ", t_us, " us cannot be told from its low 32 bits; begin at zero (--shift-time) or write another ",
+            "format, as .hdf5"),
+        sink_->name()};
+  }
+
+  std::unique_ptr<ByteSink> sink_;
+  RecordingInfo info_;
+  std::filesystem::path trigger_file_;
+  BatchCheck check_;
+  std::unique_ptr<ByteSink> trigger_sink_;
+  std::vector<uint8_t> buffer_;
+  TimeUnwrapper unwrap_event_, unwrap_trigger_;
+};
+
+Result<std::unique_ptr<RecordingWriter>> start(std::unique_ptr<ByteSink> sink, const RecordingInfo& info,
+                                               std::filesystem::path trigger_file) {
+  auto writer = std::make_unique<DatWriter>(std::move(sink), info, std::move(trigger_file));
+  E2LF_RETURN_IF_ERROR(writer->begin());
+  std::unique_ptr<RecordingWriter> result = std::move(writer);
+  return result;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+  return start(std::move(sink), info, {});
+}
+
+Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
+  return start(std::move(sink), info, trigger_path(path));
+}
+
+}  // namespace e2lf::events::dat

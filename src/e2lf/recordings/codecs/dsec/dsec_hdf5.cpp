@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
+
+#include <algorithm>
+#include <array>
+
+#include "e2lf/files/elements.h"
+#include "e2lf/files/file.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/numpy/column_convert.h"
+#include "e2lf/recordings/time_search.h"
+#include "e2lf/hdf5/checked_file.h"
+
+namespace e2lf::events::hdf5 {
+using e2lf::hdf5::CheckedFile;
+
+namespace {
+
+constexpr uint64_t kBlock = uint64_t{1} << 17;
+constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
+
+/// One column of events: a data set, read in its own kind of numbers.
+struct NumberColumn {
+  DatasetShape shape;
+  npy_events::NumberField field;  ///< of the numbers once read
+};
+
+struct KnownNumber {
+  const char* type;  ///< numpy code
+  H5T_class_t kind;
+  H5T_sign_t sign;
+  size_t bytes;
+};
+constexpr KnownNumber kNumbers[] = {{"u1", H5T_INTEGER, H5T_SGN_NONE, 1}, {"u2", H5T_INTEGER, H5T_SGN_NONE, 2},
+                                    {"u4", H5T_INTEGER, H5T_SGN_NONE, 4}, {"u8", H5T_INTEGER, H5T_SGN_NONE, 8},
+                                    {"i1", H5T_INTEGER, H5T_SGN_2, 1},    {"i2", H5T_INTEGER, H5T_SGN_2, 2},
+                                    {"i4", H5T_INTEGER, H5T_SGN_2, 4},    {"i8", H5T_INTEGER, H5T_SGN_2, 8},
+                                    {"f4", H5T_FLOAT, H5T_SGN_ERROR, 4},  {"f8", H5T_FLOAT, H5T_SGN_ERROR, 8}};
+
+/// The numbers of a data set, so that none is clipped on the way; empty for other elements.
+std::string number_type(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  if (!type.valid()) return "";
+  for (const KnownNumber& known : kNumbers) {
+    const bool has_sign = known.kind != H5T_INTEGER || H5Tget_sign(type.get()) == known.sign;
+    if (H5Tget_class(type.get()) == known.kind && H5Tget_size(type.get()) == known.bytes && has_sign) return known.type;
+  }
+  return H5Tget_class(type.get()) == H5T_ENUM ? "i1" : "";  // numpy's bool
+}
+
+hid_t memory_type(const std::string& type) {
+  if (type == "u1") return H5T_NATIVE_UINT8;
+  if (type == "u2") return H5T_NATIVE_UINT16;
+  if (type == "u4") return H5T_NATIVE_UINT32;
+  if (type == "u8") return H5T_NATIVE_UINT64;
+  if (type == "i1") return H5T_NATIVE_INT8;
+  if (type == "i2") return H5T_NATIVE_INT16;
+  if (type == "i4") return H5T_NATIVE_INT32;
+  if (type == "i8") return H5T_NATIVE_INT64;
+  return type == "f4" ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
+}
+
+Error no_numbers(const std::string& name, const std::string& location) {
+  return {ErrorCode::kUnsupported, cat("data set ", name, " does not hold numbers; store x, y, p and t as numbers"),
+          location};
+}
+
+/// A file without t_offset begins at 0.
+Result<void> read_offset(hid_t file, const std::string& location, int64_t& offset_us) {
+  const Handle offset(H5Dopen2(file, "t_offset", H5P_DEFAULT), H5Dclose);
+  if (!offset.valid()) return {};
+  const std::string place = location + ": t_offset";
+  E2LF_ASSIGN_OR_RETURN(const Storage storage, e2lf::hdf5::inspect_storage(offset.get(), place));
+  if (storage.claimed_elements() != 1 || !e2lf::hdf5::chunks_are_whole(offset.get(), storage) ||
+      H5Dread(offset.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset_us) < 0 || !is_time(offset_us)) {
+    return Error{ErrorCode::kFormat, "not one time in microseconds; the file is damaged", place};
+  }
+  return {};
+}
+
+/// Events read by rows, from columns or from the rows of one data set.
+class RowBlocks : public EventBlocks {
+ public:
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    const LibraryLock lock;
+    block.clear();
+    const uint64_t count = std::min(kBlock, length_ - next_);
+    if (count == 0) {
+      if (is_cut_) summary.add(Violation::kTruncated, 0);
+      is_cut_ = false;
+      return false;
+    }
+    Column<uint8_t> bad(count);
+    std::fill(bad.begin(), bad.end(), uint8_t{0});
+    block.events.resize(count);
+    E2LF_RETURN_IF_ERROR(read_rows(next_, count, block.events, bad));
+    for (size_t i = 0; i < count; ++i) {
+      bad[i] |= block.events.p[i] > 1;
+      // A time that is none stays one; the gate drops it.
+      int64_t& t_us = block.events.t[i];
+      t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
+    }
+    const size_t num_bad = npy_events::remove_bad(block.events, 0, bad);
+    summary.add(Violation::kBadRecord, 0, num_bad);
+    summary.dropped_words += num_bad;
+    next_ += count;
+    return true;
+  }
+
+  Result<void> seek_before(int64_t t_us) override {
+    const LibraryLock lock;
+    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
+      const auto count = std::min<uint64_t>(kTimesPerProbe, length_ - i);
+      Column<uint8_t> bad(count);
+      std::vector<int64_t> times_us(count);
+      E2LF_RETURN_IF_ERROR(read_times(i, count, times_us.data(), bad.data()));
+      const int64_t since_us = median_time(std::move(times_us));
+      return is_time(since_us) ? since_us + offset_us_ : since_us;
+    };
+    E2LF_ASSIGN_OR_RETURN(next_, find_place_before(length_, t_us, time_at));
+    return {};
+  }
+
+ protected:
+  /// Rows that are no events set their place in `bad`.
+  virtual Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) = 0;
+  virtual Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) = 0;
+
+  /// Reads rows into numbers_.
+  Result<const uint8_t*> read_numbers(const DatasetShape& shape, const std::string& type, uint64_t begin,
+                                      uint64_t count) {
+    numbers_.resize(count * shape.columns * element_size(type));
+    E2LF_RETURN_IF_ERROR(read_elements(shape, memory_type(type), begin, count, numbers_.data(), location_));
+    return static_cast<const uint8_t*>(numbers_.data());
+  }
+
+  std::string location_;
+  TimeUnit unit_ = TimeUnit::kAuto;
+  int64_t offset_us_ = 0;
+  uint64_t length_ = 0;
+  bool is_cut_ = false;
+
+ private:
+  std::vector<uint8_t> numbers_;
+  uint64_t next_ = 0;
+};
+
+class ColumnBlocks final : public RowBlocks {
+ public:
+  /// The columns of one group under four names, "x", "y", "p" and "t" or the like.
+  static Result<std::unique_ptr<EventBlocks>> open(hid_t file, const std::array<std::string, 4>& names,
+                                                   const OpenOptions& options, const std::string& location,
+                                                   RecordingInfo& info) {
+    auto blocks = std::make_unique<ColumnBlocks>();
+    blocks->location_ = location + ": events";
+    blocks->unit_ = options.time_unit;
+    for (size_t i = 0; i < 4; ++i) {
+      NumberColumn& column = blocks->columns_[i];
+      E2LF_ASSIGN_OR_RETURN(column.shape, open_dataset(file, names[i], location));
+      const std::string type = number_type(column.shape.dataset.get());
+      column.field = {type, 0, element_size(type)};
+      if (column.field.type.empty()) return no_numbers(names[i], location);
+      blocks->is_cut_ |= column.shape.is_cut;
+    }
+    blocks->length_ = blocks->columns_[3].shape.length;
+    for (const NumberColumn& column : blocks->columns_) {
+      if (column.shape.length != blocks->length_) {
+        return Error{ErrorCode::kShape, "the columns of events differ in length; the file is damaged", location};
+      }
+    }
+    E2LF_RETURN_IF_ERROR(read_offset(file, location, blocks->offset_us_));
+    const auto assumed = npy_events::time_assumption(blocks->columns_[3].field.type, options.time_unit);
+    if (assumed) info.assumptions.push_back(*assumed);
+    return std::unique_ptr<EventBlocks>(std::move(blocks));
+  }
+
+ private:
+  template <typename T>
+  Result<void> read(const NumberColumn& column, uint64_t begin, uint64_t count, T* out, uint8_t* bad) {
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, begin, count));
+    npy_events::to_column(numbers, column.field, count, out, bad);
+    return {};
+  }
+
+  Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) override {
+    E2LF_RETURN_IF_ERROR(read(columns_[0], begin, count, events.x.data(), bad.data()));
+    E2LF_RETURN_IF_ERROR(read(columns_[1], begin, count, events.y.data(), bad.data()));
+    E2LF_RETURN_IF_ERROR(read(columns_[2], begin, count, events.p.data(), bad.data()));
+    return read_times(begin, count, events.t.data(), bad.data());
+  }
+
+  Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
+    const NumberColumn& column = columns_[3];
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, begin, count));
+    npy_events::to_times(numbers, column.field, unit_, count, times_us, bad);
+    return {};
+  }
+
+  std::array<NumberColumn, 4> columns_;  ///< x, y, p, t
+};
+
+class MatrixBlocks final : public RowBlocks {
+ public:
+  static Result<std::unique_ptr<EventBlocks>> open(hid_t file, const OpenOptions& options, const std::string& location,
+                                                   RecordingInfo& info) {
+    auto blocks = std::make_unique<MatrixBlocks>();
+    blocks->location_ = location + ": events";
+    E2LF_ASSIGN_OR_RETURN(blocks->shape_, open_matrix(file, "events", location));
+    blocks->type_ = number_type(blocks->shape_.dataset.get());
+    if (blocks->type_.empty()) return no_numbers("events", location);
+    if (blocks->shape_.columns != 4) {
+      return Error{ErrorCode::kShape, cat("the data set has ", blocks->shape_.columns, " columns; store t, x, y, p"),
+                   blocks->location_};
+    }
+    blocks->length_ = blocks->shape_.length;
+    blocks->is_cut_ = blocks->shape_.is_cut;
+    const uint64_t count = std::min<uint64_t>(blocks->length_, kSampledRows);
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, blocks->read_numbers(blocks->shape_, blocks->type_, 0, count));
+    const auto rows = npy_events::sample_rows(numbers, blocks->type_, element_size(blocks->type_), count);
+    E2LF_ASSIGN_OR_RETURN(const std::string order, npy_events::find_column_order(rows, options.columns, location));
+    if (options.columns.empty()) info.assumptions.push_back(npy_events::column_assumption(order));
+    blocks->unit_ = options.time_unit;
+    blocks->fields_ = npy_events::fields_of_rows(order, blocks->type_, element_size(blocks->type_));
+    const auto assumed = npy_events::time_assumption(blocks->type_, options.time_unit);
+    if (assumed) info.assumptions.push_back(*assumed);
+    return std::unique_ptr<EventBlocks>(std::move(blocks));
+  }
+
+ private:
+  static constexpr uint64_t kSampledRows = 4096;
+
+  Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) override {
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
+    npy_events::to_column(numbers, fields_.x, count, events.x.data(), bad.data());
+    npy_events::to_column(numbers, fields_.y, count, events.y.data(), bad.data());
+    npy_events::to_column(numbers, fields_.p, count, events.p.data(), bad.data());
+    npy_events::to_times(numbers, fields_.t, unit_, count, events.t.data(), bad.data());
+    return {};
+  }
+
+  Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
+    npy_events::to_times(numbers, fields_.t, unit_, count, times_us, bad);
+    return {};
+  }
+
+  DatasetShape shape_;
+  std::string type_;
+  npy_events::RecordFields fields_;
+};
+
+bool is_there(hid_t file, const std::string& name) {
+  const size_t slash = name.find('/');
+  if (slash != std::string::npos && H5Lexists(file, name.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
+  return H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+bool is_dataset(hid_t file, const char* name) {
+  return is_there(file, name) && Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose).valid();
+}
+
+class DsecWriter final : public RecordingWriter {
+ public:
+  DsecWriter(AtomicFile file, const RecordingInfo& info)
+      : file_(std::move(file)), name_(file_.target().string()), check_(info.width, info.height, name_) {}
+
+  Result<void> begin(const RecordingInfo& info) {
+    const LibraryLock lock;
+    E2LF_ASSIGN_OR_RETURN(hdf5_file_, CheckedFile::create(file_.path(), name_));
+    const hid_t file = hdf5_file_.get();
+    if (info.width != 0 && info.height != 0) {
+      E2LF_RETURN_IF_ERROR(write_text_attribute(file, "geometry", cat(info.width, "x", info.height)));
+    }
+    const Handle group(H5Gcreate2(file, "events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+    E2LF_ASSIGN_OR_RETURN(x_, GrowingDataset::create(group.get(), "x", H5T_STD_U16LE, kColumnChunk));
+    E2LF_ASSIGN_OR_RETURN(y_, GrowingDataset::create(group.get(), "y", H5T_STD_U16LE, kColumnChunk));
+    E2LF_ASSIGN_OR_RETURN(p_, GrowingDataset::create(group.get(), "p", H5T_STD_U8LE, kColumnChunk));
+    E2LF_ASSIGN_OR_RETURN(t_, GrowingDataset::create(group.get(), "t", H5T_STD_U32LE, kColumnChunk));
+    E2LF_ASSIGN_OR_RETURN(ms_to_idx_, GrowingDataset::create(file, "ms_to_idx", H5T_STD_U64LE, kColumnChunk));
+    return {};
+  }
+
+  bool holds_triggers() const override { return false; }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    const EventColumns& events = batch.events;
+    const size_t count = events.size();
+    if (count == 0) return {};
+    if (t_.length() == 0) offset_us_ = events.t.front();
+    if (events.t.back() - offset_us_ > UINT32_MAX) {
+      return Error{ErrorCode::kInvalidValue,
+                   "the recording is longer than the 71 minutes that this layout holds; write HDF5 with ECF", name_};
+    }
+    std::vector<uint32_t> times(count);
+    std::vector<uint64_t> milliseconds;
+    for (size_t i = 0; i < count; ++i) {
+      times[i] = static_cast<uint32_t>(events.t[i] - offset_us_);
+      while (next_ms_ * 1000 <= times[i]) {
+        milliseconds.push_back(t_.length() + i);
+        ++next_ms_;
+      }
+    }
+    const LibraryLock lock;
+    E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, milliseconds.data(), milliseconds.size()));
+    E2LF_RETURN_IF_ERROR(x_.append(H5T_NATIVE_UINT16, events.x.data(), count));
+    E2LF_RETURN_IF_ERROR(y_.append(H5T_NATIVE_UINT16, events.y.data(), count));
+    E2LF_RETURN_IF_ERROR(p_.append(H5T_NATIVE_UINT8, events.p.data(), count));
+    E2LF_RETURN_IF_ERROR(t_.append(H5T_NATIVE_UINT32, times.data(), count));
+    return hdf5_file_.check();
+  }
+
+  Result<void> finish() override {
+    const LibraryLock lock;
+    // One more entry, behind the last event, so that every event has a millisecond after it.
+    const uint64_t end = t_.length();
+    E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, &end, 1));
+    E2LF_RETURN_IF_ERROR(write_offset());
+    for (GrowingDataset* column : {&x_, &y_, &p_, &t_, &ms_to_idx_}) *column = {};
+    E2LF_RETURN_IF_ERROR(hdf5_file_.close());
+    return file_.commit();
+  }
+
+ private:
+  Result<void> write_offset() {
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Handle offset(
+        H5Dcreate2(hdf5_file_.get(), "t_offset", H5T_STD_I64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose);
+    if (!offset.valid() || H5Dwrite(offset.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset_us_) < 0) {
+      return Error{ErrorCode::kIo, "the HDF5 library could not write t_offset; check the disk's free space", name_};
+    }
+    return {};
+  }
+
+  AtomicFile file_;
+  std::string name_;
+  BatchCheck check_;
+  CheckedFile hdf5_file_;
+  GrowingDataset x_, y_, p_, t_, ms_to_idx_;
+  int64_t offset_us_ = 0;
+  uint64_t next_ms_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options, const std::string& location,
+                                                  RecordingInfo& info) {
+  const LibraryLock lock;
+  if (is_dataset(file, "events")) return MatrixBlocks::open(file, options, location, info);
+  for (const std::string group : {"events/", ""}) {
+    for (const std::string plural : {"", "s"}) {
+      const std::array<std::string, 4> names = {group + "x" + plural, group + "y" + plural, group + "p" + plural,
+                                                group + "t" + plural};
+      if (is_there(file, names[3])) return ColumnBlocks::open(file, names, options, location, info);
+    }
+  }
+  return Error{
+      ErrorCode::kNotFound,
+      "the file has no events: neither CD/events (Metavision) nor the columns events/x, y, p, t or xs, ys, ps, "
+      "ts, nor a data set events [events, 4]; is it a recording?",
+      location};
+}
+
+Result<std::unique_ptr<RecordingWriter>> create_dsec_file(const std::filesystem::path& path,
+                                                          const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
+  auto writer = std::make_unique<DsecWriter>(std::move(file), info);
+  E2LF_RETURN_IF_ERROR(writer->begin(info));
+  std::unique_ptr<RecordingWriter> result = std::move(writer);
+  return result;
+}
+
+}  // namespace e2lf::events::hdf5

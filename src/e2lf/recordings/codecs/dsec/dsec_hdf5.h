@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/hdf5_file.h"
+
+namespace e2lf::events::hdf5 {
+
+/// The HDF5 layout of the DSEC data set: columns events/x, y (u2), p (u1), t (u4, us after t_offset), ms_to_idx (u8:
+/// index of the first event at or after each millisecond after t_offset) and t_offset (i8, us). It has no place for
+/// triggers.
+
+/// Writes the layout, uncompressed. Fails in write() with kInvalidValue beyond 71 minutes after the first event.
+[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_dsec_file(const std::filesystem::path& path,
+                                                                        const RecordingInfo& info);
+
+/// Events as blocks: the columns above; columns x, y, p, t or xs, ys, ps, ts of any types, in the group `events` or in
+/// none; or v2e's data set `events` [events, 4]. Times are as OpenOptions::time_unit says. What is assumed is added to
+/// `info`. Fails with kNotFound when the file has none of them and kShape when columns differ in length.
+[[nodiscard]] Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options,
+                                                                const std::string& location, RecordingInfo& info);
+
+}  // namespace e2lf::events::hdf5

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/metavision_hdf5/event_chunks.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
+#include "e2lf/base/little_endian.h"
+
+namespace e2lf::events::hdf5 {
+namespace {
+
+constexpr uint64_t kBlockEvents = 8 * kChunkEvents;
+constexpr size_t kMaxChunkBytes = size_t{1} << 26;
+
+/// Drops events [from, to) of the columns.
+void erase(EventColumns& events, size_t from, size_t to) {
+  const auto cut = [from, to](auto& column) {
+    column.erase(column.begin() + static_cast<ptrdiff_t>(from), column.begin() + static_cast<ptrdiff_t>(to));
+  };
+  cut(events.x);
+  cut(events.y);
+  cut(events.p);
+  cut(events.t);
+}
+
+bool has_vendor_layout(hid_t dataset) {
+  const Handle stored(H5Dget_type(dataset), H5Tclose);
+  return H5Tequal(stored.get(), event_type().get()) > 0;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<EventBlocks>> EventChunks::open(hid_t file, const std::string& location, int threads) {
+  const LibraryLock lock;
+  auto chunks = std::make_unique<EventChunks>();
+  E2LF_ASSIGN_OR_RETURN(chunks->shape_, open_dataset(file, "CD/events", location));
+  const DatasetShape& shape = chunks->shape_;
+  chunks->is_cut_untold_ = shape.is_cut;
+  chunks->location_ = location + ": CD/events";
+  chunks->threads_ = threads;
+  const bool is_ecf = shape.storage.filters.size() == 1 && shape.storage.filters[0] == kEcfFilter;
+  chunks->is_direct_ = is_ecf && shape.chunk_length != 0 && has_vendor_layout(shape.dataset.get());
+  for (const H5Z_filter_t filter : shape.storage.filters) {
+    if (!chunks->is_direct_ && H5Zfilter_avail(filter) <= 0) {
+      return Error{ErrorCode::kMissingDependency,
+                   cat("the events are compressed by HDF5 filter ", filter, "; install its plugin"), chunks->location_};
+    }
+  }
+  std::unique_ptr<EventBlocks> blocks = std::move(chunks);
+  return blocks;
+}
+
+Result<bool> EventChunks::next_records(EventColumns& events) {
+  const uint64_t count = std::min(kBlockEvents, shape_.length - next_event_);
+  if (count == 0) return false;
+  records_.resize(count);
+  E2LF_RETURN_IF_ERROR(read_elements(shape_, event_type().get(), next_event_, count, records_.data(), location_));
+  next_event_ += count;
+  events.resize(count);
+  columns_from_records(records_.data(), count, events, 0);
+  return true;
+}
+
+Result<EventChunks::Chunk> EventChunks::fetch(uint64_t index) const {
+  Chunk chunk;
+  const hsize_t offset = index * shape_.chunk_length;
+  chunk.index = index;
+  chunk.count = std::min<uint64_t>(shape_.chunk_length, shape_.length - offset);
+  hsize_t size = 0;
+  uint32_t filter_mask = 0;
+  if (H5Dget_chunk_storage_size(shape_.dataset.get(), &offset, &size) < 0 || size == 0 || size > kMaxChunkBytes) {
+    chunk.error = Error{ErrorCode::kTruncated, "a chunk of events is missing", location_};
+    return chunk;
+  }
+  chunk.bytes.resize(size);
+  if (H5Dread_chunk(shape_.dataset.get(), H5P_DEFAULT, &offset, &filter_mask, chunk.bytes.data()) < 0) {
+    chunk.error = Error{ErrorCode::kTruncated, "a chunk of events cannot be read", location_};
+    return chunk;
+  }
+  chunk.is_stored_raw = (filter_mask & 1) != 0;
+  const size_t time_at = chunk.is_stored_raw ? offsetof(EventRecord, t) : 4;
+  if (size >= time_at + 8) chunk.first_us = load_le<int64_t>(&chunk.bytes[time_at]);
+  return chunk;
+}
+
+/// Puts the chunk's events at `begin`, where there is room for chunk.count; says in chunk.count how many there are.
+void EventChunks::decode(Chunk& chunk, EventColumns& events, size_t begin) {
+  const size_t wanted = std::exchange(chunk.count, 0);
+  if (chunk.error) return;
+  if (chunk.is_stored_raw) {
+    const size_t count = std::min(wanted, chunk.bytes.size() / sizeof(EventRecord));
+    std::vector<EventRecord> records(count);
+    std::copy_n(chunk.bytes.data(), count * sizeof(EventRecord), reinterpret_cast<uint8_t*>(records.data()));
+    columns_from_records(records.data(), count, events, begin);
+    chunk.count = count;
+    return;
+  }
+  const auto stored = ecf::event_count(chunk.bytes);
+  if (!stored) {
+    chunk.error = stored.error();
+    return;
+  }
+  const auto decode_into = [&](EventColumns& out, size_t at) -> Result<void> {
+    return ecf::decode(chunk.bytes, {std::span(out.x).subspan(at, *stored), std::span(out.y).subspan(at, *stored),
+                                     std::span(out.p).subspan(at, *stored), std::span(out.t).subspan(at, *stored)});
+  };
+  if (*stored <= wanted) {
+    if (const auto done = decode_into(events, begin); !done) chunk.error = done.error();
+    chunk.count = chunk.error ? 0 : *stored;
+    return;
+  }
+  // The last chunk of a file may be stored at full length, with filling behind its events.
+  EventColumns full;
+  full.resize(*stored);
+  if (const auto done = decode_into(full, 0); !done) {
+    chunk.error = done.error();
+    return;
+  }
+  std::copy_n(full.x.begin(), wanted, events.x.begin() + static_cast<ptrdiff_t>(begin));
+  std::copy_n(full.y.begin(), wanted, events.y.begin() + static_cast<ptrdiff_t>(begin));
+  std::copy_n(full.p.begin(), wanted, events.p.begin() + static_cast<ptrdiff_t>(begin));
+  std::copy_n(full.t.begin(), wanted, events.t.begin() + static_cast<ptrdiff_t>(begin));
+  chunk.count = wanted;
+}
+
+Result<std::vector<EventChunks::Chunk>> EventChunks::fetch_block() {
+  std::vector<Chunk> chunks;
+  const uint64_t chunks_per_block = std::max<uint64_t>(1, kBlockEvents / shape_.chunk_length);
+  while (next_event_ < shape_.length && chunks.size() < chunks_per_block) {
+    const uint64_t index = next_event_ / shape_.chunk_length;
+    if (ahead_ && ahead_->index == index) {
+      chunks.push_back(*std::exchange(ahead_, std::nullopt));
+    } else {
+      E2LF_ASSIGN_OR_RETURN(Chunk chunk, fetch(index));
+      chunks.push_back(std::move(chunk));
+    }
+    next_event_ = (index + 1) * shape_.chunk_length;
+  }
+  if (next_event_ < shape_.length) {
+    E2LF_ASSIGN_OR_RETURN(ahead_, fetch(next_event_ / shape_.chunk_length));
+  }
+  return chunks;
+}
+
+void EventChunks::decode_block(std::vector<Chunk>& chunks, const std::vector<size_t>& begins,
+                               EventColumns& events) const {
+  const auto decode_range = [&](size_t from, size_t to) {
+    for (size_t i = from; i < to; ++i) decode(chunks[i], events, begins[i]);
+  };
+  if (threads_ == 1) {
+    decode_range(0, chunks.size());
+  } else {
+    parallel_for(chunks.size(), 1, decode_range);
+  }
+}
+
+/// Cuts [begin, end), the room of a chunk, down to the events that were decoded and may be right.
+void EventChunks::keep_believable(const Chunk& chunk, const Chunk* after, size_t begin, size_t end,
+                                  EventColumns& events, DecodeSummary& summary) const {
+  const uint64_t first_event = chunk.index * shape_.chunk_length;
+  size_t kept = chunk.count;
+  if (begin + kept < end) summary.add(Violation::kBadRecord, first_event);
+  if (kept > 0 && after != nullptr && after->first_us && *after->first_us >= events.t[begin]) {
+    const auto from = events.t.begin() + static_cast<ptrdiff_t>(begin);
+    const auto is_late = [&](int64_t t) { return t > *after->first_us; };
+    kept = static_cast<size_t>(std::find_if(from, from + static_cast<ptrdiff_t>(kept), is_late) - from);
+    if (kept < chunk.count) summary.add(Violation::kTimeJump, first_event);
+  }
+  if (begin + kept == end) return;
+  summary.dropped_words += end - begin - kept;
+  erase(events, begin + kept, end);
+}
+
+Result<bool> EventChunks::next(EventBatch& block, DecodeSummary& summary) {
+  const LibraryLock lock;
+  block.clear();
+  EventColumns& events = block.events;
+  if (next_event_ >= shape_.length && std::exchange(is_cut_untold_, false)) summary.add(Violation::kTruncated, 0);
+  if (!is_direct_) return next_records(events);
+  E2LF_ASSIGN_OR_RETURN(std::vector<Chunk> chunks, fetch_block());
+  std::vector<size_t> begins = {0};
+  for (const Chunk& chunk : chunks) begins.push_back(begins.back() + chunk.count);
+  events.resize(begins.back());
+  decode_block(chunks, begins, events);
+  // From the last chunk to the first, so that the places of those before stay as they are.
+  for (size_t i = chunks.size(); i-- > 0;) {
+    const Chunk* const after = i + 1 < chunks.size() ? &chunks[i + 1] : ahead_ ? &*ahead_ : nullptr;
+    keep_believable(chunks[i], after, begins[i], begins[i + 1], events, summary);
+  }
+  return !chunks.empty();
+}
+
+Result<void> EventChunks::seek_before(int64_t t_us) {
+  const LibraryLock lock;
+  ahead_.reset();
+  next_event_ = 0;
+  is_cut_untold_ = shape_.is_cut;
+  if (!is_direct_ || shape_.length == 0) return {};
+  uint64_t low = 0, high = (shape_.length - 1) / shape_.chunk_length;
+  while (low < high) {
+    const uint64_t middle = low + (high - low + 1) / 2;
+    E2LF_ASSIGN_OR_RETURN(const Chunk chunk, fetch(middle));
+    if (chunk.first_us && *chunk.first_us < t_us) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  next_event_ = low * shape_.chunk_length;
+  return {};
+}
+
+}  // namespace e2lf::events::hdf5

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "e2lf/recordings/event.h"
+#include "e2lf/recordings/io/hdf5_file.h"
+
+namespace e2lf::events::hdf5 {
+
+inline constexpr H5Z_filter_t kEcfFilter = 0x8ECF;
+inline constexpr uint64_t kChunkEvents = 16384;
+inline constexpr int64_t kIndexPeriodUs = 2000;
+
+/// Records as they lie in the file; the padding is the compiler's, as in the vendor's library.
+struct EventRecord {
+  uint16_t x = 0, y = 0;
+  int16_t p = 0;
+  int64_t t = 0;
+};
+struct TriggerRecord {
+  int16_t p = 0;
+  int64_t t = 0;
+  int16_t id = 0;
+};
+struct IndexRecord {
+  uint64_t id = 0;
+  int64_t ts = 0;
+};
+static_assert(sizeof(EventRecord) == 16 && sizeof(TriggerRecord) == 24 && sizeof(IndexRecord) == 16);
+
+/// The HDF5 compound types of the records.
+[[nodiscard]] Handle event_type();
+[[nodiscard]] Handle trigger_type();
+[[nodiscard]] Handle index_type();
+
+/// Sets events [begin, begin + count) of `events`, which must have room, from records.
+void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin);
+
+}  // namespace e2lf::events::hdf5

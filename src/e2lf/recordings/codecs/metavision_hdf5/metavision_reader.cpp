@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/event_chunks.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
+#include "e2lf/recordings/side_triggers.h"
+#include "e2lf/recordings/time_sort.h"
+
+namespace e2lf::events::hdf5 {
+namespace {
+
+constexpr uint64_t kTriggerBlock = 4096;
+
+class TriggerDataset final : public TriggerSource {
+ public:
+  TriggerDataset(DatasetShape shape, std::string location) : shape_(std::move(shape)), location_(std::move(location)) {}
+
+  Result<bool> next(std::vector<Trigger>& block, DecodeSummary&) override {
+    const uint64_t count = std::min(kTriggerBlock, shape_.length - next_);
+    if (count == 0) return false;
+    records_.resize(count);
+    E2LF_RETURN_IF_ERROR(read_elements(shape_, trigger_type().get(), next_, count, records_.data(), location_));
+    for (const TriggerRecord& record : records_) {
+      block.push_back({record.t, static_cast<uint16_t>(record.id), static_cast<uint8_t>(record.p > 0)});
+    }
+    next_ += count;
+    return true;
+  }
+
+  Result<void> rewind() override {
+    next_ = 0;
+    return {};
+  }
+
+ private:
+  DatasetShape shape_;
+  std::string location_;
+  uint64_t next_ = 0;
+  std::vector<TriggerRecord> records_;
+};
+
+/// "1280x720".
+void parse_geometry(const std::string& text, RecordingInfo& info) {
+  size_t width = 0, height = 0;
+  const char* const end = text.data() + text.size();
+  const auto [after_width, width_error] = std::from_chars(text.data(), end, width);
+  if (width_error != std::errc() || after_width == end || *after_width != 'x') return;
+  if (std::from_chars(after_width + 1, end, height).ec != std::errc()) return;
+  if (width == 0 || height == 0 || width > 65536 || height > 65536) return;
+  info.width = width;
+  info.height = height;
+}
+
+RecordingInfo read_info(hid_t file) {
+  RecordingInfo info;
+  info.format = "hdf5";
+  info.header = read_text_attributes(file);
+  parse_geometry(info.find("geometry").value_or(""), info);
+  return info;
+}
+
+}  // namespace
+
+bool detect(std::span<const uint8_t> head) {
+  constexpr uint8_t kMagic[] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
+  return head.size() >= sizeof(kMagic) && std::memcmp(head.data(), kMagic, sizeof(kMagic)) == 0;
+}
+
+Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  const LibraryLock lock;
+  const std::string name = source->name();
+  // The data sets keep the file open.
+  E2LF_ASSIGN_OR_RETURN(const Handle file, open_file(*source));
+  RecordingInfo info = read_info(file.get());
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+
+  std::unique_ptr<EventBlocks> blocks;
+  TriggerFeed triggers;
+  if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
+    E2LF_ASSIGN_OR_RETURN(blocks, EventChunks::open(file.get(), name, options.threads));
+    if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
+      triggers = TriggerFeed(std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events"));
+    }
+  } else {
+    info.format = "dsec";
+    E2LF_ASSIGN_OR_RETURN(blocks, open_columns(file.get(), options, name, info));
+    blocks = make_time_sorted(std::move(blocks), /*is_seekable=*/true, name);
+    E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->path()));
+  }
+  return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
+}
+
+}  // namespace e2lf::events::hdf5

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <optional>
+
+#include "e2lf/files/file.h"
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
+#include "e2lf/hdf5/checked_file.h"
+
+namespace e2lf::events::hdf5 {
+using e2lf::hdf5::CheckedFile;
+
+namespace {
+
+/// Chunks that are compressed at once, each on a thread.
+constexpr size_t kBlockChunks = 16;
+
+/// The longest time without an element: half a gigabyte of index, 19 hours.
+constexpr int64_t kMaxPauseUs = int64_t{1} << 36;
+
+/// An index data set: for every 2 ms after the first element, the number and time of the first element at or after it.
+class TimeIndex {
+ public:
+  static Result<TimeIndex> create(hid_t group) {
+    TimeIndex index;
+    E2LF_ASSIGN_OR_RETURN(index.dataset_, GrowingDataset::create(group, "indexes", index_type().get(), kChunkEvents));
+    return index;
+  }
+
+  /// Adds elements; `time_of(i)` is the time of the i-th of `count`, ascending.
+  template <typename TimeOf>
+  Result<void> add(size_t count, const TimeOf& time_of) {
+    if (count == 0) return {};
+    if (number_ == 0) {
+      first_us_ = time_of(0);
+      entries_.push_back({0, -1});
+    }
+    while (time_of(count - 1) - first_us_ >= next_us_) {
+      size_t i = 0;
+      for (size_t end = count - 1; i < end;) {
+        const size_t middle = i + (end - i) / 2;
+        if (time_of(middle) - first_us_ < next_us_) {
+          i = middle + 1;
+        } else {
+          end = middle;
+        }
+      }
+      const int64_t since_first_us = time_of(i) - first_us_;
+      if (since_first_us - next_us_ > kMaxPauseUs) {
+        return Error{ErrorCode::kInvalidValue,
+                     cat("a pause of ", since_first_us - next_us_, " us up to ", time_of(i),
+                         " us would fill the time index; split the recording or write npz"),
+                     "indexes"};
+      }
+      entries_.push_back({number_ + i, since_first_us});
+      next_us_ += kIndexPeriodUs;
+      if (entries_.size() >= kChunkEvents) E2LF_RETURN_IF_ERROR(flush());
+    }
+    number_ += count;
+    return {};
+  }
+
+  Result<void> finish() {
+    E2LF_RETURN_IF_ERROR(flush());
+    if (number_ == 0) return {};
+    return write_text_attribute(dataset_.id(), "offset", std::to_string(-first_us_));
+  }
+
+ private:
+  Result<void> flush() {
+    E2LF_RETURN_IF_ERROR(dataset_.append(index_type().get(), entries_.data(), entries_.size()));
+    entries_.clear();
+    return {};
+  }
+
+  GrowingDataset dataset_;
+  std::vector<IndexRecord> entries_;
+  uint64_t number_ = 0;
+  int64_t first_us_ = 0;
+  int64_t next_us_ = 0;
+};
+
+class MetavisionWriter final : public RecordingWriter {
+ public:
+  MetavisionWriter(AtomicFile file, const RecordingInfo& info)
+      : file_(std::move(file)),
+        check_(info.width, info.height, file_.target().string()),
+        has_small_sensor_(info.width != 0 && info.width <= ecf::kMaxCoordinate + 1 && info.height != 0 &&
+                          info.height <= ecf::kMaxCoordinate + 1) {}
+  MetavisionWriter(const MetavisionWriter&) = delete;
+  MetavisionWriter& operator=(const MetavisionWriter&) = delete;
+
+  Result<void> begin(const RecordingInfo& info);
+  bool holds_triggers() const override { return true; }
+  Result<void> write(const EventBatch& batch) override;
+  Result<void> finish() override;
+
+ private:
+  struct EncodedChunk {
+    std::vector<uint8_t> bytes;
+    size_t size = 0;
+    bool is_filtered = false;
+  };
+
+  [[nodiscard]] bool can_encode(const ecf::ChunkColumns& columns) const;
+  void encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) const;
+  [[nodiscard]] Result<void> write_chunks(bool is_last);
+
+  AtomicFile file_;
+  BatchCheck check_;
+  bool has_small_sensor_;
+  CheckedFile hdf5_file_;
+  GrowingDataset events_, triggers_;
+  TimeIndex event_index_, trigger_index_;
+  EventColumns pending_;
+  std::vector<EncodedChunk> encoded_;
+};
+
+Result<void> write_header(hid_t file, const RecordingInfo& info) {
+  const auto is_ours = [](const std::string& key) { return key == "version" || key == "geometry" || key == "end"; };
+  std::vector<std::string> written;
+  for (const auto& [key, value] : info.header) {
+    if (key.empty() || is_ours(key) || std::find(written.begin(), written.end(), key) != written.end()) continue;
+    E2LF_RETURN_IF_ERROR(write_text_attribute(file, key, value));
+    written.push_back(key);
+  }
+  if (info.width != 0 && info.height != 0) {
+    E2LF_RETURN_IF_ERROR(write_text_attribute(file, "geometry", cat(info.width, "x", info.height)));
+  }
+  return write_text_attribute(file, "version", "1.0");
+}
+
+Result<void> MetavisionWriter::begin(const RecordingInfo& info) {
+  const LibraryLock lock;
+  E2LF_ASSIGN_OR_RETURN(hdf5_file_, CheckedFile::create(file_.path(), file_.target().string()));
+  E2LF_RETURN_IF_ERROR(write_header(hdf5_file_.get(), info));
+  const auto make_group = [&](const char* name) {
+    return Handle(H5Gcreate2(hdf5_file_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  };
+  const Handle cd = make_group("CD"), trigger = make_group("EXT_TRIGGER");
+  E2LF_ASSIGN_OR_RETURN(events_,
+                        GrowingDataset::create(cd.get(), "events", event_type().get(), kChunkEvents, kEcfFilter));
+  E2LF_ASSIGN_OR_RETURN(triggers_, GrowingDataset::create(trigger.get(), "events", trigger_type().get(), kChunkEvents));
+  E2LF_ASSIGN_OR_RETURN(event_index_, TimeIndex::create(cd.get()));
+  E2LF_ASSIGN_OR_RETURN(trigger_index_, TimeIndex::create(trigger.get()));
+  return {};
+}
+
+Result<void> MetavisionWriter::write(const EventBatch& batch) {
+  E2LF_RETURN_IF_ERROR(check_(batch));
+  E2LF_RETURN_IF_ERROR(event_index_.add(batch.events.size(), [&](size_t i) { return batch.events.t[i]; }));
+  pending_.append(batch.events);
+  if (pending_.size() >= kBlockChunks * kChunkEvents) E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/false));
+
+  std::vector<TriggerRecord> records;
+  E2LF_RETURN_IF_ERROR(trigger_index_.add(batch.triggers.size(), [&](size_t i) { return batch.triggers[i].t; }));
+  for (const Trigger& trigger : batch.triggers) {
+    records.push_back({static_cast<int16_t>(trigger.p), trigger.t, static_cast<int16_t>(trigger.id)});
+  }
+  E2LF_RETURN_IF_ERROR(triggers_.append(trigger_type().get(), records.data(), records.size()));
+  return hdf5_file_.check();
+}
+
+/// What ecf::can_encode() says, without looking again at what the check of batches has seen.
+bool MetavisionWriter::can_encode(const ecf::ChunkColumns& columns) const {
+  if (!has_small_sensor_) return ecf::can_encode(columns);
+  return columns.t.front() >= 0 && columns.t.back() < ecf::kEndOfTime;
+}
+
+void MetavisionWriter::encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) const {
+  const size_t count = end - begin;
+  const auto part = [&](const auto& column) { return std::span(column).subspan(begin, count); };
+  const ecf::ChunkColumns columns = {part(events.x), part(events.y), part(events.p), part(events.t)};
+  out.is_filtered = can_encode(columns);
+  if (out.is_filtered) {
+    out.bytes.resize(ecf::max_encoded_size(kChunkEvents));
+    out.size = ecf::encode(columns, out.bytes);
+    return;
+  }
+  // Without the filter a chunk has its full length.
+  std::vector<EventRecord> records(kChunkEvents);
+  for (size_t i = 0; i < count; ++i) {
+    records[i] = {columns.x[i], columns.y[i], static_cast<int16_t>(columns.p[i]), columns.t[i]};
+  }
+  out.size = records.size() * sizeof(EventRecord);
+  const auto* bytes = reinterpret_cast<const uint8_t*>(records.data());
+  out.bytes.assign(bytes, bytes + out.size);
+}
+
+Result<void> MetavisionWriter::write_chunks(bool is_last) {
+  const size_t events = is_last ? pending_.size() : pending_.size() / kChunkEvents * kChunkEvents;
+  const size_t chunks = (events + kChunkEvents - 1) / kChunkEvents;
+  encoded_.resize(std::max(encoded_.size(), chunks));
+  const auto end_of = [&](size_t i) { return std::min(events, (i + 1) * kChunkEvents); };
+  parallel_for(chunks, 1, [&](size_t from, size_t to) {
+    for (size_t i = from; i < to; ++i) encode(pending_, i * kChunkEvents, end_of(i), encoded_[i]);
+  });
+  for (size_t i = 0; i < chunks; ++i) {
+    const EncodedChunk& chunk = encoded_[i];
+    E2LF_RETURN_IF_ERROR(
+        events_.append_chunk(chunk.bytes, chunk.size, end_of(i) - i * kChunkEvents, chunk.is_filtered));
+  }
+  // Not by a new set of columns: fresh memory costs more than encoding.
+  const auto drop = [events](auto& column) {
+    column.erase(column.begin(), column.begin() + static_cast<ptrdiff_t>(events));
+  };
+  drop(pending_.x);
+  drop(pending_.y);
+  drop(pending_.p);
+  drop(pending_.t);
+  return {};
+}
+
+Result<void> MetavisionWriter::finish() {
+  const LibraryLock lock;
+  E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/true));
+  E2LF_RETURN_IF_ERROR(event_index_.finish());
+  E2LF_RETURN_IF_ERROR(trigger_index_.finish());
+  // The file is written when the last of its objects is closed.
+  events_ = {};
+  triggers_ = {};
+  event_index_ = {};
+  trigger_index_ = {};
+  E2LF_RETURN_IF_ERROR(hdf5_file_.close());
+  return file_.commit();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
+  auto writer = std::make_unique<MetavisionWriter>(std::move(file), info);
+  E2LF_RETURN_IF_ERROR(writer->begin(info));
+  std::unique_ptr<RecordingWriter> result = std::move(writer);
+  return result;
+}
+
+}  // namespace e2lf::events::hdf5

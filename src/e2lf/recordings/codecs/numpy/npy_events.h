@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "e2lf/recordings/recording.h"
+
+namespace e2lf::events::npy_events {
+
+/// Events as numpy arrays, in any order of time. A .npy file is one array of records with the fields x, y, p, t (also
+/// "polarity", "on", "ts", "timestamp") in any order and of any type of numbers, or an array [events, 4]
+/// (find_column_order); we write OpenEB's records {x u2, y u2, p i2, t i8}, 16 bytes. It is streamed. An .npz file has
+/// the columns x, y, p, t (also xs, ys, ps, ts and the like) as arrays of one length, or `events` [events, 4];
+/// trigger_p, trigger_id, trigger_t, and size = [width, height]; it is read and written whole, in memory. Polarities
+/// are 0/1 or -1/1; times are microseconds, or seconds where they are floating-point numbers, unless OpenOptions says.
+
+[[nodiscard]] bool detect_npy(std::span<const uint8_t> head);
+[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> source,
+                                                                const OpenOptions& options);
+[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_npy_file(const std::filesystem::path& path,
+                                                                       const RecordingInfo& info);
+
+[[nodiscard]] bool detect_npz(std::span<const uint8_t> head);
+[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source,
+                                                                const OpenOptions& options);
+[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink,
+                                                                  const RecordingInfo& info);
+
+}  // namespace e2lf::events::npy_events

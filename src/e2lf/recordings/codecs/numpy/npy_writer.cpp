@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include <cstddef>
+#include <fstream>
+
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy_header.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/numpy/npy_events.h"
+
+namespace e2lf::events::npy_events {
+namespace {
+
+/// OpenEB's event.
+struct Record {
+  uint16_t x = 0, y = 0;
+  int16_t p = 0;
+  uint16_t padding = 0;
+  int64_t t = 0;
+};
+static_assert(sizeof(Record) == 16);
+
+/// The header before and after the number of events is known has one length.
+constexpr size_t kHeaderBytes = 256;
+constexpr size_t kPlainHeaderBytes = 10;  // magic, version, length
+
+std::vector<uint8_t> header_bytes(size_t events) {
+  NpyArray array;
+  array.fields = {{"x", "u2", offsetof(Record, x)},
+                  {"y", "u2", offsetof(Record, y)},
+                  {"p", "i2", offsetof(Record, p)},
+                  {"t", "i8", offsetof(Record, t)}};
+  array.item_size = sizeof(Record);
+  array.shape = {events};
+  std::vector<uint8_t> bytes = npy_header_bytes(array);
+  E2LF_REQUIRE(bytes.size() <= kHeaderBytes, "the header is longer than its place");
+  bytes.insert(bytes.end() - 1, kHeaderBytes - bytes.size(), ' ');
+  bytes[8] = kHeaderBytes - kPlainHeaderBytes;
+  bytes[9] = 0;
+  return bytes;
+}
+
+class NpyWriter final : public RecordingWriter {
+ public:
+  NpyWriter(AtomicFile file, const RecordingInfo& info)
+      : file_(std::move(file)),
+        out_(file_.path(), std::ios::binary),
+        check_(info.width, info.height, file_.target().string()) {}
+
+  Result<void> begin() { return put_header(); }
+  bool holds_triggers() const override { return false; }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    const EventColumns& events = batch.events;
+    records_.resize(events.size());
+    for (size_t i = 0; i < events.size(); ++i) {
+      records_[i] = {events.x[i], events.y[i], static_cast<int16_t>(events.p[i]), 0, events.t[i]};
+    }
+    out_.write(reinterpret_cast<const char*>(records_.data()),
+               static_cast<std::streamsize>(records_.size() * sizeof(Record)));
+    events_ += events.size();
+    return check_stream();
+  }
+
+  Result<void> finish() override {
+    out_.seekp(0);
+    E2LF_RETURN_IF_ERROR(put_header());
+    out_.close();
+    E2LF_RETURN_IF_ERROR(check_stream());
+    return file_.commit();
+  }
+
+ private:
+  Result<void> put_header() {
+    const std::vector<uint8_t> bytes = header_bytes(events_);
+    out_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    return check_stream();
+  }
+
+  Result<void> check_stream() const {
+    if (out_) return {};
+    return Error{ErrorCode::kIo, "cannot write; check the folder's permissions and the disk's free space",
+                 file_.target().string()};
+  }
+
+  AtomicFile file_;
+  std::ofstream out_;
+  BatchCheck check_;
+  std::vector<Record> records_;
+  size_t events_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<RecordingWriter>> create_npy_file(const std::filesystem::path& path, const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
+  auto writer = std::make_unique<NpyWriter>(std::move(file), info);
+  E2LF_RETURN_IF_ERROR(writer->begin());
+  std::unique_ptr<RecordingWriter> result = std::move(writer);
+  return result;
+}
+
+}  // namespace e2lf::events::npy_events

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+
+#include <bit>
+
+namespace e2lf::events::evt3 {
+namespace {
+
+constexpr uint16_t kNone = 0xFFFF;
+
+/// The state's time after a TIME_HIGH word: another one starts its low part at 0. A step back gets this far only when
+/// the clock was set anew: time goes on by one step.
+void take_time_high(uint16_t word, State& state) {
+  if (word == state.time_high) return;
+  if (state.time_high == kNone) {
+    state.high_us = static_cast<int64_t>(word & kPayloadMask) << 12;
+  } else {
+    const uint32_t step = (static_cast<uint32_t>(word) - state.time_high) & kPayloadMask;
+    state.high_us += int64_t{step < kHalfCircle ? step : 1} << 12;
+  }
+  state.time_high = word;
+  state.low = 0;
+}
+
+void take_base(uint16_t word, State& state) {
+  state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
+  state.base_p = static_cast<uint8_t>((word >> 11) & 1);
+}
+
+/// The base behind a vector; far outside the sensor it stays where it is.
+void advance_base(uint32_t bits, State& state) {
+  if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
+}
+
+/// The part of a vector's mask that lies inside the sensor; moves the base on.
+uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLimits& limits) {
+  if (state.base_x == kNone) {
+    state.num_outside += static_cast<uint64_t>(std::popcount(mask));
+    return 0;
+  }
+  const uint32_t base = state.base_x;
+  if (base + bits > limits.width) {
+    const uint32_t inside = base >= limits.width ? 0 : mask & ((1u << (limits.width - base)) - 1);
+    state.num_outside += static_cast<uint64_t>(std::popcount(mask ^ inside));
+    mask = inside;
+  }
+  advance_base(bits, state);
+  return mask;
+}
+
+}  // namespace
+
+size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  sink.set_time(Codec::time(state));
+  for (size_t i = 0; i < count; ++i) {
+    const auto word = load_le<uint16_t>(words + 2 * i);
+    switch (word >> 12) {
+      case kAddrY:
+        state.y = static_cast<uint16_t>(word & kCoordinateMask);
+        break;
+      case kAddrX:
+        sink.add(word & kCoordinateMask, state.y, (word >> 11) & 1);
+        break;
+      case kVectBaseX:
+        take_base(word, state);
+        break;
+      case kVect12:
+      case kVect8: {
+        const uint32_t bits = word >> 12 == kVect12 ? 12 : 8;
+        const uint32_t base = state.base_x;
+        const uint32_t mask = take_vector(word & ((1u << bits) - 1), bits, state, limits);
+        sink.add_mask(base, state.y, state.base_p, mask);
+        break;
+      }
+      case kTimeLow:
+        state.low = static_cast<uint16_t>(word & kPayloadMask);
+        sink.set_time(Codec::time(state));
+        break;
+      case kTimeHigh:
+        take_time_high(word, state);
+        sink.set_time(Codec::time(state));
+        break;
+      case kTrigger:
+        sink.add_trigger((word >> 8) & 0xF, word & 1);
+        break;
+      default:
+        break;
+    }
+  }
+  return count;
+}
+
+size_t Codec::settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
+  size_t i = 0;
+  for (; i < count && !settled(state); ++i) {
+    const auto word = load_le<uint16_t>(words + 2 * i);
+    uint64_t dropped = 0;
+    switch (word >> 12) {
+      case kAddrY:
+        state.y = static_cast<uint16_t>(word & kCoordinateMask);
+        state.need_y = false;
+        break;
+      case kVectBaseX:
+        take_base(word, state);
+        break;
+      case kVect12:
+        dropped = static_cast<uint64_t>(std::popcount(word & 0xFFFu));
+        advance_base(12, state);
+        break;
+      case kVect8:
+        dropped = static_cast<uint64_t>(std::popcount(word & 0xFFu));
+        advance_base(8, state);
+        break;
+      case kTimeLow:
+        state.low = static_cast<uint16_t>(word & kPayloadMask);
+        state.need_low = false;
+        break;
+      case kTimeHigh:
+        // Low bits that came before a new high part do not belong to it.
+        if (state.time_high != kNone && word != state.time_high) state.need_low = true;
+        take_time_high(word, state);
+        state.need_time_high = false;
+        break;
+      case kAddrX:
+      case kTrigger:
+        dropped = 1;
+        break;
+      default:
+        break;
+    }
+    (state.time_high == kNone ? summary.events_before_time : summary.dropped_words) += dropped;
+  }
+  return i;
+}
+
+void Codec::go_on_from(State& state, const State& before) {
+  // Up to 14 s ahead, or 2 s back.
+  constexpr uint32_t kBack = 512;
+  const uint32_t ahead = (static_cast<uint32_t>(state.time_high) - before.time_high + kBack) & kPayloadMask;
+  state.high_us = before.high_us + ((int64_t{ahead} - kBack) << 12);
+  if (state.base_x == kNone) {
+    state.base_x = before.base_x;
+    state.base_p = before.base_p;
+  }
+}
+
+}  // namespace e2lf::events::evt3

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/word_checks.h"
+
+namespace e2lf::events::evt3 {
+
+/// What words depend on that came before them.
+struct State {
+  int64_t high_us = 0;          ///< time without its low 12 bits, loops of the 24-bit clock included
+  uint16_t time_high = 0xFFFF;  ///< the last TIME_HIGH word; 0xFFFF = none yet, events are dropped
+  uint16_t low = 0;             ///< the last TIME_LOW payload
+  uint16_t y = 0;
+  uint16_t base_x = 0xFFFF;  ///< of the next vector; 0xFFFF = none yet, vectors are dropped
+  uint8_t base_p = 0;
+  uint64_t num_outside = 0;    ///< vector events dropped: outside the sensor, or without a base
+  bool need_time_high = true;  ///< drop events until such a word has come
+  bool need_low = false;
+  bool need_y = false;
+  bool operator==(const State&) const = default;
+};
+
+/// What the check of words runs ahead with.
+struct Check {
+  uint16_t time_high = 0xFFFF;  ///< as in State
+  int32_t low = -1;             ///< the last TIME_LOW payload, -1 = unknown
+  uint32_t num_rejected = 0;    ///< unexpected TIME_HIGH words in a row
+  int64_t heartbeat = -4;       ///< repeated TIME_HIGH words less three for each that steps; 0 or more is a heartbeat
+  bool after_damage = false;    ///< the next TIME_HIGH may be noise
+  uint32_t num_zeros = 0;       ///< words that are all zero, up to here
+  bool operator==(const Check&) const = default;
+};
+
+/// A jump ahead within one TIME_HIGH that is worth a look at what follows.
+inline constexpr int kLongStepUs = 128;
+
+/// Whether one TIME_LOW may follow another, both of one TIME_HIGH; `last` -1 = unknown.
+inline bool is_plausible_low(int last, int next) {
+  return last < 0 || (next + kJitterUs >= last && next <= last + kLongStepUs);
+}
+
+/// EVT3 for RawStream, see word_checks.h for what each function means.
+struct Codec {
+  using State = evt3::State;
+  using Check = evt3::Check;
+  static constexpr size_t kWordBytes = 2;
+  static constexpr size_t kMaxEventsPerWord = 12;
+  static constexpr const char* kName = "evt3";
+
+  static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
+  static size_t count_bad(const uint8_t* words, size_t count, size_t enough);
+  static Suspicion suspicion(const uint8_t* word, const Check& check, const SensorLimits& limits);
+  static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check);
+  static void accept_time(const uint8_t* word, Check& check);
+  static void reject_time(const uint8_t* word, Check& check);
+  static int64_t step_us(const uint8_t* word, const Check& check);
+  static void forget(State& state, Check& check);
+  static void drop_word(const uint8_t* word, State& state);
+  static size_t settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
+  static bool settled(const State& state) { return !state.need_time_high && !state.need_low && !state.need_y; }
+  static void go_on_from(State& state, const State& before);
+  static int64_t time(const State& state) { return state.high_us | state.low; }
+  static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us / kLoopUs); }
+
+  /// The vector version where the CPU has one, the scalar reference otherwise.
+  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
+};
+
+/// The scalar reference: decodes checked words one by one. Returns `count`. Vector events outside the sensor are dropped.
+size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
+
+/// The scalar reference of Codec::check().
+size_t check_scalar(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
+
+}  // namespace e2lf::events::evt3

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
+
+#include <algorithm>
+
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
+#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
+
+namespace e2lf::events {
+namespace evt3 {
+namespace {
+
+constexpr int64_t kHeartbeatUs = 16;
+constexpr int64_t kMaxStep = 512;  // of TIME_HIGH, where loops are counted: a quarter of what reads as a step back
+constexpr uint32_t kVectorPixels = 32;
+
+uint16_t make_word(Type type, uint32_t payload) {
+  return static_cast<uint16_t>((type << 12) | (payload & kPayloadMask));
+}
+
+}  // namespace
+
+void Encoder::put_time_high(int64_t high, WordBuffer& out) {
+  // The clock has 24 bits: a recording that begins later counts its loops first.
+  for (int64_t step = kMaxStep; high_ < 0 && high > kPayloadMask && step < high; step += kMaxStep) {
+    out.put(make_word(kTimeHigh, static_cast<uint32_t>(step & kPayloadMask)));
+  }
+  for (int64_t step = high_ < 0 ? high : std::min(high_ + 1, high); step <= high; ++step) {
+    out.put(make_word(kTimeHigh, static_cast<uint32_t>(step & kPayloadMask)));
+  }
+  high_ = high;
+}
+
+void Encoder::put_time(int64_t t_us, WordBuffer& out) {
+  if (t_us == t_us_) return;
+  const int64_t high = t_us >> 12;
+  if (high != high_ || t_us - high_at_us_ >= kHeartbeatUs) {
+    put_time_high(high, out);
+    high_at_us_ = t_us;
+  }
+  out.put(make_word(kTimeLow, static_cast<uint32_t>(t_us & kPayloadMask)));
+  t_us_ = t_us;
+}
+
+void Encoder::put_row(const EventColumns& events, size_t begin, size_t end, WordBuffer& out) {
+  const uint32_t p = events.p[begin];
+  uint32_t next_base = 0xFFFF;  // where a vector goes on without a new base
+  for (size_t i = begin; i < end;) {
+    const uint32_t x = events.x[i];
+    const bool goes_on = x >= next_base && x < next_base + kVectorPixels && next_base + kVectorPixels <= width_;
+    const uint32_t base = goes_on ? next_base : std::min(x, width_ - std::min(width_, kVectorPixels));
+    uint32_t mask = 0;
+    size_t last = i;
+    for (; last < end && events.x[last] - base < kVectorPixels; ++last) mask |= 1u << (events.x[last] - base);
+    const size_t words = goes_on ? 3 : 4;
+    if (last - i <= words || width_ < kVectorPixels) {
+      out.put(make_word(kAddrX, (p << 11) | x));
+      next_base = 0xFFFF;
+      ++i;
+      continue;
+    }
+    if (!goes_on) out.put(make_word(kVectBaseX, (p << 11) | base));
+    out.put(make_word(kVect12, mask));
+    out.put(make_word(kVect12, mask >> 12));
+    out.put(make_word(kVect8, mask >> 24));
+    next_base = base + kVectorPixels;
+    i = last;
+  }
+}
+
+void Encoder::put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out) {
+  for (size_t i = begin; i < end;) {
+    put_time(events.t[i], out);
+    if (events.y[i] != y_) {
+      y_ = events.y[i];
+      out.put(make_word(kAddrY, y_));
+    }
+    size_t last = i + 1;
+    while (last < end && events.t[last] == events.t[i] && events.y[last] == y_ && events.p[last] == events.p[i] &&
+           events.x[last] > events.x[last - 1]) {
+      ++last;
+    }
+    put_row(events, i, last, out);
+    i = last;
+  }
+}
+
+void Encoder::put_trigger(const Trigger& trigger, WordBuffer& out) {
+  put_time(trigger.t, out);
+  out.put(make_word(kTrigger, (static_cast<uint32_t>(trigger.id & 0xF) << 8) | (trigger.p & 1u)));
+}
+
+}  // namespace evt3
+
+Result<std::unique_ptr<RecordingWriter>> create_evt3(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+  RecordingInfo raw = info;
+  raw.format = "evt3";
+  return create_raw_writer<evt3::Encoder>(std::move(sink), raw);
+}
+
+}  // namespace e2lf::events

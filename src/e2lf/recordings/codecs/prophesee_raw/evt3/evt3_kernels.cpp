@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+
+#define HWY_WANT_AVX3_DL 1
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/check-inl.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/groups-inl.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/plain_words-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::events::evt3 {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+
+size_t check_words(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+  return check_scalar(words, count, check, limits);
+}
+size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  return decode_scalar(words, count, state, limits, sink);
+}
+#else
+
+size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  ToColumns target(sink);
+  return decode_words(words, count, state, limits, sink, target);
+}
+
+#endif
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::events::evt3
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::events::evt3 {
+
+HWY_EXPORT(check_words);
+HWY_EXPORT(decode_columns);
+
+size_t Codec::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+  return HWY_DYNAMIC_DISPATCH(check_words)(words, count, check, limits);
+}
+
+size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  return HWY_DYNAMIC_DISPATCH(decode_columns)(words, count, state, limits, sink);
+}
+
+}  // namespace e2lf::events::evt3
+#endif

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// EVT3 words in groups of eight, for CPUs that do not compress 16-bit lanes. Included once for each target.
+#if defined(E2LF_EVENTS_EVT3_GROUPS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef E2LF_EVENTS_EVT3_GROUPS_INL_H
+#undef E2LF_EVENTS_EVT3_GROUPS_INL_H
+#else
+#define E2LF_EVENTS_EVT3_GROUPS_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+
+#include <hwy/highway.h>
+
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/group_targets-inl.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_groups-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::events::evt3 {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_AVX3_DL
+
+/// What words that bring events depend on.
+struct Cursor {
+  uint32_t low;
+  uint32_t y;
+  uint32_t base_x;
+  uint32_t base_p;
+};
+
+/// 255 for the types that are not plain: plain are single events, what places them, and what is ignored.
+HWY_ALIGN constexpr uint8_t kNotPlain[16] = {0, 255, 0, 255, 255, 255, 0, 0, 255, 255, 255, 255, 255, 255, 0, 0};
+
+/// What bounds the words that are taken.
+struct Bounds {
+  uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
+  uint32_t width;      ///< of the sensor
+};
+
+/// Words that take_vectors() may look at from one on.
+constexpr size_t kVectorWords = 4;
+
+/// Goes over the row and time words among `next` (four words, the first in its low bits) in front of a base. Returns
+/// how many there are; 0 when there is no base, or another word or an odd time in front of it.
+HWY_INLINE size_t take_places(uint64_t next, const Bounds& bounds, Cursor& cursor) {
+  constexpr uint64_t kOnes = 0x0001000100010001;
+  // A lane's upper bit stays clear where its type is a base.
+  const uint64_t type_or_none = (next >> 12 & 0xF * kOnes) ^ kVectBaseX * kOnes;
+  const uint64_t bases = ~(type_or_none + 0x7FFF * kOnes) & 0x8000 * kOnes;
+  if (bases == 0) return 0;
+  const auto count = static_cast<size_t>(std::countr_zero(bases)) / 16;
+  uint32_t low = cursor.low, y = cursor.y;
+  uint32_t bad = 0;
+  for (size_t i = 0; i < count; ++i, next >>= 16) {
+    const auto word = static_cast<uint32_t>(next & 0xFFFF);
+    const uint32_t type = word >> 12;
+    const uint32_t new_low = type == kTimeLow ? word & kPayloadMask : low;
+    bad |= static_cast<uint32_t>(new_low < low);
+    bad |= static_cast<uint32_t>((type != kAddrY) & (type != kTimeLow) & (word != bounds.time_high));
+    y = type == kAddrY ? word & kCoordinateMask : y;
+    low = new_low;
+  }
+  if (bad != 0) return 0;
+  cursor.low = low;
+  cursor.y = y;
+  return count;
+}
+
+/// Decodes vectors, their bases and what stands in front of these, up to another word or a vector that reaches beyond
+/// the sensor or has no base. Returns how many words were used.
+HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor,
+                               ToColumns& target) {
+  constexpr uint64_t kTripleTypes = 0xF000F000F000, kTriple = 0x500040004000;
+  Cursor at = cursor;
+  size_t i = 0;
+  while (i + kVectorWords <= count) {
+    const auto next = load_le<uint64_t>(words + 2 * i);
+    const auto type = static_cast<uint32_t>(next >> 12) & 0xF;
+    if (type == kVectBaseX) {
+      at.base_x = static_cast<uint32_t>(next) & kCoordinateMask;
+      at.base_p = static_cast<uint32_t>(next >> 11) & 1;
+      ++i;
+    } else if ((next & kTripleTypes) == kTriple && at.base_x + 32 <= bounds.width) {
+      const uint64_t mask = (next & 0xFFF) | (next >> 4 & 0xFFF000) | (next >> 8 & 0xFF000000);
+      target.put_vector(static_cast<uint32_t>(mask), at.base_x, at.y, at.base_p, at.low);
+      at.base_x += 32;
+      i += 3;
+    } else if (type == kVect8 || type == kVect12) {
+      const uint32_t bits = type == kVect8 ? 8 : 12;
+      if (at.base_x + bits > bounds.width) break;
+      target.put_vector(static_cast<uint32_t>(next) & ((1u << bits) - 1), at.base_x, at.y, at.base_p, at.low);
+      at.base_x += bits;
+      ++i;
+    } else {
+      const size_t places = take_places(next, bounds, at);
+      if (places == 0) break;
+      i += places;
+    }
+  }
+  cursor = at;
+  return i;
+}
+
+/// Decodes words up to the first that needs a closer look, brings a time before the last one, or is
+/// among the last few. No branch depends on the order of plain words. Returns how many words were used.
+HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor, ToColumns& target) {
+  const Group d;
+  const SignedGroup di;
+  const auto not_plain = hn::Load(GroupBytes(), kNotPlain);
+  const auto time_high = hn::Set(d, static_cast<uint16_t>(bounds.time_high));
+  auto low = hn::Set(d, static_cast<uint16_t>(cursor.low));
+  auto y = hn::Set(d, static_cast<uint16_t>(cursor.y));
+  size_t i = 0;
+  while (i + kGroupWords + kVectorWords <= count) {
+    const auto word = hn::LoadU(d, reinterpret_cast<const uint16_t*>(words + 2 * i));
+    const auto type = hn::ShiftRight<12>(word);
+    const auto equal = [&](hn::Vec<Group> values, hn::Vec<Group> to) { return hn::VecFromMask(d, hn::Eq(values, to)); };
+    const auto is = [&](uint32_t value) { return equal(type, hn::Set(d, static_cast<uint16_t>(value))); };
+    const auto by_type = hn::BitCast(d, hn::TableLookupBytes(not_plain, hn::BitCast(GroupBytes(), type)));
+    const auto stop = hn::ShiftLeft<8>(hn::AndNot(equal(word, time_high), by_type));
+    const uint32_t stops_events = bits_of_two(stop, is(kAddrX));
+    const uint32_t rows_lows = bits_of_two(is(kAddrY), is(kTimeLow));
+    const auto used = static_cast<size_t>(std::countr_zero(stops_events | 0x100));
+    const uint32_t taken = (1u << used) - 1;
+
+    const auto lows = fill_forward(hn::And(word, hn::Set(d, uint16_t{kPayloadMask})), rows_lows >> 8 & taken, low);
+    const auto before = hn::CombineShiftRightBytes<14>(d, lows, low);
+    const auto is_back = hn::Lt(hn::BitCast(di, lows), hn::BitCast(di, before));
+    if (!hn::AllFalse(di, is_back)) break;
+
+    const auto x = hn::And(word, hn::Set(d, uint16_t{kCoordinateMask}));
+    const auto rows = fill_forward(x, rows_lows & taken, y);
+    target.put_events(word, x, rows, lows, stops_events >> 8 & taken);
+    low = last_in_all(lows);
+    y = last_in_all(rows);
+    i += kGroupWords;
+    if (used < kGroupWords) {
+      i -= kGroupWords - used;
+      cursor.low = hn::GetLane(low);
+      cursor.y = hn::GetLane(y);
+      const size_t in_vectors = take_vectors(words + 2 * i, count - i, bounds, cursor, target);
+      if (in_vectors == 0) break;
+      i += in_vectors;
+      low = hn::Set(d, static_cast<uint16_t>(cursor.low));
+      y = hn::Set(d, static_cast<uint16_t>(cursor.y));
+    }
+  }
+  cursor.low = hn::GetLane(low);
+  cursor.y = hn::GetLane(y);
+  return i;
+}
+
+/// Groups of words by the kernels above, what they leave by the scalar reference.
+HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                               ColumnSink& sink, ToColumns& target) {
+  sink.set_time(Codec::time(state));
+  for (size_t i = 0; i < count;) {
+    // The kernels take time as it comes: not while it is held up by an earlier event.
+    if (sink.time() == Codec::time(state)) {
+      const Bounds bounds{state.time_high, limits.width};
+      Cursor cursor{state.low, state.y, state.base_x, state.base_p};
+      target.begin(state.high_us);
+      i += take_words(words + 2 * i, count - i, bounds, cursor, target);
+      target.end();
+      state.low = static_cast<uint16_t>(cursor.low);
+      state.y = static_cast<uint16_t>(cursor.y);
+      state.base_x = static_cast<uint16_t>(cursor.base_x);
+      state.base_p = static_cast<uint8_t>(cursor.base_p);
+    }
+    const size_t left = std::min(count - i, kGroupWords);
+    i += decode_scalar(words + 2 * i, left, state, limits, sink);
+    sink.set_time(Codec::time(state));
+  }
+  return count;
+}
+
+#endif
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::events::evt3
+HWY_AFTER_NAMESPACE();
+
+#endif

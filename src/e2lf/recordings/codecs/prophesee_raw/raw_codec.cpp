@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
+
+#include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_reader.h"
+
+namespace e2lf::events {
+namespace {
+
+template <typename Codec>
+std::unique_ptr<RecordingReader> make_reader(std::unique_ptr<ByteSource> source, RawHeader header,
+                                             const OpenOptions& options) {
+  return std::make_unique<RawReader<Codec>>(std::move(source), std::move(header), options);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_evt21(std::unique_ptr<ByteSource> source, RawHeader header,
+                                                    const OpenOptions& options) {
+  constexpr size_t kLookedAtBytes = 4096;
+  E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> words, source->fetch(kLookedAtBytes));
+  const evt21::ByteOrder order = evt21::find_byte_order(words, header.endianness);
+  return order == evt21::ByteOrder::kLittle
+             ? make_reader<evt21::Codec<evt21::ByteOrder::kLittle>>(std::move(source), std::move(header), options)
+             : make_reader<evt21::Codec<evt21::ByteOrder::kLegacy>>(std::move(source), std::move(header), options);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(RawHeader header, read_raw_header(*source, options));
+  if (header.info.format == "evt2.1") return open_evt21(std::move(source), std::move(header), options);
+  if (header.info.format == "evt2") return make_reader<evt2::Codec>(std::move(source), std::move(header), options);
+  return make_reader<evt3::Codec>(std::move(source), std::move(header), options);
+}
+
+Result<std::unique_ptr<RecordingWriter>> create_raw(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+  if (info.format == "evt2") return create_evt2(std::move(sink), info);
+  if (info.format == "evt2.1") return create_evt21(std::move(sink), info);
+  return create_evt3(std::move(sink), info);
+}
+
+}  // namespace e2lf::events

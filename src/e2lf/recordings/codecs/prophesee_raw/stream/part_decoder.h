@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "e2lf/base/threads.h"
+#include "e2lf/recordings/pending_batch.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_stream.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/stream_guess.h"
+
+namespace e2lf::events {
+
+/// Decodes consecutive parts of a RAW stream at once. What a part depends on is guessed from the words before it; the
+/// part counts only when the one in front of it has come to just that state, so the result is that of one thread.
+template <typename Codec>
+class PartDecoder {
+ public:
+  using Stream = RawStream<Codec>;
+
+  struct Part {
+    explicit Part(const SensorLimits& limits) : stream(limits), guess(limits) {}
+
+    PendingBatch batch;
+    DecodeSummary summary;          ///< of this part alone, events and triggers not counted
+    Stream stream;                  ///< behind the part
+    size_t end = 0;                 ///< how many of the bytes are done with
+    int64_t latest_us = INT64_MIN;  ///< time of the last event or trigger up to here
+
+    Stream guess;  ///< in front of the part
+    bool is_guessed = false;
+    bool is_whole = false;  ///< the next one begins where this ends
+  };
+
+  PartDecoder(size_t max_parts, const SensorLimits& limits) : limits_(limits), parts_(max_parts, Part(limits)) {}
+
+  /// How many bytes decode() can make use of.
+  [[nodiscard]] size_t wanted_bytes() const { return parts_.size() * part_bytes_ + kBytesBehind; }
+
+  /// Decodes from `bytes`, which begin where `stream` is and with the file's byte `first_byte`; `latest_us` as in Part.
+  /// Returns how many parts() are good; 0 when there are too few bytes for two.
+  size_t decode(std::span<const uint8_t> bytes, uint64_t first_byte, const Stream& stream, int64_t latest_us) {
+    const size_t usable = bytes.size() - std::min(bytes.size(), kBytesBehind);
+    const size_t count = std::min(parts_.size(), usable / part_bytes_);
+    if (count < 2) return 0;
+    parallel_for(count, 1, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) decode_part(bytes, first_byte, stream, i);
+    });
+    raise(parts_[0], latest_us);
+    size_t good = 1;
+    while (good < count && joins(parts_[good - 1], parts_[good])) ++good;
+    if (parts_[0].end == 0) return 0;
+    adapt(good);
+    return good;
+  }
+
+  [[nodiscard]] Part& part(size_t i) { return parts_[i]; }
+
+ private:
+  /// A part is to have about so many events: few enough to stay in the cache until they are used.
+  static constexpr size_t kPartEvents = size_t{1} << 16;
+  static constexpr size_t kMaxPartEvents = 4 * kPartEvents;
+  static constexpr size_t kMinPartBytes = size_t{1} << 16;
+  static constexpr size_t kMaxPartBytes = size_t{1} << 21;
+  static constexpr size_t kBytesBehind = kBytesBehindPart<Codec>;
+
+  void decode_part(std::span<const uint8_t> bytes, uint64_t first_byte, const Stream& stream, size_t i) {
+    Part& part = parts_[i];
+    EventBatch& batch = part.batch.refill();
+    part.summary = {};
+    ColumnSink sink(batch, kMaxPartEvents);
+    const size_t begin = i * part_bytes_;
+    part.guess = stream;
+    part.is_guessed = i == 0 || StreamGuess<Codec>::at(bytes, begin, limits_, stream, sink, part.guess);
+    part.is_whole = false;
+    if (part.is_guessed) {
+      part.stream = part.guess;
+      const auto progress =
+          part.stream.process(bytes.subspan(begin), false, first_byte + begin, sink, part.summary, part_bytes_);
+      part.end = begin + progress.used;
+      part.is_whole = progress.used == part_bytes_;
+      part.latest_us = sink.latest();
+    }
+    batch.events.resize(sink.count);
+  }
+
+  /// Whether a part goes on from the one before it; fits it to that if so.
+  static bool joins(const Part& before, Part& part) {
+    if (!before.is_whole || !part.is_guessed) return false;
+    if (!Stream::is_confirmed(part.guess, before.stream, part.stream)) return false;
+    raise(part, before.latest_us);
+    return true;
+  }
+
+  /// Raises times to the last one in front of the part, as the sink does within it.
+  static void raise(Part& part, int64_t latest_us) {
+    part.batch.raise_times(latest_us);
+    part.latest_us = std::max(part.latest_us, latest_us);
+  }
+
+  void adapt(size_t good) {
+    size_t events = 0;
+    for (size_t i = 0; i < good; ++i) events += parts_[i].batch.batch().events.size();
+    const double bytes_per_event =
+        static_cast<double>(parts_[good - 1].end) / static_cast<double>(std::max<size_t>(events, 1));
+    const auto wanted = static_cast<size_t>(std::min(1e9, bytes_per_event * static_cast<double>(kPartEvents)));
+    part_bytes_ = std::clamp(wanted, kMinPartBytes, kMaxPartBytes) / 64 * 64;
+  }
+
+  SensorLimits limits_;
+  std::vector<Part> parts_;
+  size_t part_bytes_ = 2 * kMinPartBytes;
+};
+
+}  // namespace e2lf::events

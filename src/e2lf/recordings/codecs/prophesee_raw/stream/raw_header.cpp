@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/batch_check.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr size_t kMaxLine = 4096;
+constexpr size_t kMaxSide = 2048;  // x and y have 11 bits
+
+struct Encoding {
+  const char* codec;    // ours
+  const char* format;   // of the key `format`
+  const char* version;  // of the key `evt`
+};
+constexpr std::array<Encoding, 3> kEncodings = {
+    {{"evt2", "EVT2", "2.0"}, {"evt2.1", "EVT21", "2.1"}, {"evt3", "EVT3", "3.0"}}};
+
+struct Size {
+  size_t width = 0;
+  size_t height = 0;
+  bool operator==(const Size&) const = default;
+};
+
+bool is_key_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+}
+
+bool is_printable(char c) {
+  return (c >= ' ' && c <= '~') || c == '\t';
+}
+
+enum class Line { kHeader, kData, kIncomplete };
+
+/// Whether `text` begins with a header line; event words may begin with '%', too, so the whole line is looked at.
+Line next_line(std::string_view text, bool ended, std::string_view& line, size_t& length) {
+  constexpr std::string_view kStart = "% ";
+  const size_t known = std::min(text.size(), kStart.size());
+  if (text.substr(0, known) != kStart.substr(0, known)) return Line::kData;
+  if (text.size() < kStart.size()) return ended ? Line::kData : Line::kIncomplete;
+  const size_t newline = text.substr(0, kMaxLine).find('\n');
+  line = text.substr(0, newline);
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  line.remove_prefix(kStart.size());
+  if (!line.empty() && !is_key_character(line.front())) return Line::kData;
+  if (!std::all_of(line.begin(), line.end(), is_printable)) return Line::kData;
+  if (newline == std::string_view::npos) return ended || text.size() >= kMaxLine ? Line::kData : Line::kIncomplete;
+  length = newline + 1;
+  return Line::kHeader;
+}
+
+std::string trimmed(std::string_view text) {
+  const size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return std::string(text.substr(begin, text.find_last_not_of(" \t") + 1 - begin));
+}
+
+std::optional<size_t> parse_side(std::string_view text) {
+  size_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value == 0 || value > kMaxSide) return std::nullopt;
+  return value;
+}
+
+/// "1280x720".
+std::optional<Size> parse_geometry(std::string_view text) {
+  const size_t cross = text.find('x');
+  if (cross == std::string_view::npos) return std::nullopt;
+  const auto width = parse_side(text.substr(0, cross));
+  const auto height = parse_side(text.substr(cross + 1));
+  if (!width || !height) return std::nullopt;
+  return Size{*width, *height};
+}
+
+/// The sensor of files of old cameras, which do not give a size.
+std::optional<Size> size_of_system(const std::string& system_id) {
+  if (system_id == "48" || system_id == "49" || system_id == "50") return Size{1280, 720};
+  if (system_id == "21" || system_id == "28" || system_id == "40") return Size{640, 480};
+  if (system_id == "59") return Size{320, 320};
+  return std::nullopt;
+}
+
+/// What the key `format` says: "EVT3;height=720;width=1280;endianness=little", all but the first part optional.
+struct FormatKey {
+  std::string codec;
+  std::optional<size_t> width, height;
+  std::string endianness;
+};
+
+Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
+  FormatKey key;
+  const std::string encoding = trimmed(text.substr(0, text.find(';')));
+  for (const Encoding& known : kEncodings) {
+    if (encoding == known.format || encoding == cat("EVT", known.version)) key.codec = known.codec;
+  }
+  if (key.codec.empty()) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("the encoding ", encoding, " is not read; record as EVT2, EVT2.1 or EVT3"), bad_size.location};
+  }
+  while (text.find(';') != std::string_view::npos) {
+    text.remove_prefix(text.find(';') + 1);
+    const std::string_view field = text.substr(0, text.find(';'));
+    const size_t equals = field.find('=');
+    if (equals == std::string_view::npos) continue;
+    const std::string name = trimmed(field.substr(0, equals));
+    const std::string value = trimmed(field.substr(equals + 1));
+    if (name == "endianness") key.endianness = value;
+    if (name != "width" && name != "height") continue;
+    const auto side = parse_side(value);
+    if (!side) return bad_size;
+    (name == "width" ? key.width : key.height) = *side;
+  }
+  return key;
+}
+
+/// Fills format, size and byte order from the keys. Precedence: format, then evt and geometry, then system_ID.
+Result<void> interpret(RawHeader& header, const std::string& name) {
+  RecordingInfo& info = header.info;
+  const Error bad_size{ErrorCode::kFormat, cat("the header gives a size that is not 1 to ", kMaxSide, "; repair it"),
+                       cat(name, ": header")};
+  Size size;
+  if (const auto geometry = info.find("geometry")) {
+    const auto parsed = parse_geometry(*geometry);
+    if (!parsed) return bad_size;
+    size = *parsed;
+  }
+  if (const auto version = info.find("evt")) {
+    for (const Encoding& known : kEncodings) {
+      if (*version == known.version) info.format = known.codec;
+    }
+    if (info.format.empty()) {
+      return Error{ErrorCode::kUnsupported, cat("EVT ", *version, " is not read; record as EVT2, EVT2.1 or EVT3"),
+                   bad_size.location};
+    }
+  }
+  if (const auto endianness = info.find("endianness")) header.endianness = *endianness;
+  if (const auto format = info.find("format")) {
+    E2LF_ASSIGN_OR_RETURN(const FormatKey key, parse_format(*format, bad_size));
+    const Size told{key.width.value_or(size.width), key.height.value_or(size.height)};
+    if ((size != Size() && told != size) || (!info.format.empty() && key.codec != info.format)) {
+      return Error{ErrorCode::kFormat, "the header contradicts itself (format, evt, geometry); repair it",
+                   bad_size.location};
+    }
+    size = told;
+    info.format = key.codec;
+    if (!key.endianness.empty()) header.endianness = key.endianness;
+  }
+  if (const auto system = info.find("system_ID"); system && size == Size()) {
+    size = size_of_system(*system).value_or(Size());
+  }
+  info.width = size.width;
+  info.height = size.height;
+  return {};
+}
+
+bool is_rewritten_key(const std::string& key) {
+  return key == "evt" || key == "format" || key == "geometry" || key == "endianness" || key == "end";
+}
+
+}  // namespace
+
+Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, const std::string& name) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  RawHeader header;
+  bool more = true;
+  while (more) {
+    std::string_view line;
+    size_t length = 0;
+    const Line kind = next_line(text.substr(header.num_bytes), ended, line, length);
+    if (kind == Line::kIncomplete) return Error{ErrorCode::kTruncated, "the header goes on; read more of it", name};
+    if (kind == Line::kData) break;
+    header.num_bytes += length;
+    const std::string key = trimmed(line.substr(0, line.find_first_of(" \t")));
+    more = key != "end";
+    if (more && !key.empty()) header.info.header.emplace_back(key, trimmed(line.substr(key.size())));
+  }
+  E2LF_RETURN_IF_ERROR(interpret(header, name));
+  return header;
+}
+
+Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options) {
+  std::span<const uint8_t> bytes;
+  Result<RawHeader> header = RawHeader();
+  bool ended = false;
+  do {
+    const size_t wanted = bytes.size() + 1;
+    E2LF_ASSIGN_OR_RETURN(bytes, source.fetch(wanted));
+    ended = bytes.size() < wanted;
+    header = parse_raw_header(bytes, ended, source.name());
+  } while (!header && header.error().code == ErrorCode::kTruncated && !ended);
+  if (!header) return header;
+  source.consume(header->num_bytes);
+
+  RecordingInfo& info = header->info;
+  if (!options.format.empty() && options.format != "raw") {
+    if (!info.format.empty() && info.format != options.format) {
+      return Error{
+          ErrorCode::kInvalidValue,
+          cat("the file says its format is ", info.format, ", not ", options.format, "; leave the option away"),
+          source.name()};
+    }
+    info.format = options.format;
+  }
+  if (info.format.empty()) {
+    return Error{ErrorCode::kFormat,
+                 "the file does not say how its events are encoded; name the format (--event-format evt3)",
+                 source.name()};
+  }
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));
+  if (std::max(info.width, info.height) > kMaxSide) {
+    return Error{ErrorCode::kInvalidValue, cat("a RAW recording is at most ", kMaxSide, " pixels wide and high"), ""};
+  }
+  return header;
+}
+
+bool is_raw_header(std::span<const uint8_t> head) {
+  const auto header = parse_raw_header(head, /*ended=*/true, "");
+  if (!header) return header.error().code == ErrorCode::kFormat || header.error().code == ErrorCode::kUnsupported;
+  const RecordingInfo& info = header->info;
+  return !info.format.empty() || info.find("system_ID") || info.find("integrator_name");
+}
+
+std::string raw_header_text(const RecordingInfo& info) {
+  const Encoding* encoding = &kEncodings.back();
+  for (const Encoding& known : kEncodings) {
+    if (info.format == known.codec) encoding = &known;
+  }
+  std::string text;
+  const auto add = [&text](const std::string& key, const std::string& value) {
+    text += cat("% ", key, " ", value, "\n");
+  };
+  // The vendor's software looks for a plugin by these.
+  constexpr std::array<std::array<const char*, 2>, 4> kDefaults = {{{"camera_integrator_name", "Prophesee"},
+                                                                    {"integrator_name", "Prophesee"},
+                                                                    {"plugin_integrator_name", "Prophesee"},
+                                                                    {"plugin_name", "hal_plugin_prophesee"}}};
+  for (const auto& [key, value] : kDefaults) {
+    if (!info.find(key)) add(key, value);
+  }
+  for (const auto& [key, value] : info.header) {
+    const bool plain = !key.empty() && std::all_of(key.begin(), key.end(), is_key_character) &&
+                       std::all_of(value.begin(), value.end(), is_printable);
+    if (plain && !is_rewritten_key(key)) add(key, value);
+  }
+  const bool is_evt21 = info.format == "evt2.1";
+  const std::string endianness = info.find("endianness") == "legacy" ? "legacy" : "little";
+  add("evt", encoding->version);
+  add("format", cat(encoding->format, is_evt21 ? cat(";endianness=", endianness) : "", ";height=", info.height,
+                    ";width=", info.width));
+  add("geometry", cat(info.width, "x", info.height));
+  return text + "% end\n";
+}
+
+}  // namespace e2lf::events

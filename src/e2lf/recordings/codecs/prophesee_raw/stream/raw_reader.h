@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "e2lf/base/threads.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/part_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_stream.h"
+#include "e2lf/recordings/recording.h"
+
+namespace e2lf::events {
+
+/// Reads a RAW recording of one encoding: bytes from a source through a RawStream, or where the source is a file and
+/// there may be several threads, read() goes through a PartDecoder that is some parts ahead. Every kCheckpointBytes
+/// the stream is copied, so that seeking needs no index file: it goes on from the last copy before the time.
+template <typename Codec>
+class RawReader final : public RecordingReader {
+ public:
+  /// `source` stands behind the header.
+  RawReader(std::unique_ptr<ByteSource> source, RawHeader header, const OpenOptions& options)
+      : RecordingReader(options), source_(std::move(source)), stream_(limits_of(header.info)) {
+    info_ = std::move(header.info);
+    name_ = source_->name();
+    checkpoints_.push_back({INT64_MIN, source_->position(), stream_, INT64_MIN});
+    const auto threads = static_cast<size_t>(options.threads == 0 ? num_threads() : options.threads);
+    if (threads == 1 || !source_->seekable()) return;
+    parts_.emplace(kPartsPerThread * threads, limits_of(info_));
+  }
+
+  std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
+
+ protected:
+  Result<bool> read_next(EventBatch& batch, size_t max_events) override {
+    if (next_part_ == num_parts_) E2LF_RETURN_IF_ERROR(decode_parts());
+    if (next_part_ == num_parts_) return read_directly(batch, max_events);
+    auto& part = parts_->part(next_part_);
+    // Noted once, with the first of its events.
+    summary_.append(std::exchange(part.summary, {}));
+    summary_.time_loops = part.stream.time_loops();
+    part.batch.take(batch, max_events);
+    if (part.batch.empty()) ++next_part_;
+    return true;
+  }
+
+  Result<void> seek_before(int64_t t_us) override {
+    auto checkpoint = checkpoints_.rbegin();
+    while (checkpoint->time_us >= t_us) ++checkpoint;
+    E2LF_RETURN_IF_ERROR(source_->seek(checkpoint->byte));
+    stream_ = checkpoint->stream;
+    latest_us_ = checkpoint->latest_us;
+    wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
+    next_part_ = num_parts_ = 0;
+    return {};
+  }
+
+ private:
+  static constexpr uint64_t kCheckpointBytes = uint64_t{4} << 20;
+  static constexpr size_t kPartsPerThread = 4;
+
+  struct Checkpoint {
+    int64_t time_us;  ///< no event in front of it is later
+    uint64_t byte;
+    RawStream<Codec> stream;
+    int64_t latest_us;  ///< of what was given out up to here
+  };
+
+  static SensorLimits limits_of(const RecordingInfo& info) {
+    SensorLimits limits;
+    if (info.width != 0) limits.width = static_cast<uint32_t>(info.width);
+    if (info.height != 0) limits.height = static_cast<uint32_t>(info.height);
+    return limits;
+  }
+
+  /// Decodes the next parts on several threads, where that can be done.
+  Result<void> decode_parts() {
+    next_part_ = num_parts_ = 0;
+    if (!parts_ || !stream_.is_steady()) return {};
+    E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> bytes, source_->fetch(parts_->wanted_bytes()));
+    const uint64_t first_byte = source_->position();
+    num_parts_ = parts_->decode(bytes, first_byte, stream_, latest_us_);
+    for (size_t i = 0; i < num_parts_; ++i) {
+      const auto& part = parts_->part(i);
+      stream_ = part.stream;
+      latest_us_ = part.latest_us;
+      add_checkpoint(first_byte + part.end, latest_us_);
+    }
+    if (num_parts_ == 0) return {};
+    source_->consume(parts_->part(num_parts_ - 1).end);
+    wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
+    return {};
+  }
+
+  /// Decodes into the batch on this thread.
+  Result<bool> read_directly(EventBatch& batch, size_t max_events) {
+    EventColumns& events = batch.events;
+    const size_t known = events.size();
+    ColumnSink sink(batch, max_events);
+    sink.set_latest(latest_us_);
+    Result<bool> more = true;
+    bool full = false;
+    while (more && *more && !full && (source_->seekable() || sink.count == 0)) more = step(sink, full);
+    events.resize(known + sink.count);
+    latest_us_ = sink.latest();
+    return more;
+  }
+
+  /// Decodes what is at hand; false at the end of the source, `full` when the sink stopped.
+  Result<bool> step(ColumnSink& sink, bool& full) {
+    E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> bytes, source_->fetch(wanted_));
+    const bool ended = bytes.size() < wanted_;
+    const auto progress = stream_.process(bytes, ended, source_->position(), sink, summary_);
+    source_->consume(progress.used);
+    summary_.time_loops = stream_.time_loops();
+    full = progress.wanted == 0 && !(ended && progress.used == bytes.size());
+    wanted_ = std::max<size_t>({progress.wanted, stream_.num_seen_bytes(), 1});
+    add_checkpoint(source_->position(), sink.latest());
+    return full || !ended;
+  }
+
+  /// Notes that stream_ is at that byte.
+  void add_checkpoint(uint64_t byte, int64_t latest_us) {
+    if (!source_->seekable() || byte < checkpoints_.back().byte + kCheckpointBytes) return;
+    const int64_t time_us = std::max(stream_.time_us(), latest_us);
+    if (time_us > checkpoints_.back().time_us) checkpoints_.push_back({time_us, byte, stream_, latest_us});
+  }
+
+  std::unique_ptr<ByteSource> source_;
+  RawStream<Codec> stream_;
+  std::vector<Checkpoint> checkpoints_;
+  size_t wanted_ = 1;
+  int64_t latest_us_ = INT64_MIN;  ///< of what was decoded
+
+  std::optional<PartDecoder<Codec>> parts_;
+  size_t num_parts_ = 0;  ///< of these are decoded, the first next_part_ of them handed out
+  size_t next_part_ = 0;
+};
+
+}  // namespace e2lf::events

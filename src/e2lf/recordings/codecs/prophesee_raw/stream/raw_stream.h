@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "e2lf/recordings/decode_summary.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/word_checks.h"
+
+namespace e2lf::events {
+
+/// Decodes one RAW encoding from bytes as they come: any cut between two calls gives the same events. Words are checked
+/// first, and what has been checked is decoded kHoldWords later without further checks. Where a check fails, the words
+/// behind it tell whether one word is damaged (it is dropped) or bytes are missing (the stream is taken up again where
+/// words make sense). Copies are checkpoints: decoding goes on from them.
+template <typename Codec>
+class RawStream {
+ public:
+  explicit RawStream(const SensorLimits& limits) : limits_(limits) {}
+
+  struct Progress {
+    size_t used = 0;    ///< bytes that are done with
+    size_t wanted = 0;  ///< bytes needed from there to go on; 0 when the sink stopped
+  };
+
+  static constexpr size_t kNoStop = SIZE_MAX;
+
+  /// Decodes as much of `bytes` as the sink takes. `first_byte` is the position of bytes[0] in the file, for reports;
+  /// `ended` = nothing follows. At the end, used == bytes.size(). Stops too when the next word would reach beyond the
+  /// first `stop` bytes: two streams that stop between the same words of a well aligned stretch have one state there.
+  template <typename Sink>
+  Progress process(std::span<const uint8_t> bytes, bool ended, uint64_t first_byte, Sink& sink, DecodeSummary& summary,
+                   size_t stop = kNoStop) {
+    Input input{bytes, 0, stop, ended, first_byte, &summary};
+    for (;;) {
+      if (input.num_words_to_stop() == 0) return {input.position, 0};
+      if (!started_ && !start(input)) return need_more(input);
+      if (lost_ && !find_alignment(input)) return need_more(input);
+      extend_check(input);
+      size_t ready = num_ready(input);
+      if (ready == 0) {
+        const Step step = next_step(input);
+        if (step == Step::kNeedMore) return need_more(input);
+        if (step == Step::kEnd) return end(input);
+        continue;
+      }
+      ready = std::min({ready, kBlockWords, input.num_words_to_stop()});
+      if (Codec::settled(state_)) {
+        ready = std::min(ready, sink.room(Codec::kMaxEventsPerWord));
+        if (ready == 0) return {input.position, 0};
+        const size_t used = decode(input, ready, sink);
+        if (used < ready) return {input.position, 0};
+      } else {
+        settle(input, ready);
+      }
+    }
+  }
+
+  [[nodiscard]] int64_t time_us() const { return Codec::time(state_); }
+  [[nodiscard]] uint64_t time_loops() const { return Codec::time_loops(state_); }
+
+  /// The bytes that process() has looked at behind those it used; it must be given at least these again.
+  [[nodiscard]] size_t num_seen_bytes() const {
+    return std::max((checked_ + (problem_ == Problem::kNone ? 0 : 1)) * kWordBytes, jump_);
+  }
+
+  /// Whether decoding goes on here as it does within undamaged data.
+  [[nodiscard]] bool is_steady() const {
+    return started_ && !lost_ && problem_ != Problem::kBreak && Codec::settled(state_);
+  }
+
+  /// Makes a stream that has come up to some place from shortly before it a guess at what `before`, which is further
+  /// back, will be there: clock, counts and what else has not shown are taken from it.
+  void go_on_from(const RawStream& before) {
+    Codec::go_on_from(state_, before.state_);
+    check_.heartbeat = before.check_.heartbeat;
+    asked_ = {};
+  }
+
+  /// Whether `end`, decoded from `guess`, is what decoding from `truth` would have come to, with the same events; sets
+  /// right what `end` counts from the start.
+  [[nodiscard]] static bool is_confirmed(const RawStream& guess, const RawStream& truth, RawStream& end) {
+    const int64_t late = truth.check_.heartbeat - guess.check_.heartbeat;
+    if (end.asked_.lowest_yes + late < 0 || end.asked_.highest_no + late >= 0) return false;
+    if (!guess.is_same_but_heartbeat(truth)) return false;
+    end.check_.heartbeat += late;
+    return true;
+  }
+
+ private:
+  static constexpr size_t kWordBytes = Codec::kWordBytes;
+  static constexpr size_t kBlockWords = 2048;
+
+  struct Input {
+    std::span<const uint8_t> bytes;
+    size_t position;
+    size_t stop;
+    bool ended;
+    uint64_t first_byte;
+    DecodeSummary* summary;
+
+    [[nodiscard]] const uint8_t* data() const { return bytes.data() + position; }
+    [[nodiscard]] size_t num_bytes() const { return bytes.size() - position; }
+    [[nodiscard]] size_t num_words() const { return num_bytes() / kWordBytes; }
+    [[nodiscard]] size_t num_words_to_stop() const { return stop > position ? (stop - position) / kWordBytes : 0; }
+    [[nodiscard]] uint64_t byte(size_t offset) const { return first_byte + position + offset; }
+  };
+
+  /// What Codec::heartbeat() was where it decided something: the answers nearest to the other one.
+  struct Asked {
+    int64_t lowest_yes = INT64_MAX / 2;
+    int64_t highest_no = INT64_MIN / 2;
+  };
+
+  enum class Problem { kNone, kUnresolved, kSkipWord, kBreak };
+  enum class Step { kGoOn, kNeedMore, kEnd };
+
+  Progress need_more(const Input& input) const { return {input.position, input.num_bytes() + 1}; }
+
+  Progress end(Input& input) const {
+    if (input.num_bytes() > 0) input.summary->add(Violation::kTruncated, input.byte(0));
+    return {input.bytes.size(), 0};
+  }
+
+  /// A recording may begin anywhere: looks once whether the first bytes are well aligned.
+  bool start(Input& input) {
+    if (input.num_words() < kWindowWords && !input.ended) return false;
+    started_ = true;
+    const size_t window = std::min(input.num_words(), kMinWindowWords);
+    lost_ = window == kMinWindowWords && Codec::count_bad(input.data(), window, window) * 4 > window;
+    if (lost_) input.summary->add(Violation::kMisaligned, input.byte(0));
+    return true;
+  }
+
+  void extend_check(const Input& input) {
+    size_t words = input.num_words();
+    if (input.stop != kNoStop) words = std::min(words, input.num_words_to_stop() + kHoldWords);
+    if (problem_ != Problem::kNone || checked_ >= words || checked_ > kHoldWords) return;
+    const size_t count = std::min(words - checked_, kBlockWords);
+    const size_t good = Codec::check(input.data() + checked_ * kWordBytes, count, check_, limits_);
+    checked_ += good;
+    if (good < count) problem_ = Problem::kUnresolved;
+  }
+
+  /// How many words may be decoded now.
+  [[nodiscard]] size_t num_ready(const Input& input) const {
+    if (problem_ == Problem::kSkipWord) return checked_;
+    if (problem_ == Problem::kBreak) return keep_;
+    if (problem_ == Problem::kNone && input.ended && checked_ == input.num_words()) return checked_;
+    return checked_ > kHoldWords ? checked_ - kHoldWords : 0;
+  }
+
+  template <typename Sink>
+  size_t decode(Input& input, size_t count, Sink& sink) {
+    const typename Codec::State before = state_;
+    const size_t used = Codec::decode(input.data(), count, state_, limits_, sink);
+    if (const uint64_t outside = std::exchange(state_.num_outside, 0); outside > 0) {
+      input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
+    }
+    advance(input, used);
+    return used;
+  }
+
+  /// The byte of the first word that had an event outside the sensor, decoding from `state` again.
+  size_t first_outside(const uint8_t* words, size_t count, typename Codec::State state) const {
+    constexpr size_t kRoom = Codec::kMaxEventsPerWord + kSinkSlack;
+    std::array<uint16_t, kRoom> x, y;
+    std::array<uint8_t, kRoom> p;
+    std::array<int64_t, kRoom> t;
+    std::vector<Trigger> triggers;
+    ColumnSink sink;
+    sink.x = x.data();
+    sink.y = y.data();
+    sink.p = p.data();
+    sink.t = t.data();
+    sink.triggers = &triggers;
+    size_t i = 0;
+    for (; i < count && state.num_outside == 0; ++i) {
+      sink.count = 0;
+      Codec::decode(words + i * kWordBytes, 1, state, limits_, sink);
+    }
+    return (i - 1) * kWordBytes;
+  }
+
+  void settle(Input& input, size_t count) {
+    advance(input, Codec::settle(input.data(), count, state_, *input.summary));
+    if (Codec::settled(state_) && gap_open_) {
+      gap_open_ = false;
+      const TimeGap gap = std::exchange(gap_, {});
+      input.summary->add_gap({gap.begin_us, std::max(gap.begin_us, time_us()), gap.byte});
+    }
+  }
+
+  void advance(Input& input, size_t words) {
+    input.position += words * kWordBytes;
+    checked_ -= words;
+    if (problem_ == Problem::kBreak) {
+      keep_ -= words;
+      jump_ -= words * kWordBytes;
+    }
+  }
+
+  Step next_step(Input& input) {
+    switch (problem_) {
+      case Problem::kNone:
+        if (checked_ < input.num_words()) return Step::kGoOn;
+        return input.ended ? Step::kEnd : Step::kNeedMore;
+      case Problem::kUnresolved:
+        return resolve(input);
+      case Problem::kSkipWord:
+        Codec::drop_word(input.data(), state_);
+        input.position += kWordBytes;
+        break;
+      case Problem::kBreak:
+        input.position += jump_;
+        checked_ = keep_ = jump_ = 0;
+        Codec::forget(state_, check_);
+        break;
+    }
+    problem_ = Problem::kNone;
+    return Step::kGoOn;
+  }
+
+  /// Decides about the word that the check stopped at.
+  Step resolve(Input& input) {
+    const uint8_t* word = input.data() + checked_ * kWordBytes;
+    const size_t behind = input.num_words() - checked_ - 1;
+    if (behind < kWindowWords && !input.ended) return Step::kNeedMore;
+    const size_t window = std::min(behind, kWindowWords);
+    const size_t bad = Codec::count_bad(word + kWordBytes, window, kWindowBad + 1);
+    if (bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1)) {
+      return begin_break(input);
+    }
+    const Suspicion suspicion = Codec::suspicion(word, check_, limits_);
+    if (suspicion == Suspicion::kTimeBack || suspicion == Suspicion::kTimeAhead) {
+      const Verdict verdict = Codec::judge_time(word, behind + 1, input.ended, check_);
+      if (verdict == Verdict::kNeedMore) return Step::kNeedMore;
+      if (verdict == Verdict::kAccept) {
+        accept_time(input, word);
+        return Step::kGoOn;
+      }
+      Codec::reject_time(word, check_);
+    }
+    constexpr Violation kKinds[] = {Violation::kUnknownWord, Violation::kOutOfRange, Violation::kTimeBackwards,
+                                    Violation::kTimeJump};
+    input.summary->add(kKinds[static_cast<size_t>(suspicion)], input.byte(checked_ * kWordBytes));
+    ++input.summary->dropped_words;
+    problem_ = Problem::kSkipWord;
+    return Step::kGoOn;
+  }
+
+  /// A jump in a stream that repeats its time all along means that data is missing.
+  void accept_time(Input& input, const uint8_t* word) {
+    const int64_t step_us = Codec::step_us(word, check_);
+    if (step_us > 0 && has_heartbeat()) {
+      const uint64_t byte = input.byte(checked_ * kWordBytes);
+      input.summary->add(Violation::kTimeJump, byte);
+      input.summary->add_gap({time_us(), time_us() + step_us, byte});
+    }
+    Codec::accept_time(word, check_);
+    ++checked_;
+    problem_ = Problem::kNone;
+  }
+
+  bool has_heartbeat() {
+    const int64_t heartbeat = check_.heartbeat;
+    if (heartbeat < 0) {
+      asked_.highest_no = std::max(asked_.highest_no, heartbeat);
+    } else {
+      asked_.lowest_yes = std::min(asked_.lowest_yes, heartbeat);
+    }
+    return heartbeat >= 0;
+  }
+
+  [[nodiscard]] bool is_same_but_heartbeat(const RawStream& other) const {
+    auto check = check_;
+    check.heartbeat = other.check_.heartbeat;
+    return state_ == other.state_ && check == other.check_ && checked_ == other.checked_ &&
+           problem_ == other.problem_ && keep_ == other.keep_ && jump_ == other.jump_ && started_ == other.started_ &&
+           lost_ == other.lost_ && dropped_bytes_ == other.dropped_bytes_ && gap_open_ == other.gap_open_ &&
+           gap_ == other.gap_;
+  }
+
+  [[nodiscard]] bool is_aligned(const uint8_t* data, size_t words) const {
+    constexpr size_t kFirst = 8;
+    return Codec::count_bad(data, kFirst, 1) == 0 && Codec::count_bad(data, words, kResumeBad + 1) <= kResumeBad;
+  }
+
+  /// The next offset >= `offset` where words make sense, looking at the first `end` bytes; the first that cannot be
+  /// told yet when there is none.
+  size_t next_alignment(const Input& input, size_t offset, size_t end, bool& found) const {
+    const size_t needed = input.ended ? kMinWindowWords : kWindowWords;
+    for (found = false; offset + needed * kWordBytes <= end; ++offset) {
+      const size_t words = std::min(kWindowWords, (end - offset) / kWordBytes);
+      found = is_aligned(input.data() + offset, words);
+      if (found) break;
+    }
+    return offset;
+  }
+
+  /// Bytes are missing or wrong around the word the check stopped at: finds where the stream goes on, and how much of
+  /// what is held back came surely before the damage.
+  Step begin_break(Input& input) {
+    const size_t word = checked_ * kWordBytes;
+    bool found = false;
+    // Not further than is waited for: what is found must not depend on how much happens to be at hand.
+    const size_t seen = std::min(input.num_bytes(), word + kJudgeWords * kWordBytes);
+    jump_ = next_alignment(input, word + 1, seen, found);
+    if (!found && !input.ended && seen < word + kJudgeWords * kWordBytes) return Step::kNeedMore;
+    lost_ = !found;
+    keep_ = checked_ - std::min<size_t>(checked_, 8);
+    if (found && (jump_ - word) % kWordBytes != 0) {
+      size_t begin = jump_;
+      while (begin >= kWordBytes && Codec::count_bad(input.data() + begin - kWordBytes, 1, 1) == 0) {
+        begin -= kWordBytes;
+      }
+      keep_ = std::min(checked_, begin / kWordBytes);
+    }
+    input.summary->add(Violation::kMisaligned, input.byte(word));
+    count_dropped(input, jump_ - keep_ * kWordBytes);
+    open_gap(input.byte(word));
+    problem_ = Problem::kBreak;
+    return Step::kGoOn;
+  }
+
+  /// Counts dropped bytes in words; what is left over goes on to the next time, however many pieces there are.
+  void count_dropped(const Input& input, size_t bytes) {
+    dropped_bytes_ += bytes;
+    input.summary->dropped_words += dropped_bytes_ / kWordBytes;
+    dropped_bytes_ %= kWordBytes;
+  }
+
+  void open_gap(uint64_t byte) {
+    if (!gap_open_) gap_ = {time_us(), time_us(), byte};
+    gap_open_ = true;
+  }
+
+  /// Goes on looking for words that make sense; drops what does not.
+  bool find_alignment(Input& input) {
+    if (problem_ == Problem::kBreak) return true;  // what was kept goes out first
+    bool found = false;
+    size_t skipped = next_alignment(input, 0, input.num_bytes(), found);
+    if (!found && input.ended) skipped = input.num_bytes();
+    input.position += skipped;
+    count_dropped(input, skipped);
+    lost_ = !found && !input.ended;
+    if (found) Codec::forget(state_, check_);
+    return !lost_;
+  }
+
+  SensorLimits limits_;
+  typename Codec::State state_;
+  typename Codec::Check check_;
+  size_t checked_ = 0;  ///< words from the position on that are known to be good
+  Problem problem_ = Problem::kNone;
+  size_t keep_ = 0;  ///< at a break: words to decode before it,
+  size_t jump_ = 0;  ///< and where to go on, in bytes from the position
+  bool started_ = false;
+  bool lost_ = false;         ///< no alignment known
+  size_t dropped_bytes_ = 0;  ///< not yet counted as a word
+  bool gap_open_ = false;
+  TimeGap gap_;
+  Asked asked_;
+};
+
+}  // namespace e2lf::events

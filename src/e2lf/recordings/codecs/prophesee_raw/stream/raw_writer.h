@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/recording.h"
+
+namespace e2lf::events {
+
+/// Bytes that an encoder appends little-endian words to.
+class WordBuffer {
+ public:
+  template <typename Word>
+  void put(Word word) {
+    for (size_t i = 0; i < sizeof(Word); ++i) bytes_.push_back(static_cast<uint8_t>(word >> (8 * i)));
+  }
+  [[nodiscard]] std::span<const uint8_t> bytes() const { return bytes_; }
+  void clear() { bytes_.clear(); }
+
+ private:
+  std::vector<uint8_t> bytes_;
+};
+
+/// Writes a RAW recording: the header, then what an Encoder makes of events and triggers merged by time:
+///   Encoder(info)
+///   kMaxFirstUs                         the latest time a recording may begin with
+///   kMaxPauseUs                         the longest time without events and triggers
+///   kMaxTriggerId
+///   put_events(events, begin, end, out) events[begin, end)
+///   put_trigger(trigger, out)
+template <typename Encoder>
+class RawWriter final : public RecordingWriter {
+ public:
+  RawWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info)
+      : sink_(std::move(sink)), name_(sink_->name()), check_(info.width, info.height, name_), encoder_(info) {}
+
+  [[nodiscard]] bool holds_triggers() const override { return true; }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check(batch));
+    buffer_.clear();
+    size_t event = 0;
+    for (const Trigger& trigger : batch.triggers) {
+      size_t end = event;
+      while (end < batch.events.size() && batch.events.t[end] < trigger.t) ++end;
+      encoder_.put_events(batch.events, event, end, buffer_);
+      encoder_.put_trigger(trigger, buffer_);
+      event = end;
+    }
+    encoder_.put_events(batch.events, event, batch.events.size(), buffer_);
+    return sink_->write(buffer_.bytes());
+  }
+
+  Result<void> finish() override { return sink_->commit(); }
+
+ private:
+  Result<void> check(const EventBatch& batch) {
+    int64_t first_us = INT64_MAX;
+    int64_t last_us = latest_us_;
+    if (!batch.events.empty()) {
+      first_us = batch.events.t.front();
+      last_us = std::max(last_us, batch.events.t.back());
+    }
+    if (!batch.triggers.empty()) {
+      first_us = std::min(first_us, batch.triggers.front().t);
+      last_us = std::max(last_us, batch.triggers.back().t);
+    }
+    if (first_us < 0 || (latest_us_ < 0 && first_us > Encoder::kMaxFirstUs && !batch.empty())) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("time ", first_us, " us cannot be held by this format; shift the recording to zero"), name_};
+    }
+    for (const Trigger& trigger : batch.triggers) {
+      if (trigger.id <= Encoder::kMaxTriggerId) continue;
+      return Error{ErrorCode::kInvalidValue,
+                   cat("trigger id ", trigger.id, " does not fit into this encoding, which ends at ",
+                       Encoder::kMaxTriggerId, "; write HDF5 or npz instead"),
+                   name_};
+    }
+    if (first_us < latest_us_) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("time runs back from ", latest_us_, " to ", first_us, " us; sort events and triggers first"),
+                   name_};
+    }
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    if (latest_us_ < 0) latest_us_ = std::min(first_us, last_us);
+    if (last_us - latest_us_ > Encoder::kMaxPauseUs) E2LF_RETURN_IF_ERROR(check_pauses(batch));
+    latest_us_ = last_us;
+    return {};
+  }
+
+  Result<void> check_pauses(const EventBatch& batch) const {
+    std::vector<int64_t> times_us(batch.events.t.begin(), batch.events.t.end());
+    for (const Trigger& trigger : batch.triggers) times_us.push_back(trigger.t);
+    std::sort(times_us.begin(), times_us.end());
+    int64_t last_us = latest_us_;
+    for (const int64_t t_us : times_us) {
+      if (t_us - last_us > Encoder::kMaxPauseUs) {
+        return Error{ErrorCode::kInvalidValue,
+                     cat("the pause from ", last_us, " to ", t_us, " us is longer than the ", Encoder::kMaxPauseUs,
+                         " us this encoding holds; split the recording or write HDF5"),
+                     name_};
+      }
+      last_us = t_us;
+    }
+    return {};
+  }
+
+  std::unique_ptr<ByteSink> sink_;
+  std::string name_;
+  BatchCheck check_;
+  Encoder encoder_;
+  WordBuffer buffer_;
+  int64_t latest_us_ = -1;  ///< of what was written
+};
+
+/// Starts a writer: checks the size and writes the header. Fails with kInvalidValue and kIo.
+template <typename Encoder>
+Result<std::unique_ptr<RecordingWriter>> create_raw_writer(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+  if (info.width == 0 || info.height == 0 || info.width > 2048 || info.height > 2048) {
+    return Error{ErrorCode::kInvalidValue, "a RAW recording is 1 to 2048 pixels wide and high; give the sensor's size",
+                 sink->name()};
+  }
+  const std::string header = raw_header_text(info);
+  E2LF_RETURN_IF_ERROR(sink->write(std::span(reinterpret_cast<const uint8_t*>(header.data()), header.size())));
+  std::unique_ptr<RecordingWriter> writer = std::make_unique<RawWriter<Encoder>>(std::move(sink), info);
+  return writer;
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/word_checks.h"
+
+/// EVT2 and EVT2.1: every event brings the low 6 bits of its time. The 32-bit head of a word has the type in bits
+/// 31..28; EVT2.1 adds 32 validity bits. A `Layout` says where the two lie in memory:
+///   kWordBytes, kMaxEventsPerWord, head(bytes), mask(bytes)
+namespace e2lf::events::timed {
+
+enum Type : uint32_t {
+  kOff = 0x0,       ///< event(s): t bits 5..0 in 27..22, x in 21..11, y in 10..0
+  kOn = 0x1,        ///< the same, brighter
+  kTimeHigh = 0x8,  ///< t bits 33..6 in 27..0
+  kTrigger = 0xA,   ///< t bits 5..0 in 27..22, input in 12..8, edge in 0
+  kOthers = 0xE,    ///< monitoring data: ignored
+  kContinued = 0xF,
+};
+
+inline constexpr uint32_t kKnownTypes =
+    (1u << kOff) | (1u << kOn) | (1u << kTimeHigh) | (1u << kTrigger) | (1u << kOthers) | (1u << kContinued);
+inline constexpr uint32_t kTimeHighMask = 0xFFFFFFF;
+inline constexpr uint32_t kHalfCircle = 1u << 27;
+inline constexpr uint32_t kBackOne = kTimeHighMask;  ///< one step back on the 28-bit circle: jitter
+inline constexpr uint32_t kNearSteps = 64;           ///< 4 ms
+inline constexpr int kLoopBits = 34;
+inline constexpr uint32_t kNoTime = 0xFFFFFFFF;
+
+inline uint32_t type_of(uint32_t head) {
+  return head >> 28;
+}
+inline uint32_t low_of(uint32_t head) {
+  return (head >> 22) & 0x3F;
+}
+inline uint32_t x_of(uint32_t head) {
+  return (head >> 11) & 0x7FF;
+}
+inline uint32_t y_of(uint32_t head) {
+  return head & 0x7FF;
+}
+
+/// How far `to` is ahead of `from` on the 28-bit circle.
+inline uint32_t steps(uint32_t from, uint32_t to) {
+  return (to - from) & kTimeHighMask;
+}
+
+struct State {
+  int64_t high_us = 0;           ///< time without its low 6 bits, loops included
+  uint32_t time_high = kNoTime;  ///< the payload of the last TIME_HIGH word
+  uint64_t num_outside = 0;      ///< events of a vector outside the sensor, dropped
+  bool need_time_high = true;    ///< drop events until such a word has come
+  bool operator==(const State&) const = default;
+};
+
+struct Check {
+  uint32_t time_high = kNoTime;
+  uint32_t num_rejected = 0;
+  int64_t heartbeat = -16;    ///< repeated TIME_HIGH words less those that step; 0 or more is a heartbeat
+  bool after_damage = false;  ///< the next TIME_HIGH may be noise
+  uint32_t num_zeros = 0;     ///< words that are all zero, up to here
+  bool operator==(const Check&) const = default;
+};
+
+/// The state's time after a TIME_HIGH word. A step back by more than jitter gets this far only when the clock was set
+/// anew: time goes on by one step.
+inline void take_time_high(uint32_t time_high, State& state) {
+  if (state.time_high == kNoTime) {
+    state.high_us = static_cast<int64_t>(time_high) << 6;
+  } else {
+    const uint32_t step = steps(state.time_high, time_high);
+    state.high_us += step == kBackOne ? -64 : int64_t{step < kHalfCircle ? step : 1} << 6;
+  }
+  state.time_high = time_high;
+}
+
+/// The functions of a Codec (word_checks.h) but for check() and decode(), and the scalar references of those.
+template <typename Layout>
+struct Words {
+  using State = timed::State;
+  using Check = timed::Check;
+  static constexpr size_t kWordBytes = Layout::kWordBytes;
+  static constexpr size_t kMaxEventsPerWord = Layout::kMaxEventsPerWord;
+
+  static bool is_known(uint32_t head) { return ((kKnownTypes >> type_of(head)) & 1) != 0; }
+  static bool is_outside(uint32_t head, const SensorLimits& limits) {
+    return type_of(head) <= kOn && (x_of(head) >= limits.width || y_of(head) >= limits.height);
+  }
+  static bool is_zero(const uint8_t* word) { return Layout::head(word) == 0 && Layout::mask(word) <= 1; }
+
+  /// Whether one word is plausible after what the check knows; takes it over if so. A run of zeros is no data.
+  static bool check_word(const uint8_t* word, Check& check, const SensorLimits& limits) {
+    const uint32_t head = Layout::head(word);
+    check.num_zeros = is_zero(word) ? check.num_zeros + 1 : 0;
+    if (check.num_zeros > kMaxZeros) return false;
+    if (type_of(head) != kTimeHigh) return is_known(head) && !is_outside(head, limits);
+    if (check.time_high == kNoTime) return false;
+    const uint32_t step = steps(check.time_high, head);
+    if (step > 1 && step != kBackOne) return false;
+    check.heartbeat += step == 0 ? 1 : -1;
+    check.num_rejected = 0;
+    check.time_high = head & kTimeHighMask;
+    return true;
+  }
+
+  static size_t check_scalar(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+    size_t i = 0;
+    while (i < count && check_word(words + i * kWordBytes, check, limits)) ++i;
+    return i;
+  }
+
+  static size_t count_bad(const uint8_t* words, size_t count, size_t enough) {
+    size_t bad = 0;
+    uint32_t time_high = kNoTime;
+    uint32_t num_zeros = 0;
+    for (size_t i = 0; i < count && bad < enough; ++i) {
+      const uint8_t* word = words + i * kWordBytes;
+      const uint32_t head = Layout::head(word);
+      num_zeros = is_zero(word) ? num_zeros + 1 : 0;
+      bool odd = !is_known(head) || num_zeros > kMaxZeros;
+      if (type_of(head) == kTimeHigh) {
+        const uint32_t step = time_high == kNoTime ? 0 : steps(time_high, head);
+        odd = step >= kHalfCircle && step != kBackOne;
+        time_high = head & kTimeHighMask;
+      } else if (kMaxEventsPerWord > 1 && type_of(head) <= kOn) {
+        // Vectors begin at multiples of 32 and are not empty.
+        odd = odd || x_of(head) % 32 != 0 || Layout::mask(word) == 0;
+      } else if (type_of(head) == kTrigger) {
+        odd = (head & 0x3FE0FE) != 0;
+      }
+      bad += odd ? 1 : 0;
+    }
+    return bad;
+  }
+
+  static Suspicion suspicion(const uint8_t* word, const Check& check, const SensorLimits& limits) {
+    const uint32_t head = Layout::head(word);
+    if (!is_known(head) || is_zero(word)) return Suspicion::kUnknown;
+    if (is_outside(head, limits)) return Suspicion::kRange;
+    const bool is_back = check.time_high != kNoTime && steps(check.time_high, head) >= kHalfCircle;
+    return is_back ? Suspicion::kTimeBack : Suspicion::kTimeAhead;
+  }
+
+  /// A TIME_HIGH that steps back or far ahead is right if most of those behind it go on from it, not from the last.
+  static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
+    const uint32_t head = Layout::head(words);
+    const bool is_first = check.time_high == kNoTime;
+    const bool is_back = !is_first && steps(check.time_high, head) >= kHalfCircle;
+    const bool is_restart = check.num_rejected >= kClockRestart;
+    const size_t seen = std::min(count, kJudgeWords);
+    size_t judges = 0, in_favour = 0;
+    for (size_t i = 1; i < seen && judges < kJudges; ++i) {
+      const uint32_t following = Layout::head(words + i * kWordBytes);
+      if (type_of(following) != kTimeHigh) continue;
+      const uint32_t from_this = steps(head, following);
+      ++judges;
+      const uint32_t limit = is_first     ? (check.after_damage ? kNearSteps : kHalfCircle)
+                             : is_restart ? kHalfCircle / 2
+                                          : steps(check.time_high, following);
+      in_favour += from_this <= limit ? 1 : 0;
+    }
+    if (judges < kJudges && count < kJudgeWords && !ended) return Verdict::kNeedMore;
+    if (is_back && !is_restart) return Verdict::kReject;
+    return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
+  }
+
+  static void accept_time(const uint8_t* word, Check& check) {
+    check.time_high = Layout::head(word) & kTimeHighMask;
+    check.num_rejected = 0;
+    check.num_zeros = 0;
+    check.after_damage = false;
+    --check.heartbeat;
+  }
+  static void reject_time(const uint8_t*, Check& check) { ++check.num_rejected; }
+
+  static int64_t step_us(const uint8_t* word, const Check& check) {
+    return check.time_high == kNoTime ? 0 : static_cast<int64_t>(steps(check.time_high, Layout::head(word))) << 6;
+  }
+
+  static void forget(State& state, Check& check) {
+    state.need_time_high = true;
+    check.num_zeros = 0;
+    check.after_damage = true;
+  }
+  static void drop_word(const uint8_t* word, State& state) {
+    if (type_of(Layout::head(word)) == kTimeHigh) state.need_time_high = true;
+  }
+
+  static size_t settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
+    size_t i = 0;
+    for (; i < count && !settled(state); ++i) {
+      const uint8_t* word = words + i * kWordBytes;
+      const uint32_t head = Layout::head(word);
+      if (type_of(head) == kTimeHigh) {
+        take_time_high(head & kTimeHighMask, state);
+        state.need_time_high = false;
+      } else if (type_of(head) <= kOn || type_of(head) == kTrigger) {
+        const int dropped = type_of(head) <= kOn ? std::popcount(Layout::mask(word)) : 1;
+        (state.time_high == kNoTime ? summary.events_before_time : summary.dropped_words) +=
+            static_cast<uint64_t>(dropped);
+      }
+    }
+    return i;
+  }
+  static bool settled(const State& state) { return !state.need_time_high; }
+
+  static void go_on_from(State& state, const State& before) {
+    // Up to 15/16 of a loop ahead, or 18 minutes back.
+    constexpr uint32_t kBack = 1u << 24;
+    const uint32_t ahead = (state.time_high - before.time_high + kBack) & kTimeHighMask;
+    state.high_us = before.high_us + ((int64_t{ahead} - kBack) << 6);
+  }
+  static int64_t time(const State& state) { return state.high_us; }
+  static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us >> kLoopBits); }
+
+  /// The part of a vector's mask that lies inside the sensor.
+  static uint32_t inside(const uint8_t* word, const SensorLimits& limits) {
+    const uint32_t x = x_of(Layout::head(word)), mask = Layout::mask(word);
+    return x + 32 <= limits.width ? mask : mask & ((1u << (limits.width - x)) - 1);
+  }
+
+  static size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                              ColumnSink& sink) {
+    for (size_t i = 0; i < count; ++i) {
+      const uint8_t* word = words + i * kWordBytes;
+      const uint32_t head = Layout::head(word);
+      switch (type_of(head)) {
+        case kOff:
+        case kOn:
+          if constexpr (kMaxEventsPerWord == 1) {
+            sink.set_time(state.high_us | low_of(head));
+            sink.add(x_of(head), y_of(head), type_of(head));
+          } else {
+            const uint32_t mask = inside(word, limits);
+            if (mask != 0) sink.set_time(state.high_us | low_of(head));
+            state.num_outside += static_cast<uint64_t>(std::popcount(Layout::mask(word) ^ mask));
+            sink.add_mask(x_of(head), y_of(head), type_of(head), mask);
+          }
+          break;
+        case kTimeHigh:
+          take_time_high(head & kTimeHighMask, state);
+          break;
+        case kTrigger:
+          sink.set_time(state.high_us | low_of(head));
+          sink.add_trigger((head >> 8) & 0x1F, head & 1);
+          break;
+        default:
+          break;
+      }
+    }
+    return count;
+  }
+};
+
+}  // namespace e2lf::events::timed

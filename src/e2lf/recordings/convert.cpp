@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/convert.h"
+
+#include "e2lf/files/is_stream.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/read_ahead.h"
+#include "e2lf/recordings/side_triggers.h"
+
+namespace e2lf::events {
+namespace {
+
+void warn(ConvertReport& report, const std::string& message) {
+  log_warning(message);
+  report.warnings.push_back(message);
+}
+
+/// Why there is nothing to write.
+Error nothing_to_convert(const RecordingReader& reader) {
+  const OpenOptions& options = reader.options();
+  const std::vector<Loss> left_out = losses(reader.summary());
+  std::string message = "no event and no trigger";
+  if (options.from_us != INT64_MIN || options.to_us != INT64_MAX) {
+    message +=
+        options.range == TimeOrigin::kZero ? " in that time from its first one on" : " in that time of its clock";
+  }
+  message += left_out.empty() ? "" : cat(" (left out: ", loss_text(left_out), ")");
+  return {ErrorCode::kInvalidValue, message + "; `e2lf info` tells what the recording holds, and from when to when",
+          reader.name()};
+}
+
+}  // namespace
+
+Result<ConvertReport> convert_recording(RecordingReader& reader, const std::filesystem::path& output,
+                                        const ConvertOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(auto writer, create_recording(output, options.format, reader.info()));
+  SideTriggerWriter side(output);
+  const bool has_side = output != "-" && !is_stream(output);
+  const std::string name = output == "-" ? "standard output" : output.filename().string();
+  ConvertReport report;
+  ReadAhead ahead(reader);
+  EventBatch batch;
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, ahead.read(batch));
+    if (!more) break;
+    E2LF_RETURN_IF_ERROR(writer->write(batch));
+    if (!writer->holds_triggers() && has_side) E2LF_RETURN_IF_ERROR(side.write(batch.triggers));
+    report.events += batch.events.size();
+    report.triggers += batch.triggers.size();
+    if (options.progress) options.progress(report.events, 0);
+  }
+  if (report.events + report.triggers == 0) return nothing_to_convert(reader);
+  E2LF_RETURN_IF_ERROR(writer->finish());
+  E2LF_RETURN_IF_ERROR(side.finish());
+  report.summary = reader.summary();
+
+  if (report.triggers > 0 && !writer->holds_triggers()) {
+    if (has_side) report.trigger_file = side.path().filename();
+    warn(report, cat(name, ": the format has no place for ", report.triggers, " triggers; ",
+                     has_side ? cat("they are in ", side.path().filename().string(), " beside it")
+                              : "they are lost, write to a file instead"));
+  }
+  if (!writer->holds_absolute_time()) {
+    warn(report, cat(name,
+                     ": the format does not keep the sensor's absolute time; compare it with others "
+                     "that begin at zero too (--shift-time)"));
+  }
+  return report;
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/decode_summary.h"
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::events {
+namespace {
+
+struct ViolationText {
+  const char* name;
+  const char* text;
+  const char* plural;
+};
+
+constexpr std::array<ViolationText, kNumViolations> kTexts = {{
+    {"unknown_word", "a word of unknown type", "words of unknown type"},
+    {"out_of_range", "an event outside the sensor", "events outside the sensor"},
+    {"time_backwards", "time runs backwards", "events or times earlier than those before them"},
+    {"time_jump", "time jumps ahead", "events or times far ahead of those behind them"},
+    {"misaligned", "bytes are missing or inserted", "places with missing or inserted bytes"},
+    {"truncated", "the data ends inside a word, record or packet", "unfinished words, records or packets at the end"},
+    {"bad_record", "a record that cannot be read", "records that cannot be read"},
+}};
+
+}  // namespace
+
+const char* violation_name(Violation kind) {
+  return kTexts[static_cast<size_t>(kind)].name;
+}
+
+const char* violation_text(Violation kind) {
+  return kTexts[static_cast<size_t>(kind)].text;
+}
+
+uint64_t DecodeSummary::num_violations() const {
+  uint64_t sum = 0;
+  for (const ViolationCount& violation : violations) sum += violation.count;
+  return sum;
+}
+
+void DecodeSummary::add(Violation kind, uint64_t byte, uint64_t count) {
+  if (count == 0) return;
+  if (of(kind).count == 0) of(kind).first_byte = byte;
+  of(kind).count += count;
+}
+
+void DecodeSummary::add_gap(const TimeGap& gap) {
+  if (gaps.size() < kMaxGaps) gaps.push_back(gap);
+  ++num_gaps;
+}
+
+void DecodeSummary::append(const DecodeSummary& later) {
+  if (later.events() > 0) {
+    if (events() == 0) first_t_us = later.first_t_us;
+    last_t_us = later.last_t_us;
+  }
+  events_on += later.events_on;
+  events_off += later.events_off;
+  triggers += later.triggers;
+  events_before_time += later.events_before_time;
+  time_loops += later.time_loops;
+  out_of_order += later.out_of_order;
+  dropped_words += later.dropped_words;
+  for (size_t kind = 0; kind < kNumViolations; ++kind) {
+    add(static_cast<Violation>(kind), later.violations[kind].first_byte, later.violations[kind].count);
+  }
+  for (const TimeGap& gap : later.gaps) add_gap(gap);
+  num_gaps += later.num_gaps - later.gaps.size();
+}
+
+std::vector<Loss> losses(const DecodeSummary& summary) {
+  std::vector<Loss> found;
+  for (size_t kind = 0; kind < kNumViolations; ++kind) {
+    const ViolationCount& violation = summary.violations[kind];
+    if (violation.count == 0) continue;
+    found.push_back({kTexts[kind].name, kTexts[kind].plural, violation.count, violation.first_byte});
+  }
+  if (summary.events_before_time > 0) {
+    found.push_back({"before_first_time", "events in front of the first time", summary.events_before_time, 0});
+  }
+  return found;
+}
+
+std::string loss_text(const std::vector<Loss>& losses) {
+  std::vector<std::string> parts;
+  for (const Loss& loss : losses) {
+    const std::string place = loss.first_byte == 0 ? "" : cat(" (the first at byte ", loss.first_byte, ")");
+    parts.push_back(cat(loss.count, " ", loss.text, place));
+  }
+  return join(parts);
+}
+
+Error violation_error(const DecodeSummary& summary, const std::string& name) {
+  Violation first = Violation::kUnknownWord;
+  for (size_t kind = 0; kind < kNumViolations; ++kind) {
+    const ViolationCount& violation = summary.violations[kind];
+    const ViolationCount& best = summary.of(first);
+    if (violation.count > 0 && (best.count == 0 || violation.first_byte < best.first_byte)) {
+      first = static_cast<Violation>(kind);
+    }
+  }
+  const ErrorCode code = first == Violation::kTruncated ? ErrorCode::kTruncated : ErrorCode::kFormat;
+  return {code,
+          cat(violation_text(first), ", which strict reading refuses; without it such data is left out and counted"),
+          cat(name, ": byte ", summary.of(first).first_byte)};
+}
+
+}  // namespace e2lf::events

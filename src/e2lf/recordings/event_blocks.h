@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "e2lf/recordings/recording.h"
+#include "e2lf/recordings/trigger_feed.h"
+
+namespace e2lf::events {
+
+/// A source of events in blocks of a size it chooses: what a container format implements.
+class EventBlocks {
+ public:
+  virtual ~EventBlocks() = default;
+
+  /// Replaces `block` by the next one, maybe empty; false at the end. Events need not be believable yet, and triggers
+  /// may come before or after the events of their time, as long as they are sorted among themselves.
+  [[nodiscard]] virtual Result<bool> next(EventBatch& block, DecodeSummary& summary) = 0;
+
+  /// Goes to a block that begins before t_us, as near as is cheap, or to the first. Fails with kUnsupported and kIo.
+  [[nodiscard]] virtual Result<void> seek_before(int64_t t_us) = 0;
+};
+
+/// A reader over blocks: cuts them to the batches asked for, drops unbelievable events (EventGate), and hands triggers
+/// out beside the events of their time; they come from the blocks or, where they lie apart, from `triggers`.
+[[nodiscard]] std::unique_ptr<RecordingReader> make_block_reader(std::unique_ptr<EventBlocks> blocks,
+                                                                 RecordingInfo info, const std::string& name,
+                                                                 const OpenOptions& options, TriggerFeed triggers = {});
+
+}  // namespace e2lf::events

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/event_rate.h"
+
+#include <algorithm>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf::events {
+namespace {
+
+/// Adds up neighbours; half as many bins are left.
+void merge_pairs(std::vector<uint64_t>& counts) {
+  for (size_t i = 0; i < counts.size(); i += 2) {
+    counts[i / 2] = counts[i] + (i + 1 < counts.size() ? counts[i + 1] : 0);
+  }
+  counts.resize((counts.size() + 1) / 2);
+}
+
+}  // namespace
+
+EventRateCounter::EventRateCounter(size_t max_bins) : max_bins_(max_bins) {
+  E2LF_REQUIRE(max_bins >= 2, "at least two bins");
+}
+
+/// The bin of a time; there is one for it afterwards.
+size_t EventRateCounter::bin_of(int64_t t_us) {
+  if (rate_.size() == 0) rate_.begin_us = t_us;
+  // A trigger may come a little before the first event that was read.
+  const int64_t since_us = std::max<int64_t>(0, t_us - rate_.begin_us);
+  while (static_cast<uint64_t>(since_us / rate_.bin_us) >= max_bins_) {
+    for (auto* counts : {&rate_.on, &rate_.off, &rate_.triggers}) merge_pairs(*counts);
+    rate_.bin_us *= 2;
+  }
+  const auto bin = static_cast<size_t>(since_us / rate_.bin_us);
+  if (bin >= rate_.size()) {
+    for (auto* counts : {&rate_.on, &rate_.off, &rate_.triggers}) counts->resize(bin + 1);
+  }
+  return bin;
+}
+
+void EventRateCounter::add(const EventBatch& batch) {
+  for (size_t i = 0; i < batch.events.size(); ++i) {
+    const size_t bin = bin_of(batch.events.t[i]);
+    ++(batch.events.p[i] != 0 ? rate_.on : rate_.off)[bin];
+  }
+  for (const Trigger& trigger : batch.triggers) {
+    const size_t bin = bin_of(trigger.t);
+    ++rate_.triggers[bin];
+  }
+}
+
+Result<EventRate> measure_event_rate(RecordingReader& reader, size_t max_bins) {
+  EventRateCounter counter(max_bins);
+  EventBatch batch;
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch));
+    if (!more) return counter.rate();
+    counter.add(batch);
+  }
+}
+
+}  // namespace e2lf::events

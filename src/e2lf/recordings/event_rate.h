@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/recordings/recording.h"
+
+namespace e2lf::events {
+
+/// How many events fell into each stretch of time.
+struct EventRate {
+  int64_t begin_us = 0;  ///< of the first bin
+  int64_t bin_us = 1;
+  std::vector<uint64_t> on, off;
+  std::vector<uint64_t> triggers;  ///< edges of any input
+
+  [[nodiscard]] size_t size() const { return on.size(); }
+};
+
+/// Counts a whole recording in at most max_bins (>= 2) bins, as fine as that allows: bins are halved in number whenever
+/// there are too many, so that memory does not depend on the recording's length. Fails as the reader does.
+[[nodiscard]] Result<EventRate> measure_event_rate(RecordingReader& reader, size_t max_bins = 2000);
+
+/// The same bin by bin, for events that come in portions.
+class EventRateCounter {
+ public:
+  explicit EventRateCounter(size_t max_bins);
+
+  void add(const EventBatch& batch);
+  [[nodiscard]] const EventRate& rate() const { return rate_; }
+
+ private:
+  [[nodiscard]] size_t bin_of(int64_t t_us);
+
+  size_t max_bins_;
+  EventRate rate_;
+};
+
+}  // namespace e2lf::events

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/io/byte_source.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::events {
+namespace {
+
+/// Small enough to stay in the second-level cache while it is decoded.
+constexpr size_t kReadBytes = size_t{1} << 18;
+
+Error read_error(const std::string& name, const char* action, int error_number) {
+  const ErrorCode code = error_number == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
+  return {code, cat("cannot ", action, " (", std::strerror(error_number), "); check the path and its permissions"),
+          name};
+}
+
+class MemorySource final : public ByteSource {
+ public:
+  MemorySource(std::span<const uint8_t> bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
+  MemorySource(std::vector<uint8_t>&& bytes, std::string name)
+      : owned_(std::move(bytes)), bytes_(owned_), name_(std::move(name)) {}
+
+  Result<std::span<const uint8_t>> fetch(size_t) override { return bytes_.subspan(position_); }
+  void consume(size_t count) override {
+    E2LF_REQUIRE(count <= bytes_.size() - position_, "more consumed than fetched");
+    position_ += count;
+  }
+  uint64_t position() const override { return position_; }
+  Result<void> seek(uint64_t position) override {
+    position_ = static_cast<size_t>(std::min<uint64_t>(position, bytes_.size()));
+    return {};
+  }
+  bool seekable() const override { return true; }
+  std::optional<uint64_t> size() const override { return bytes_.size(); }
+  std::string name() const override { return name_; }
+
+ private:
+  std::vector<uint8_t> owned_;
+  std::span<const uint8_t> bytes_;
+  size_t position_ = 0;
+  std::string name_;
+};
+
+class DescriptorSource final : public ByteSource {
+ public:
+  DescriptorSource(int descriptor, bool owned, std::string name, std::filesystem::path path)
+      : descriptor_(descriptor), owned_(owned), name_(std::move(name)), path_(std::move(path)) {
+    struct stat info {};
+    regular_ = ::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode);
+  }
+  DescriptorSource(const DescriptorSource&) = delete;
+  DescriptorSource& operator=(const DescriptorSource&) = delete;
+  ~DescriptorSource() override {
+    if (owned_) ::close(descriptor_);
+  }
+
+  Result<std::span<const uint8_t>> fetch(size_t wanted) override {
+    while (end_ - begin_ < wanted && !ended_) E2LF_RETURN_IF_ERROR(read_more(wanted));
+    return std::span<const uint8_t>(buffer_).subspan(begin_, end_ - begin_);
+  }
+  void consume(size_t count) override {
+    E2LF_REQUIRE(count <= end_ - begin_, "more consumed than fetched");
+    begin_ += count;
+    position_ += count;
+  }
+  uint64_t position() const override { return position_; }
+  Result<void> seek(uint64_t position) override {
+    if (!regular_ || ::lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) < 0) {
+      return Error{ErrorCode::kUnsupported, "a stream cannot be sought; record it to a file first", name_};
+    }
+    position_ = position;
+    begin_ = end_ = 0;
+    ended_ = false;
+    return {};
+  }
+  bool seekable() const override { return regular_; }
+  std::optional<uint64_t> size() const override {
+    struct stat info {};
+    if (!regular_ || ::fstat(descriptor_, &info) != 0) return std::nullopt;
+    return static_cast<uint64_t>(info.st_size);
+  }
+  std::string name() const override { return name_; }
+  std::filesystem::path path() const override { return path_; }
+
+ private:
+  Result<void> read_more(size_t wanted) {
+    std::copy(buffer_.begin() + static_cast<ptrdiff_t>(begin_), buffer_.begin() + static_cast<ptrdiff_t>(end_),
+              buffer_.begin());
+    end_ -= begin_;
+    begin_ = 0;
+    // Grown step by step: `wanted` may be more than there is.
+    const size_t room = std::max(kReadBytes, std::min(wanted, 2 * end_));
+    if (buffer_.size() < end_ + room) buffer_.resize(end_ + room);
+    if (!regular_ && !wait_for_bytes()) {
+      ended_ = true;
+      return {};
+    }
+    const ssize_t count = ::read(descriptor_, buffer_.data() + end_, buffer_.size() - end_);
+    if (count < 0) {
+      if (errno == EINTR) return {};
+      return read_error(name_, "read", errno);
+    }
+    ended_ = count == 0;
+    end_ += static_cast<size_t>(count);
+    return {};
+  }
+
+  /// Waits until a pipe has bytes or ends; false when a stop is asked for before.
+  [[nodiscard]] bool wait_for_bytes() const {
+    constexpr int kNapMs = 100;
+    while (!stop_requested()) {
+      pollfd waiting = {descriptor_, POLLIN, 0};
+      const int ready = ::poll(&waiting, 1, kNapMs);
+      if (ready > 0 || (ready < 0 && errno != EINTR)) return true;
+    }
+    return false;
+  }
+
+  int descriptor_;
+  bool owned_;
+  bool regular_ = false;
+  std::string name_;
+  std::filesystem::path path_;
+  std::vector<uint8_t> buffer_;
+  size_t begin_ = 0;
+  size_t end_ = 0;
+  uint64_t position_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ByteSource>> open_file_source(const std::filesystem::path& path) {
+  if (path == "-") return make_descriptor_source(STDIN_FILENO, /*owned=*/false, "stdin");
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return read_error(path.string(), "open", errno);
+  std::unique_ptr<ByteSource> source =
+      std::make_unique<DescriptorSource>(descriptor, /*owned=*/true, path.string(), path);
+  struct stat info {};
+  if (::fstat(descriptor, &info) == 0 && S_ISDIR(info.st_mode)) return read_error(path.string(), "read", EISDIR);
+  return source;
+}
+
+std::unique_ptr<ByteSource> make_memory_source(std::span<const uint8_t> bytes, std::string name) {
+  return std::make_unique<MemorySource>(bytes, std::move(name));
+}
+
+std::unique_ptr<ByteSource> make_memory_source(std::vector<uint8_t>&& bytes, std::string name) {
+  return std::make_unique<MemorySource>(std::move(bytes), std::move(name));
+}
+
+std::unique_ptr<ByteSource> make_descriptor_source(int descriptor, bool owned, std::string name) {
+  return std::make_unique<DescriptorSource>(descriptor, owned, std::move(name), std::filesystem::path());
+}
+
+Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit) {
+  std::vector<uint8_t> bytes;
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> part, source.fetch(1));
+    if (part.empty()) return bytes;
+    if (part.size() > limit - bytes.size()) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("larger than the ", limit, " bytes this format is read up to; split it"), source.name()};
+    }
+    bytes.insert(bytes.end(), part.begin(), part.end());
+    source.consume(part.size());
+  }
+}
+
+}  // namespace e2lf::events

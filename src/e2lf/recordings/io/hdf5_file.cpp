@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/io/hdf5_file.h"
+
+#include <algorithm>
+#include <array>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::events::hdf5 {
+namespace {
+
+Error write_error(const std::string& name) {
+  return {ErrorCode::kIo, "the HDF5 library could not write; check the disk's free space", name};
+}
+
+Handle open_attribute(hid_t object, const std::string& name) {
+  return {H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose};
+}
+
+std::string text_of_attribute(hid_t attribute) {
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  if (!type.valid() || H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1) {
+    return "";
+  }
+  if (H5Tis_variable_str(type.get()) > 0) {
+    char* text = nullptr;
+    if (H5Aread(attribute, type.get(), &text) < 0 || text == nullptr) return "";
+    std::string result(text);
+    H5free_memory(text);
+    return result;
+  }
+  std::string text(std::min<size_t>(H5Tget_size(type.get()), 65536), '\0');
+  if (H5Tget_size(type.get()) > text.size() || H5Aread(attribute, type.get(), text.data()) < 0) return "";
+  return text.substr(0, text.find('\0'));
+}
+
+/// False when a chunk that the elements lie in is not stored whole.
+bool chunks_are_whole(const DatasetShape& shape, uint64_t begin, uint64_t count) {
+  if (!shape.storage.is_chunked()) return true;
+  const uint64_t chunk_columns = shape.storage.chunk.size() == 2 ? shape.storage.chunk[1] : 1;
+  for (hsize_t row = begin - begin % shape.chunk_length; row < begin + count; row += shape.chunk_length) {
+    for (hsize_t column = 0; column < shape.columns; column += chunk_columns) {
+      const hsize_t offset[] = {row, column};
+      if (!e2lf::hdf5::chunk_is_whole(shape.dataset.get(), shape.storage, offset)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<Handle> open_file(ByteSource& source) {
+  const LibraryLock lock;
+  Handle file;
+  if (!source.path().empty()) {
+    file = e2lf::hdf5::open_file(source.path());
+  } else {
+    E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> bytes, read_rest(source));
+    file = e2lf::hdf5::open_bytes(std::move(bytes));
+  }
+  if (!file.valid()) {
+    return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file; it is damaged or not complete",
+                 source.name()};
+  }
+  return file;
+}
+
+std::string read_text_attribute(hid_t object, const std::string& name) {
+  const LibraryLock lock;
+  const Handle attribute = open_attribute(object, name);
+  return attribute.valid() ? text_of_attribute(attribute.get()) : "";
+}
+
+std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object) {
+  const LibraryLock lock;
+  std::vector<std::pair<std::string, std::string>> texts;
+  H5O_info_t info{};
+  if (H5Oget_info2(object, &info, H5O_INFO_NUM_ATTRS) < 0) return texts;
+  for (hsize_t i = 0; i < std::min<hsize_t>(info.num_attrs, 1000); ++i) {
+    const Handle attribute(H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, H5P_DEFAULT, H5P_DEFAULT),
+                           H5Aclose);
+    if (!attribute.valid()) continue;
+    std::array<char, 256> name{};
+    if (H5Aget_name(attribute.get(), name.size(), name.data()) <= 0) continue;
+    if (std::string text = text_of_attribute(attribute.get()); !text.empty()) texts.emplace_back(name.data(), text);
+  }
+  return texts;
+}
+
+Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text) {
+  const LibraryLock lock;
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), H5T_VARIABLE);
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const char* value = text.c_str();
+  if (!attribute.valid() || H5Awrite(attribute.get(), type.get(), &value) < 0) return write_error(name);
+  return {};
+}
+
+namespace {
+
+Result<DatasetShape> open_rows(hid_t file, const std::string& name, const std::string& location, size_t dimensions) {
+  const LibraryLock lock;
+  DatasetShape shape;
+  shape.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!shape.dataset.valid()) {
+    return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; is it an event recording?"), location};
+  }
+  E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
+  const Storage& storage = shape.storage;
+  if (storage.extents.size() != dimensions || (dimensions == 2 && storage.extents[1] == 0)) {
+    return Error{ErrorCode::kShape,
+                 cat("data set ", name, " has ", storage.extents.size(), " dimensions, not ", dimensions,
+                     "; is it an event recording?"),
+                 location};
+  }
+  shape.columns = dimensions == 2 ? storage.extents[1] : 1;
+  shape.chunk_length = storage.is_chunked() ? storage.chunk[0] : 0;
+  shape.length = std::min(storage.claimed_elements(), storage.stored_elements) / shape.columns;
+  shape.is_cut = shape.length < storage.claimed_elements() / shape.columns;
+  return shape;
+}
+
+}  // namespace
+
+Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location) {
+  return open_rows(file, name, location, 1);
+}
+
+Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location) {
+  return open_rows(file, name, location, 2);
+}
+
+Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count, void* out,
+                           const std::string& location) {
+  const LibraryLock lock;
+  const hid_t dataset = shape.dataset.get();
+  if (!chunks_are_whole(shape, begin, count)) {
+    return Error{ErrorCode::kTruncated, cat("elements from ", begin, " on are missing; the file is damaged"), location};
+  }
+  const Handle file_space(H5Dget_space(dataset), H5Sclose);
+  const hsize_t start[] = {begin, 0}, length[] = {count, shape.columns};
+  const Handle memory_space(H5Screate_simple(static_cast<int>(shape.storage.extents.size()), length, nullptr),
+                            H5Sclose);
+  if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, length, nullptr) < 0 ||
+      H5Dread(dataset, memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, out) < 0) {
+    return Error{ErrorCode::kIo,
+                 cat("the HDF5 library cannot read elements from ", begin, " on; the file is damaged ",
+                     "or its compression filter is not installed"),
+                 location};
+  }
+  return {};
+}
+
+Result<GrowingDataset> GrowingDataset::create(hid_t parent, const std::string& name, hid_t file_type,
+                                              uint64_t chunk_length, H5Z_filter_t filter) {
+  const LibraryLock lock;
+  const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = chunk_length;
+  const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(properties.get(), 1, &chunk);
+  // Optional: the file can be created and looked at where the filter is not installed.
+  if (filter != 0) H5Pset_filter(properties.get(), filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
+  GrowingDataset result;
+  result.name_ = name;
+  result.dataset_ = Handle(
+      H5Dcreate2(parent, name.c_str(), file_type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
+  if (!result.dataset_.valid()) return write_error(name);
+  return result;
+}
+
+Result<void> GrowingDataset::append(hid_t memory_type, const void* elements, uint64_t count) {
+  if (count == 0) return {};
+  const LibraryLock lock;
+  const hsize_t start = length_, added = count, total = length_ + count;
+  if (H5Dset_extent(dataset_.get(), &total) < 0) return write_error(name_);
+  const Handle file_space(H5Dget_space(dataset_.get()), H5Sclose);
+  const Handle memory_space(H5Screate_simple(1, &added, nullptr), H5Sclose);
+  if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, &start, nullptr, &added, nullptr) < 0 ||
+      H5Dwrite(dataset_.get(), memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, elements) < 0) {
+    return write_error(name_);
+  }
+  length_ = total;
+  return {};
+}
+
+Result<void> GrowingDataset::append_chunk(const std::vector<uint8_t>& bytes, size_t size, uint64_t count,
+                                          bool is_filtered) {
+  const LibraryLock lock;
+  const hsize_t start = length_, total = length_ + count;
+  if (H5Dset_extent(dataset_.get(), &total) < 0) return write_error(name_);
+  // A bit of the mask set = that filter was not applied.
+  const uint32_t filter_mask = is_filtered ? 0 : 1;
+  if (H5Dwrite_chunk(dataset_.get(), H5P_DEFAULT, filter_mask, &start, size, bytes.data()) < 0) {
+    return write_error(name_);
+  }
+  length_ = total;
+  return {};
+}
+
+}  // namespace e2lf::events::hdf5

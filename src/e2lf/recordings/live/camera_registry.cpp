@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <mutex>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/live/camera.h"
+#include "e2lf/recordings/live/camera_source.h"
+#include "e2lf/recordings/live/cameras.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr std::string_view kScheme = "camera://", kReplay = "replay:", kTcp = "tcp://";
+
+struct Registry {
+  std::mutex mutex;
+  std::vector<CameraPlugin> plugins = {
+      {"replay", "a recording at the speed it was recorded with; ADDRESS is its path", open_replay_camera},
+      {"pipe", "standard input", open_pipe_camera},
+      {"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", open_tcp_camera},
+#ifdef E2LF_HAVE_METAVISION_HAL
+      {"metavision", "a camera of the vendor's open HAL; ADDRESS is a serial number or nothing",
+       open_metavision_camera},
+#endif
+  };
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
+}
+
+struct CameraName {
+  std::string plugin, address;
+};
+
+CameraName parse_name(const std::string& name) {
+  if (name.starts_with(kReplay)) return {"replay", name.substr(kReplay.size())};
+  if (name.starts_with(kTcp)) return {"tcp", name.substr(kTcp.size())};
+  const std::string rest = name.substr(kScheme.size());
+  const size_t slash = std::min(rest.find('/'), rest.size());
+  return {rest.substr(0, slash), slash < rest.size() ? rest.substr(slash + 1) : ""};
+}
+
+Result<CameraPlugin> find_plugin(const std::string& name, const std::string& location) {
+  std::vector<std::string> names;
+  for (const CameraPlugin& plugin : camera_plugins()) {
+    if (plugin.name == name) return plugin;
+    names.push_back(plugin.name);
+  }
+  return Error{ErrorCode::kNotFound,
+               cat("this build has no camera plugin \"", name, "\"; write camera://NAME with one of ", join(names)),
+               location};
+}
+
+}  // namespace
+
+std::vector<CameraPlugin> camera_plugins() {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  return registry().plugins;
+}
+
+void add_camera_plugin(const CameraPlugin& plugin) {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  std::erase_if(registry().plugins, [&](const CameraPlugin& known) { return known.name == plugin.name; });
+  registry().plugins.push_back(plugin);
+}
+
+bool is_camera_name(const std::string& name) {
+  return name.starts_with(kScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name, const OpenOptions& options) {
+  if (!is_camera_name(name)) {
+    return Error{ErrorCode::kInvalidValue, "not a camera; write camera://NAME or camera://NAME/ADDRESS", name};
+  }
+  const CameraName parsed = parse_name(name);
+  E2LF_ASSIGN_OR_RETURN(const CameraPlugin plugin, find_plugin(parsed.plugin, name));
+  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Camera> camera, plugin.open(parsed.address));
+  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<ByteSource> source, start_camera_source(std::move(camera), name));
+  return open_recording(std::move(source), options);
+}
+
+}  // namespace e2lf::events

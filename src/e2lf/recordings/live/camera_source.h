@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/live/camera.h"
+
+namespace e2lf::events {
+
+/// Bytes that may wait between a camera and its reader; when there are more the camera is not read, and loses events as
+/// its driver does.
+inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
+
+/// Starts a camera and the thread that takes its bytes. The source ends when the camera does, and stops it when it is
+/// destroyed. Fails as Camera::start() does.
+[[nodiscard]] Result<std::unique_ptr<ByteSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name);
+
+}  // namespace e2lf::events

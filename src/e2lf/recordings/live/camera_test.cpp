@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/live/camera.h"
+
+#include <chrono>
+#include <gtest/gtest.h>
+#include <thread>
+
+#include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/cycles/synthesise.h"
+#include "testing/test_streams.h"
+
+namespace e2lf::events {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Delivers the bytes it was given piece by piece, then waits until it is stopped, as a camera without events does.
+class ScriptedCamera final : public Camera {
+ public:
+  static std::vector<uint8_t> script;
+  static size_t piece;
+  static std::atomic<bool> was_stopped;
+
+  Result<void> start() override { return {}; }
+  Result<bool> read(std::vector<uint8_t>& bytes) override {
+    const size_t count = std::min(piece, script.size() - done_);
+    if (count == 0) {
+      while (!was_stopped) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return false;
+    }
+    bytes.assign(script.begin() + static_cast<ptrdiff_t>(done_),
+                 script.begin() + static_cast<ptrdiff_t>(done_ + count));
+    done_ += count;
+    return true;
+  }
+  void stop() override { was_stopped = true; }
+
+  static Result<std::unique_ptr<Camera>> open(const std::string&) {
+    was_stopped = false;
+    std::unique_ptr<Camera> camera = std::make_unique<ScriptedCamera>();
+    return camera;
+  }
+
+ private:
+  size_t done_ = 0;
+};
+std::vector<uint8_t> ScriptedCamera::script;
+size_t ScriptedCamera::piece = 1;
+std::atomic<bool> ScriptedCamera::was_stopped = false;
+
+const RecordingInfo kInfo = {.format = "evt3", .width = 64, .height = 48, .header = {}};
+
+std::vector<uint8_t> encode(const EventBatch& batch) {
+  std::vector<uint8_t> bytes;
+  auto writer = create_recording(make_memory_sink(bytes), "evt3", kInfo).value();
+  EXPECT_TRUE(writer->write(batch).ok());
+  return bytes;
+}
+
+TEST(Camera, ItsBytesAreReadAsTheyComeAndItIsStoppedAtTheEnd) {
+  add_camera_plugin({"scripted", "for tests", ScriptedCamera::open});
+  const EventBatch stream = random_stream({.events = 3000, .width = 64, .height = 48, .trigger_every = 100});
+  ScriptedCamera::script = encode(stream);
+  ScriptedCamera::piece = 777;
+  EventBatch all, batch;
+  const auto begin = Clock::now();
+  {
+    auto reader = open_camera("camera://scripted/any/address").value();
+    EXPECT_EQ(reader->info().width, 64u);
+    // The last words wait for their successors, as damage shows only then.
+    while (all.events.size() < 2900) {
+      ASSERT_TRUE(reader->read(batch).value());
+      ASSERT_TRUE(reader->arrival().has_value());
+      EXPECT_GE(*reader->arrival(), begin);
+      EXPECT_LE(*reader->arrival(), Clock::now());
+      all.events.append(batch.events);
+    }
+  }
+  EXPECT_TRUE(ScriptedCamera::was_stopped);
+  for (size_t i = 0; i < all.events.size(); ++i) ASSERT_EQ(all.events[i], stream.events[i]);
+}
+
+TEST(Camera, NamesThatAreNoneSayWhatThereIs) {
+  const auto unknown = open_camera("camera://nosuch");
+  ASSERT_FALSE(unknown.ok());
+  EXPECT_EQ(unknown.error().code, ErrorCode::kNotFound);
+  EXPECT_NE(unknown.error().message.find("replay"), std::string::npos);
+  EXPECT_EQ(open_camera("recording.raw").error().code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(open_camera("replay:/nowhere.raw").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(open_camera("camera://pipe/7").error().code, ErrorCode::kInvalidValue);
+  EXPECT_TRUE(is_camera_name("tcp://127.0.0.1:9") && is_camera_name("replay:x") && !is_camera_name("x.raw"));
+}
+
+/// A recording of `cycles` pattern cycles in `path`; its events.
+EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, const SynthesisOptions& synthesis) {
+  EventBatch all;
+  for (uint64_t number = 0; number < cycles; ++number) {
+    EventImages images(synthesis.schedule.num_images(), 48, 64);
+    for (int16_t& count : images.counts) count = 2;
+    const SynthesisedCycle cycle = synthesise_cycle(images, number, synthesis);
+    all.events.append(cycle.batch.events);
+    all.triggers.insert(all.triggers.end(), cycle.batch.triggers.begin(), cycle.batch.triggers.end());
+  }
+  auto writer = create_recording(path, "hdf5", kInfo).value();
+  EXPECT_TRUE(writer->write(all).ok() && writer->finish().ok());
+  return all;
+}
+
+TEST(ReplayCamera, GivesTheSameEventsAtRecordedSpeed) {
+  const TestFolder folder;
+  SynthesisOptions synthesis;
+  synthesis.schedule = plain_schedule(4, 10000);
+  const EventBatch all = write_cycles(folder / "a.hdf5", 3, synthesis);
+  const auto begin = Clock::now();
+  auto reader = open_camera("replay:" + (folder / "a.hdf5").string()).value();
+  EventBatch played = read_all(*reader).value();
+  const auto duration_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin).count();
+  EXPECT_EQ(played.events, all.events);
+  EXPECT_EQ(played.triggers, all.triggers);
+  EXPECT_GE(duration_us, all.events.t.back() - all.events.t.front());
+}
+
+TEST(ReplayCamera, CyclesCarryTheirArrival) {
+  const TestFolder folder;
+  SynthesisOptions synthesis;
+  synthesis.schedule = plain_schedule(4, 10000);
+  write_cycles(folder / "a.hdf5", 3, synthesis);
+  CycleOptions options;
+  options.source = CycleSource::kTriggers;
+  options.schedule = synthesis.schedule;
+  options.tracker.first_pattern = 0;
+  const auto begin = Clock::now();
+  auto cycles = CycleReader::open(open_camera("replay:" + (folder / "a.hdf5").string()).value(), options).value();
+  for (int i = 0; i < 3; ++i) {
+    const auto cycle = cycles.next().value();
+    ASSERT_TRUE(cycle.has_value());
+    ASSERT_TRUE(cycle->arrival.has_value());
+    EXPECT_GE(*cycle->arrival, begin);
+    EXPECT_LE(*cycle->arrival, Clock::now());
+    // The last pattern of a recording ends when it is expected to.
+    if (i == 2) break;
+    EXPECT_GE(cycle->known_us, cycle->slices.back().end_us);
+  }
+}
+
+}  // namespace
+}  // namespace e2lf::events

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/live/cameras.h"
+
+namespace e2lf::events {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Events are delivered in stretches of this length, as a camera's buffers are.
+constexpr int64_t kStretchUs = 1000;
+constexpr size_t kBatchEvents = size_t{1} << 16;
+
+class ReplayCamera final : public Camera {
+ public:
+  explicit ReplayCamera(std::unique_ptr<RecordingReader> reader) : reader_(std::move(reader)) {}
+
+  /// Makes the encoder; its header is the first thing that is delivered.
+  Result<void> open() {
+    RecordingInfo info = reader_->info();
+    info.format = "evt3";
+    E2LF_ASSIGN_OR_RETURN(writer_, create_recording(make_memory_sink(encoded_), "evt3", info));
+    return {};
+  }
+
+  Result<void> start() override {
+    begin_ = Clock::now();
+    return {};
+  }
+
+  Result<bool> read(std::vector<uint8_t>& bytes) override {
+    bytes = std::exchange(encoded_, {});
+    if (!bytes.empty()) return true;
+    E2LF_ASSIGN_OR_RETURN(const bool more, next_stretch());
+    if (!more || is_stopped_) return false;
+    wait_until(end_us_);
+    E2LF_RETURN_IF_ERROR(writer_->write(stretch_));
+    bytes = std::exchange(encoded_, {});
+    return true;
+  }
+
+  void stop() override { is_stopped_ = true; }
+
+ private:
+  /// Puts the events and triggers of the next stretch of time that has some into stretch_.
+  Result<bool> next_stretch() {
+    stretch_.clear();
+    if (event_ == batch_.events.size() && trigger_ == batch_.triggers.size()) {
+      event_ = trigger_ = 0;
+      E2LF_ASSIGN_OR_RETURN(const bool more, reader_->read(batch_, kBatchEvents));
+      if (!more) {
+        if (const auto left_out = losses(reader_->summary()); !left_out.empty()) {
+          log_warning(cat(reader_->name(), ": left out ", loss_text(left_out)));
+        }
+        return false;
+      }
+    }
+    int64_t first_us = INT64_MAX;
+    if (event_ < batch_.events.size()) first_us = batch_.events.t[event_];
+    if (trigger_ < batch_.triggers.size()) first_us = std::min(first_us, batch_.triggers[trigger_].t);
+    if (!has_begun_) origin_us_ = first_us;
+    has_begun_ = true;
+    end_us_ = first_us + kStretchUs;
+    const auto& t = batch_.events.t;
+    const auto end = std::lower_bound(t.begin() + static_cast<ptrdiff_t>(event_), t.end(), end_us_) - t.begin();
+    stretch_.events.append(batch_.events, event_, static_cast<size_t>(end));
+    event_ = static_cast<size_t>(end);
+    for (; trigger_ < batch_.triggers.size() && batch_.triggers[trigger_].t < end_us_; ++trigger_) {
+      stretch_.triggers.push_back(batch_.triggers[trigger_]);
+    }
+    return true;
+  }
+
+  /// Sleeps until a time of the recording has come, in naps short enough to be stopped.
+  void wait_until(int64_t t_us) const {
+    constexpr auto kNap = std::chrono::milliseconds(50);
+    const Clock::time_point due = begin_ + std::chrono::microseconds(t_us - origin_us_);
+    while (!is_stopped_ && Clock::now() < due) std::this_thread::sleep_until(std::min(due, Clock::now() + kNap));
+  }
+
+  std::unique_ptr<RecordingReader> reader_;
+  std::unique_ptr<RecordingWriter> writer_;
+  std::vector<uint8_t> encoded_;
+  EventBatch batch_, stretch_;
+  size_t event_ = 0, trigger_ = 0;  ///< of batch_, not yet delivered
+  bool has_begun_ = false;
+  int64_t origin_us_ = 0, end_us_ = 0;
+  Clock::time_point begin_;
+  std::atomic<bool> is_stopped_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path) {
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::filesystem::path(path)));
+  auto replay = std::make_unique<ReplayCamera>(std::move(reader));
+  E2LF_RETURN_IF_ERROR(replay->open());
+  std::unique_ptr<Camera> camera = std::move(replay);
+  return camera;
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <poll.h>
+#include <unistd.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/live/cameras.h"
+#include "e2lf/recordings/open_named_recording.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr size_t kReadBytes = size_t{1} << 16;
+constexpr int kPollMs = 100;  // how long a stop may take
+
+/// Bytes of a pipe or socket as they come.
+class DescriptorCamera final : public Camera {
+ public:
+  DescriptorCamera(int descriptor, bool owned, std::string name)
+      : descriptor_(descriptor), owned_(owned), name_(std::move(name)) {}
+  DescriptorCamera(const DescriptorCamera&) = delete;
+  DescriptorCamera& operator=(const DescriptorCamera&) = delete;
+  ~DescriptorCamera() override {
+    if (owned_) ::close(descriptor_);
+  }
+
+  Result<void> start() override { return {}; }
+
+  Result<bool> read(std::vector<uint8_t>& bytes) override {
+    while (!is_stopped_) {
+      pollfd waiting = {descriptor_, POLLIN, 0};
+      const int ready = ::poll(&waiting, 1, kPollMs);
+      if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
+      bytes.resize(kReadBytes);
+      const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) return Error{ErrorCode::kIo, cat("cannot read (", std::strerror(errno), ")"), name_};
+      bytes.resize(static_cast<size_t>(count));
+      return count > 0;
+    }
+    return false;
+  }
+
+  void stop() override { is_stopped_ = true; }
+
+ private:
+  int descriptor_;
+  bool owned_;
+  std::string name_;
+  std::atomic<bool> is_stopped_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
+  if (!address.empty()) {
+    return Error{ErrorCode::kInvalidValue, "standard input has no address; write camera://pipe", address};
+  }
+  std::unique_ptr<Camera> camera = std::make_unique<DescriptorCamera>(STDIN_FILENO, /*owned=*/false, "stdin");
+  return camera;
+}
+
+Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address) {
+  const std::string name = "tcp://" + address;
+  E2LF_ASSIGN_OR_RETURN(const int descriptor, connect_tcp(name));
+  std::unique_ptr<Camera> camera = std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, name);
+  return camera;
+}
+
+}  // namespace e2lf::events

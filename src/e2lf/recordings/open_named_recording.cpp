@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/open_named_recording.h"
+
+#include <arpa/inet.h>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/live/camera.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr std::string_view kScheme = "tcp://";
+
+Result<sockaddr_in> parse_address(const std::string& name) {
+  const Error malformed{ErrorCode::kInvalidValue, "not a TCP address; write tcp://127.0.0.1:PORT", name};
+  const size_t colon = name.rfind(':');
+  if (!name.starts_with(kScheme) || colon <= kScheme.size()) return malformed;
+  uint16_t port = 0;
+  const char* end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data() + colon + 1, end, port);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  const std::string host = name.substr(kScheme.size(), colon - kScheme.size());
+  if (parsed.ec != std::errc() || parsed.ptr != end || ::inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
+    return malformed;
+  }
+  return address;
+}
+
+}  // namespace
+
+Result<int> connect_tcp(const std::string& name) {
+  E2LF_ASSIGN_OR_RETURN(const sockaddr_in address, parse_address(name));
+  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0 || ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+    const std::string reason = std::strerror(errno);
+    if (descriptor >= 0) ::close(descriptor);
+    return Error{ErrorCode::kIo, cat("cannot connect (", reason, "); start the sender first"), name};
+  }
+  return descriptor;
+}
+
+Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name, const OpenOptions& options) {
+  if (is_camera_name(name)) return open_camera(name, options);
+  struct stat input {};
+  const bool is_pipe =
+      name == "-" && ::fstat(STDIN_FILENO, &input) == 0 && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode));
+  return is_pipe ? open_camera("camera://pipe", options) : open_recording(std::filesystem::path(name), options);
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/recording.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/count_on.h"
+
+namespace e2lf::events {
+namespace {
+
+}  // namespace
+
+std::optional<std::string> RecordingInfo::find(const std::string& key) const {
+  for (const auto& [name, value] : header) {
+    if (name == key) return value;
+  }
+  return std::nullopt;
+}
+
+Result<bool> RecordingReader::refill_pending(size_t max_events) {
+  E2LF_ASSIGN_OR_RETURN(const bool more, read_next(pending_.refill(), max_events));
+  E2LF_RETURN_IF_ERROR(apply_policy());
+  return more || !pending_.empty();
+}
+
+Result<void> RecordingReader::find_shift() {
+  if (shift_us_) return {};
+  if (options_.time == TimeOrigin::kAbsolute && options_.range == TimeOrigin::kAbsolute) {
+    shift_us_ = 0;
+    return {};
+  }
+  bool more = true;
+  while (more && pending_.empty()) {
+    E2LF_ASSIGN_OR_RETURN(more, refill_pending(kMinBatch));
+  }
+  if (pending_.empty()) return {};
+  const EventBatch& first = pending_.batch();
+  const int64_t first_us = first.events.empty()     ? first.triggers.front().t
+                           : first.triggers.empty() ? first.events.t.front()
+                                                    : std::min(first.events.t.front(), first.triggers.front().t);
+  shift_us_ = options_.time == TimeOrigin::kZero ? first_us : 0;
+  if (options_.range == TimeOrigin::kZero) range_origin_us_ = first_us;
+  return {};
+}
+
+Result<void> RecordingReader::apply_policy() {
+  if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time > 0) {
+    return Error{ErrorCode::kFormat,
+                 "events stand in front of the first time, which strict reading refuses; without it they are left out "
+                 "and counted",
+                 name_};
+  }
+  for (size_t i = 0; i < kNumViolations; ++i) {
+    const ViolationCount& violation = summary_.violations[i];
+    const bool first = violation.count > 0 && known_violations_[i] == 0;
+    known_violations_[i] = violation.count;
+    if (!first) continue;
+    if (options_.policy == DecodePolicy::kStrict) return violation_error(summary_, name_);
+    if (options_.policy == DecodePolicy::kReport) {
+      log_warning(cat(name_, ": byte ", violation.first_byte, ": ", violation_text(static_cast<Violation>(i)),
+                      "; the damaged part is dropped"));
+    }
+  }
+  return {};
+}
+
+void RecordingReader::count(const EventColumns& events, size_t begin, size_t end) {
+  if (begin == end) return;
+  if (summary_.events() == 0) summary_.first_t_us = events.t[begin];
+  summary_.last_t_us = events.t[end - 1];
+  const uint64_t on = count_on({events.p.data() + begin, end - begin});
+  summary_.events_on += on;
+  summary_.events_off += end - begin - on;
+}
+
+DecodeSummary RecordingReader::summary() const {
+  DecodeSummary shifted = summary_;
+  const int64_t shift_us = shift_us_.value_or(0);
+  if (shifted.events() > 0) {
+    shifted.first_t_us -= shift_us;
+    shifted.last_t_us -= shift_us;
+  }
+  for (TimeGap& gap : shifted.gaps) {
+    gap.begin_us -= shift_us;
+    gap.end_us -= shift_us;
+  }
+  return shifted;
+}
+
+/// A time of the options on the sensor's clock.
+int64_t RecordingReader::in_range(int64_t t_us) const {
+  return std::clamp(t_us, -kTimeLimitUs, kTimeLimitUs) + range_origin_us_;
+}
+
+/// Goes to a time where the source can be sought; otherwise passes over what comes before.
+Result<void> RecordingReader::begin_at(int64_t absolute_us) {
+  const auto sought = seek_before(absolute_us);
+  if (!sought && sought.error().code != ErrorCode::kUnsupported) return sought;
+  if (sought) pending_.refill();
+  return skip_to(absolute_us);
+}
+
+Result<void> RecordingReader::skip_to(int64_t absolute_us) {
+  for (bool more = true;;) {
+    pending_.skip_to(pending_.first_event(absolute_us), pending_.first_trigger(absolute_us));
+    if (!pending_.empty() || !more) return {};
+    E2LF_ASSIGN_OR_RETURN(more, refill_pending(kDefaultBatch));
+  }
+}
+
+/// Drops what is at or after a time from a batch; there is no more then.
+void RecordingReader::end_at(int64_t absolute_us, EventBatch& batch) {
+  const auto is_late = [absolute_us](const auto& t_us) { return t_us >= absolute_us; };
+  const auto event = std::find_if(batch.events.t.begin(), batch.events.t.end(), is_late);
+  const auto trigger = std::find_if(batch.triggers.begin(), batch.triggers.end(),
+                                    [&](const Trigger& candidate) { return is_late(candidate.t); });
+  has_ended_ = event != batch.events.t.end() || trigger != batch.triggers.end();
+  batch.events.resize(static_cast<size_t>(event - batch.events.t.begin()));
+  batch.triggers.erase(trigger, batch.triggers.end());
+}
+
+Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
+  E2LF_REQUIRE(max_events >= kMinBatch, "a batch holds at least kMinBatch events");
+  batch.clear();
+  // A live source ends by itself, behind what has arrived.
+  if (stop_requested() && !arrival()) return false;
+  E2LF_RETURN_IF_ERROR(find_shift());
+  if (has_ended_) return false;
+  if (!std::exchange(has_begun_, true) && options_.from_us != INT64_MIN) {
+    E2LF_RETURN_IF_ERROR(begin_at(in_range(options_.from_us)));
+  }
+  if (!pending_.empty()) {
+    pending_.take(batch, max_events);
+  } else {
+    bool more = true;
+    while (more && batch.empty()) {
+      E2LF_ASSIGN_OR_RETURN(more, read_next(batch, max_events));
+      E2LF_RETURN_IF_ERROR(apply_policy());
+    }
+  }
+  if (options_.to_us != INT64_MAX) end_at(in_range(options_.to_us), batch);
+  count(batch.events, 0, batch.events.size());
+  summary_.triggers += batch.triggers.size();
+  if (const int64_t shift_us = shift_us_.value_or(0); shift_us != 0) {
+    for (int64_t& t : batch.events.t) t -= shift_us;
+    for (Trigger& trigger : batch.triggers) trigger.t -= shift_us;
+  }
+  return !batch.empty();
+}
+
+Result<void> RecordingReader::seek_before(int64_t) {
+  return Error{ErrorCode::kUnsupported, cat("a ", info_.format, " recording cannot be sought; read it from the start"),
+               name_};
+}
+
+Result<void> RecordingReader::seek(int64_t t_us) {
+  E2LF_RETURN_IF_ERROR(find_shift());
+  const int64_t absolute_us = t_us + shift_us_.value_or(0);
+  summary_ = {};
+  known_violations_ = {};
+  pending_.refill();
+  has_begun_ = true;
+  has_ended_ = false;
+  E2LF_RETURN_IF_ERROR(seek_before(absolute_us));
+  return skip_to(absolute_us);
+}
+
+Result<EventBatch> read_all(RecordingReader& reader) {
+  EventBatch all;
+  EventBatch batch;
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch));
+    if (!more) return all;
+    all.events.append(batch.events);
+    all.triggers.insert(all.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+  }
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/registry.h"
+
+#include <algorithm>
+
+#include "e2lf/files/is_stream.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/codecs/aedat4/aedat4.h"
+#include "e2lf/recordings/codecs/text/csv.h"
+#include "e2lf/recordings/codecs/dat/dat.h"
+#include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
+#include "e2lf/recordings/codecs/numpy/npy_events.h"
+#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/recording_place.h"
+#include "e2lf/recordings/side_triggers.h"
+
+namespace e2lf::events {
+namespace {
+
+const std::vector<Codec>& table() {
+  static const std::vector<Codec> codecs = {
+      {.name = "dat",
+       .extensions = {".dat"},
+       .description = "Prophesee DAT",
+       .detect = dat::detect,
+       .open = dat::open,
+       .create = dat::create,
+       .create_file = dat::create_file,
+       .side_file = dat::trigger_path},
+      {.name = "raw",
+       .extensions = {".raw"},
+       .description = "Prophesee RAW in the encoding its header names",
+       .detect = is_raw_header,
+       .open = open_raw,
+       .create = create_raw},
+      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = create_evt2},
+      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = create_evt21},
+      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = create_evt3},
+      {.name = "hdf5",
+       .extensions = {".hdf5"},
+       .description = "Metavision HDF5, compressed with ECF",
+       .detect = hdf5::detect,
+       .open = hdf5::open,
+       .create_file = hdf5::create_file},
+      {.name = "dsec",
+       .extensions = {".h5"},
+       .description = "HDF5 with columns as in the DSEC data set",
+       .open = hdf5::open,
+       .create_file = hdf5::create_dsec_file,
+       .side_file = side_trigger_path},
+      {.name = "aedat4",
+       .extensions = {".aedat4"},
+       .description = "iniVation AEDAT 4",
+       .detect = aedat4::detect,
+       .open = aedat4::open},
+      {.name = "npy",
+       .extensions = {".npy"},
+       .description = "numpy array of records x, y, p, t",
+       .detect = npy_events::detect_npy,
+       .open = npy_events::open_npy,
+       .create_file = npy_events::create_npy_file,
+       .side_file = side_trigger_path},
+      {.name = "npz",
+       .extensions = {".npz"},
+       .description = "numpy arrays x, y, p, t, held in memory",
+       .detect = npy_events::detect_npz,
+       .open = npy_events::open_npz,
+       .create = npy_events::create_npz},
+      {.name = "csv",
+       .extensions = {".csv"},
+       .description = "text, x,y,p,t with t in microseconds",
+       .detect = csv::detect_csv,
+       .open = csv::open_csv,
+       .create = csv::create_csv,
+       .side_file = side_trigger_path},
+      {.name = "txt",
+       .extensions = {".txt"},
+       .description = "text, t x y p with t in seconds",
+       .detect = csv::detect_txt,
+       .open = csv::open_txt,
+       .create = csv::create_txt,
+       .side_file = side_trigger_path},
+  };
+  return codecs;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
+}
+
+const Codec* codec_of_extension(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  if (extension.empty()) return nullptr;
+  for (const Codec& codec : table()) {
+    if (std::find(codec.extensions.begin(), codec.extensions.end(), extension) != codec.extensions.end()) return &codec;
+  }
+  return nullptr;
+}
+
+std::string codec_names() {
+  std::vector<std::string> names;
+  for (const Codec& codec : table()) names.push_back(codec.name);
+  return join(names);
+}
+
+Result<const Codec*> detect_codec(ByteSource& source) {
+  E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
+  for (const Codec& codec : table()) {
+    if (codec.detect != nullptr && codec.detect(head)) return &codec;
+  }
+  if (const Codec* codec = codec_of_extension(source.path())) return codec;
+  return Error{ErrorCode::kFormat,
+               cat("not a recording of a known format; name its format (--event-format), one of ", codec_names()),
+               source.name()};
+}
+
+Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
+  if (!format.empty()) return find_codec(format);
+  if (const Codec* codec = codec_of_extension(path)) return codec;
+  return Error{ErrorCode::kInvalidValue,
+               cat("no format has the extension of this name; take another, as .raw or .hdf5, or name the format "
+                   "(--format), one of ",
+                   codec_names()),
+               path.string()};
+}
+
+Error unsupported(const Codec& codec, const char* action, const std::string& name) {
+  return {ErrorCode::kUnsupported, cat("cannot ", action, " the format ", codec.name, "; choose another"), name};
+}
+
+}  // namespace
+
+std::span<const Codec> codecs() {
+  return table();
+}
+
+Result<const Codec*> find_codec(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Codec& codec : table()) {
+    if (codec.name == name) return &codec;
+    names.push_back(codec.name);
+  }
+  return Error{ErrorCode::kInvalidValue,
+               cat("unknown format \"", name, "\"; did you mean \"", nearest_word(name, names), "\"?"), ""};
+}
+
+Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
+                                                        const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(const Codec* codec,
+                        options.format.empty() ? detect_codec(*source) : find_codec(options.format));
+  if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
+  return codec->open(std::move(source), options);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::path& path, const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
+  return open_recording(std::move(source), options);
+}
+
+Result<RecordingPlace> place_of_recording(const std::filesystem::path& path, const std::string& format) {
+  E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
+  return RecordingPlace{codec->create != nullptr, codec->side_file};
+}
+
+Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem::path& path, const std::string& format,
+                                                          const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
+  const bool to_stream = path == "-" || is_stream(path);
+  if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
+    return Error{
+        ErrorCode::kUnsupported,
+        cat("the format ", codec->name, " goes back in its file, which a pipe or device cannot do; name a file"),
+        path.string()};
+  }
+  if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info);
+  if (codec->create == nullptr) return unsupported(*codec, "write", path.string());
+  E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
+  return codec->create(std::move(sink), info);
+}
+
+Result<std::unique_ptr<RecordingWriter>> create_recording(std::unique_ptr<ByteSink> sink, const std::string& format,
+                                                          const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(const Codec* codec, find_codec(format));
+  if (codec->create == nullptr) return unsupported(*codec, "stream", sink->name());
+  return codec->create(std::move(sink), info);
+}
+
+}  // namespace e2lf::events

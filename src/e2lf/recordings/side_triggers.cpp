@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/side_triggers.h"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::events {
+namespace {
+
+constexpr size_t kLongestLine = 256;
+
+std::optional<Trigger> parse_line(std::string_view line) {
+  int64_t values[3] = {};
+  const char* next = line.data();
+  const char* const end = next + line.size();
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0 && (next == end || *next++ != ',')) return std::nullopt;
+    const auto [after, error] = std::from_chars(next, end, values[i]);
+    if (error != std::errc()) return std::nullopt;
+    next = after;
+  }
+  if (values[1] < 0 || values[1] > UINT16_MAX) return std::nullopt;
+  return Trigger{values[2], static_cast<uint16_t>(values[1]), static_cast<uint8_t>(values[0] > 0)};
+}
+
+/// An empty line, a comment, or the names of the columns above the first trigger.
+bool is_remark(std::string_view line, uint64_t byte) {
+  return line.empty() || line == "\r" || line[0] == '#' || line[0] == '%' || (byte == 0 && line.starts_with("p,"));
+}
+
+class SideTriggerFile final : public TriggerSource {
+ public:
+  explicit SideTriggerFile(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+
+  /// All triggers at once, sorted.
+  Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
+    const auto begin = static_cast<ptrdiff_t>(block.size());
+    for (bool more = true; more;) {
+      E2LF_ASSIGN_OR_RETURN(more, read_lines(block, summary));
+    }
+    std::stable_sort(block.begin() + begin, block.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
+    return false;
+  }
+
+  Result<void> rewind() override {
+    is_within_line_ = false;
+    return source_->seek(0);
+  }
+
+ private:
+  /// The triggers of the lines at hand; false at the end.
+  Result<bool> read_lines(std::vector<Trigger>& block, DecodeSummary& summary) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
+    if (bytes.empty()) return false;
+    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    size_t used = 0;
+    for (size_t end = 0; (end = text.find('\n', used)) != std::string_view::npos; used = end + 1) {
+      add_line(text.substr(used, end - used), source_->position() + used, block, summary);
+      is_within_line_ = false;
+    }
+    // What is left is the last line of the file, or of the bytes at hand, or a line too long to be one.
+    if (used == 0) {
+      add_line(text, source_->position(), block, summary);
+      is_within_line_ = true;
+      used = text.size();
+    }
+    source_->consume(used);
+    return true;
+  }
+
+  /// A line that is too long is none, wherever the bytes at hand end.
+  void add_line(std::string_view line, uint64_t byte, std::vector<Trigger>& block, DecodeSummary& summary) const {
+    if (is_within_line_ || is_remark(line, byte)) return;
+    const auto trigger = line.size() < kLongestLine ? parse_line(line) : std::nullopt;
+    if (trigger) {
+      block.push_back(*trigger);
+    } else {
+      summary.add(Violation::kBadRecord, byte);
+      ++summary.dropped_words;
+    }
+  }
+
+  std::unique_ptr<ByteSource> source_;
+  bool is_within_line_ = false;  ///< the beginning of the line at hand was too long
+};
+
+}  // namespace
+
+std::filesystem::path side_trigger_path(const std::filesystem::path& recording) {
+  return recording.parent_path() / (recording.stem().string() + "_triggers.csv");
+}
+
+Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
+  if (recording.empty() || !std::filesystem::exists(side_trigger_path(recording))) return TriggerFeed();
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
+  return make_side_trigger_feed(std::move(source));
+}
+
+TriggerFeed make_side_trigger_feed(std::unique_ptr<ByteSource> source) {
+  return TriggerFeed(std::make_unique<SideTriggerFile>(std::move(source)));
+}
+
+Result<void> SideTriggerWriter::write(std::span<const Trigger> triggers) {
+  if (triggers.empty()) return {};
+  std::string text;
+  if (sink_ == nullptr) {
+    E2LF_ASSIGN_OR_RETURN(sink_, open_file_sink(path_));
+    text = "p,id,t\n";
+  }
+  for (const Trigger& trigger : triggers) text += cat(int{trigger.p}, ',', trigger.id, ',', trigger.t, '\n');
+  return sink_->write({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+Result<void> SideTriggerWriter::finish() {
+  return sink_ == nullptr ? Result<void>{} : sink_->commit();
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/trigger_feed.h"
+
+#include "e2lf/recordings/event_gate.h"
+
+namespace e2lf::events {
+
+Result<void> TriggerFeed::refill(DecodeSummary& summary) {
+  while (!ended_ && block_.size() - next_ <= kTimeLookAhead) {
+    block_.erase(block_.begin(), block_.begin() + static_cast<ptrdiff_t>(next_));
+    next_ = 0;
+    E2LF_ASSIGN_OR_RETURN(const bool more, source_->next(block_, summary));
+    ended_ = !more;
+  }
+  return {};
+}
+
+bool TriggerFeed::is_believable(DecodeSummary& summary) const {
+  const bool backwards = block_[next_].t < last_us_;
+  const auto time_at = [&](size_t i) { return block_[i].t; };
+  if (!backwards && is_time(block_[next_].t) && !is_ahead_of_successors(next_, block_.size(), last_us_, time_at))
+    return true;
+  summary.add(backwards ? Violation::kTimeBackwards : Violation::kTimeJump, 0);
+  ++summary.dropped_words;
+  return false;
+}
+
+Result<bool> TriggerFeed::take(int64_t until_us, size_t max_triggers, std::vector<Trigger>& triggers,
+                               DecodeSummary& summary) {
+  for (size_t taken = 0;; ++next_) {
+    E2LF_RETURN_IF_ERROR(refill(summary));
+    if (next_ == block_.size()) return false;
+    if (!is_believable(summary)) continue;
+    const Trigger& trigger = block_[next_];
+    if (taken == max_triggers || trigger.t > until_us) return true;
+    triggers.push_back(trigger);
+    last_us_ = trigger.t;
+    ++taken;
+  }
+}
+
+Result<bool> TriggerFeed::take_beside(EventBatch& batch, size_t begin, bool more_events, size_t max_triggers,
+                                      DecodeSummary& summary) {
+  const bool has_events = batch.events.size() > begin;
+  if (more_events && !has_events) return true;
+  const int64_t until_us = more_events ? batch.events.t.back() : INT64_MAX;
+  E2LF_ASSIGN_OR_RETURN(const bool more_triggers, take(until_us, max_triggers, batch.triggers, summary));
+  return more_events || more_triggers;
+}
+
+Result<void> TriggerFeed::rewind() {
+  block_.clear();
+  next_ = 0;
+  last_us_ = -kTimeLimitUs;
+  ended_ = source_ == nullptr;
+  return source_ == nullptr ? Result<void>{} : source_->rewind();
+}
+
+}  // namespace e2lf::events

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/recordings/decode_summary.h"
+#include "e2lf/recordings/event.h"
+
+namespace e2lf::events {
+
+/// Triggers that lie apart from the events (a second file or data set), in order of time.
+class TriggerSource {
+ public:
+  virtual ~TriggerSource() = default;
+
+  /// Appends the next triggers to `block` and counts what cannot be read; false at the end.
+  [[nodiscard]] virtual Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) = 0;
+
+  /// Goes back to the first trigger.
+  [[nodiscard]] virtual Result<void> rewind() = 0;
+};
+
+/// Hands the triggers of a source out beside the events they belong to, one block in memory at a time. A trigger whose
+/// time steps back, is ahead of most that follow, or beyond kTimeLimitUs, is dropped and counted in the reader's
+/// summary.
+class TriggerFeed {
+ public:
+  TriggerFeed() = default;
+  explicit TriggerFeed(std::unique_ptr<TriggerSource> source)
+      : source_(std::move(source)), ended_(source_ == nullptr) {}
+
+  /// Appends the triggers with t <= until_us, at most `max_triggers`. False when there are no more at all.
+  [[nodiscard]] Result<bool> take(int64_t until_us, size_t max_triggers, std::vector<Trigger>& triggers,
+                                  DecodeSummary& summary);
+
+  /// Appends what belongs to a batch whose events from `begin` on were just read: all triggers up to its last event, or
+  /// the rest once the events have ended. False when there are no more events and no more triggers.
+  [[nodiscard]] Result<bool> take_beside(EventBatch& batch, size_t begin, bool more_events, size_t max_triggers,
+                                         DecodeSummary& summary);
+
+  /// Starts again from the first trigger.
+  [[nodiscard]] Result<void> rewind();
+
+ private:
+  [[nodiscard]] Result<void> refill(DecodeSummary& summary);
+  [[nodiscard]] bool is_believable(DecodeSummary& summary) const;
+
+  std::unique_ptr<TriggerSource> source_;
+  std::vector<Trigger> block_;
+  size_t next_ = 0;
+  bool ended_ = true;
+  int64_t last_us_ = -kTimeLimitUs;
+};
+
+}  // namespace e2lf::events

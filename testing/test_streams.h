@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "e2lf/recordings/recording.h"
+
+/// Streams and files that the module's tests share.
+namespace e2lf::events {
+
+struct RandomStream {
+  size_t events = 1000;
+  size_t width = 640;
+  size_t height = 480;
+  int64_t begin_us = 1000;
+  uint32_t max_gap_us = 10;  ///< between events
+  size_t trigger_every = 0;  ///< events per trigger; 0 = none
+  uint32_t seed = 1;
+};
+
+inline EventBatch random_stream(const RandomStream& options) {
+  std::mt19937 random(options.seed);
+  EventBatch batch;
+  int64_t t_us = options.begin_us;
+  for (size_t i = 0; i < options.events; ++i) {
+    t_us += random() % (options.max_gap_us + 1);
+    batch.events.push_back({static_cast<uint16_t>(random() % options.width),
+                            static_cast<uint16_t>(random() % options.height), static_cast<uint8_t>(random() & 1),
+                            t_us});
+    if (options.trigger_every != 0 && i % options.trigger_every == 0) {
+      batch.triggers.push_back({t_us, static_cast<uint16_t>(random() % 8), static_cast<uint8_t>(random() & 1)});
+    }
+  }
+  return batch;
+}
+
+/// A file of the data at hand ("events/other/sample.aedat4"); empty when E2LF_DATA is not set or has no such file.
+inline std::filesystem::path data_file(const std::string& name) {
+  const char* folder = std::getenv("E2LF_DATA");
+  if (folder == nullptr) return {};
+  const std::filesystem::path path = std::filesystem::path(folder) / name;
+  return std::filesystem::exists(path) ? path : std::filesystem::path();
+}
+
+/// A folder of its own for one test, removed with the object.
+class TestFolder {
+ public:
+  TestFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "e2lf_events_XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+  ~TestFolder() { std::filesystem::remove_all(path_); }
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+#define E2LF_SKIP_WITHOUT(path) \
+  if ((path).empty()) GTEST_SKIP() << "E2LF_DATA does not have this file"
+
+}  // namespace e2lf::events
