@@ -42,17 +42,31 @@ function(e2lf_use_precompiled target name)
   endif()
 endfunction()
 
-# e2lf_add_library(<module> SRCS ... [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...] [PRIVATE_DEFINITIONS ...]
-#                  [PRECOMPILED <name>])
-# Makes e2lf_<module> with the alias e2lf::<module>.
+# e2lf_add_library(<module> SRCS ... [HEADERS ...] [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...]
+#                  [PRIVATE_DEFINITIONS ...] [PRECOMPILED <name>])
+# Makes e2lf_<module> with the alias e2lf::<module>. HEADERS are those that others may include, with all that they
+# include: a module that names them is installed, and a shared library where BUILD_SHARED_LIBS says so.
 function(e2lf_add_library module)
-  cmake_parse_arguments(ARG "" "PRECOMPILED" "SRCS;PUBLIC_LINK_LIBS;PRIVATE_LINK_LIBS;PRIVATE_DEFINITIONS" ${ARGN})
-  add_library(e2lf_${module} STATIC ${ARG_SRCS})
+  cmake_parse_arguments(ARG "" "PRECOMPILED" "SRCS;HEADERS;PUBLIC_LINK_LIBS;PRIVATE_LINK_LIBS;PRIVATE_DEFINITIONS" ${ARGN})
+  set(kind STATIC)
+  if(ARG_HEADERS AND BUILD_SHARED_LIBS)
+    set(kind SHARED)
+  endif()
+  add_library(e2lf_${module} ${kind} ${ARG_SRCS})
   add_library(e2lf::${module} ALIAS e2lf_${module})
-  target_include_directories(e2lf_${module} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_include_directories(e2lf_${module} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
   target_link_libraries(e2lf_${module} PUBLIC ${ARG_PUBLIC_LINK_LIBS} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_PRIVATE_LINK_LIBS})
   target_compile_definitions(e2lf_${module} PRIVATE ${ARG_PRIVATE_DEFINITIONS})
+  if(kind STREQUAL "SHARED")
+    # Names of our namespace alone are visible.
+    set(names ${PROJECT_SOURCE_DIR}/cmake/visible_names.map)
+    target_link_options(e2lf_${module} PRIVATE -Wl,--version-script=${names} -Wl,--no-undefined)
+    set_target_properties(e2lf_${module} PROPERTIES LINK_DEPENDS ${names})
+  endif()
   e2lf_use_precompiled(e2lf_${module} "${ARG_PRECOMPILED}")
+  if(ARG_HEADERS AND NOT E2LF_LEARN_ONLY AND NOT E2LF_FUZZ)
+    e2lf_install_module(${module} HEADERS ${ARG_HEADERS})
+  endif()
 endfunction()
 
 # e2lf_add_executable(<name> SRCS ... [LINK_LIBS ...])

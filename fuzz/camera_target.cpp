@@ -10,10 +10,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using fuzz::require;
   const auto json = parse_json(std::string(reinterpret_cast<const char*>(data), size), "input");
   if (!json) return 0;
-  const auto camera = aperture::camera_from_json(*json, "input");
+  const auto camera = capture::camera_from_json(*json, "input");
   if (!camera) return 0;
   for (const float trait : camera_traits(*camera, 4)) require(std::isfinite(trait), "what a network is told is finite");
-  const auto back = aperture::camera_from_json(to_json(*camera), "encoded");
+  const auto back = capture::camera_from_json(to_json(*camera), "encoded");
   require(back.ok() && back->pixel == camera->pixel && back->event_model == camera->event_model,
           "a camera comes back as written");
   return 0;

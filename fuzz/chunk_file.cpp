@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <hdf5.h>
 
-#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 #include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 
 namespace e2lf::fuzz {
 namespace {
 
-using namespace events::hdf5;
-using events::load_le;
+using namespace recordings::hdf5;
+using load_le;
 
 constexpr size_t kMaxChunks = 12;
 
@@ -61,7 +61,7 @@ void write_column(hid_t parent, const char* name, hid_t type, const T* values, h
 
 }  // namespace
 
-std::vector<uint8_t> make_column_file(const events::EventColumns& events) {
+std::vector<uint8_t> make_column_file(const recordings::EventColumns& events) {
   const LibraryLock lock;
   const Handle file = make_memory_file();
   const Handle group(H5Gcreate2(file.get(), "events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);

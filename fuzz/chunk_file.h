@@ -19,6 +19,6 @@ namespace e2lf::fuzz {
 [[nodiscard]] std::vector<uint8_t> make_chunk_file(std::span<const uint8_t> input);
 
 /// The bytes of a small HDF5 file with the columns of the DSEC layout.
-[[nodiscard]] std::vector<uint8_t> make_column_file(const events::EventColumns& events);
+[[nodiscard]] std::vector<uint8_t> make_column_file(const recordings::EventColumns& events);
 
 }  // namespace e2lf::fuzz

@@ -8,8 +8,8 @@
 
 namespace {
 
-using e2lf::events::EventColumns;
-namespace ecf = e2lf::events::ecf;
+using e2lf::recordings::EventColumns;
+namespace ecf = e2lf::recordings::ecf;
 
 e2lf::Result<EventColumns> decode(std::span<const uint8_t> chunk) {
   E2LF_ASSIGN_OR_RETURN(const size_t count, ecf::event_count(chunk));

@@ -13,15 +13,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::span<const uint8_t> input(data, size);
   const size_t choice = fuzz::take_choice(input, std::size(kNames));
   const auto path = folder.put(kNames[choice], input);
-  const auto file = events::read_event_images(choice == 2 ? folder.path() : path);
+  const auto file = capture::read_event_images(choice == 2 ? folder.path() : path);
   if (!file) return 0;
-  for (const events::EventImages& images : file->cycles) {
+  for (const capture::EventImages& images : file->cycles) {
     require(images.counts.size() == images.transitions * images.image_size(), "images have all their pixels");
     require(images.transitions == file->cycles[0].transitions, "cycles have one shape");
   }
   const auto written = folder.path() / "again.npz";
-  require(events::write_event_images(written, *file).ok(), "they can be written");
-  const auto back = events::read_event_images(written);
+  require(capture::write_event_images(written, *file).ok(), "they can be written");
+  const auto back = capture::read_event_images(written);
   require(back.ok() && back->cycles == file->cycles, "they come back as written");
   return 0;
 }

@@ -4,17 +4,17 @@
 #include <map>
 
 #include "chunk_file.h"
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/safetensors.h"
-#include "e2lf/base/text.h"
-#include "testing/test_aedat4.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
-#include "e2lf/recordings/recording.h"
-#include "e2lf/recordings/registry.h"
-#include "testing/test_streams.h"
 #include "e2lf/lightfield/image.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
+#include "e2lf/recordings/open/registry.h"
+#include "e2lf/recordings/recording.h"
 #include "reader_seeds.h"
+#include "testing/test_aedat4.h"
+#include "testing/test_streams.h"
 
 namespace {
 

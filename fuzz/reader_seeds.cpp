@@ -6,14 +6,14 @@
 #include "e2lf/capture/camera.h"
 #include "e2lf/capture/codes_header.h"
 #include "e2lf/capture/codes_io.h"
+#include "e2lf/cycles/schedule.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
-#include "e2lf/cycles/schedule.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/model/model.h"
 #include "testing/test_jpeg.h"
 #include "testing/test_light_field.h"
-#include "e2lf/model/model.h"
 
 namespace e2lf::fuzz {
 namespace {
@@ -108,7 +108,7 @@ model::Model small_model() {
   model::Model model;
   model.name = "small";
   model.num_patterns = 4;
-  model.codes = aperture::default_codes();
+  model.codes = capture::default_codes();
   model.input = {{model::InputKind::kCounts, 0.125F}};
   model.network.input_channels = 3;
   model::Layer first, second;
@@ -139,31 +139,31 @@ Bytes bytes_of(const std::string& text) {
 }
 
 Result<void> write_patterns(const fs::path& folder) {
-  const aperture::Codes codes = aperture::default_codes();
+  const capture::Codes codes = capture::default_codes();
   const NpyArray array = make_npy<float>({4, 8, 8}, codes.values);
   const fs::path out = folder / "codes";
-  E2LF_RETURN_IF_ERROR(write_choice(out / "binary", 0, bytes_of(aperture::codes_to_json(codes).dump())));
+  E2LF_RETURN_IF_ERROR(write_choice(out / "binary", 0, bytes_of(capture::codes_to_json(codes).dump())));
   const std::string numbers = R"({"patterns": [[[0, 0.5], [1, 0.25]], [[1, 0], [0, 1]]]})";
   E2LF_RETURN_IF_ERROR(write_choice(out / "numbers", 0, bytes_of(numbers)));
   E2LF_RETURN_IF_ERROR(write_choice(out / "npy", 1, encode_npy(array)));
   E2LF_RETURN_IF_ERROR(write_choice(out / "npz", 2, encode_npz({{"codes", array}})));
   std::string header;
-  for (const auto& [key, value] : aperture::codes_to_header(codes)) header += key + " " + value + "\n";
+  for (const auto& [key, value] : capture::codes_to_header(codes)) header += key + " " + value + "\n";
   E2LF_RETURN_IF_ERROR(write_choice(out / "header", 3, bytes_of(header)));
-  aperture::Camera camera;
+  capture::Camera camera;
   E2LF_RETURN_IF_ERROR(write_file(folder / "camera" / "paper", to_json(camera).dump()));
   camera.event_model = "pixel";
   camera.pixel.values.fill(0.5F);
   camera.transmission = {1.0F, 0.9F};
   E2LF_RETURN_IF_ERROR(write_file(folder / "camera" / "pixel", to_json(camera).dump()));
-  E2LF_RETURN_IF_ERROR(write_file(folder / "schedule" / "paper", schedule_text(events::paper_schedule())));
-  return write_file(folder / "schedule" / "plain", schedule_text(events::plain_schedule(4, 5000)));
+  E2LF_RETURN_IF_ERROR(write_file(folder / "schedule" / "paper", schedule_text(cycles::paper_schedule())));
+  return write_file(folder / "schedule" / "plain", schedule_text(cycles::plain_schedule(4, 5000)));
 }
 
 Result<void> write_event_images(const fs::path& folder) {
   const std::vector<int16_t> counts(size_t{2} * 3 * 4 * 5, -3);
   const NpyArray cycles = make_npy<int16_t>({2, 3, 4, 5}, counts);
-  const NpyArray codes = make_npy<float>({4, 8, 8}, aperture::default_codes().values);
+  const NpyArray codes = make_npy<float>({4, 8, 8}, capture::default_codes().values);
   const NpyArray image = make_npy<float>({4, 5, 1}, std::vector<float>(20, 2.0F));
   const fs::path out = folder / "event_images";
   E2LF_RETURN_IF_ERROR(write_choice(out / "npz", 0, encode_npz({{"events", cycles}, {"codes", codes}})));

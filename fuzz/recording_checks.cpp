@@ -7,10 +7,10 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
-#include "testing/chunked_source.h"
+#include "e2lf/recordings/open/registry.h"
 #include "e2lf/recordings/recording.h"
-#include "e2lf/recordings/registry.h"
 #include "require.h"
+#include "testing/chunked_source.h"
 
 namespace e2lf::fuzz {
 namespace {

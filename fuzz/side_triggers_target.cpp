@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The target of the side file of triggers: the input is one.
-#include "testing/chunked_source.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "require.h"
+#include "testing/chunked_source.h"
 
 namespace {
 
-using namespace e2lf::events;
+using namespace e2lf::recordings;
 
 std::vector<Trigger> read(std::unique_ptr<ByteSource> source, size_t step) {
   TriggerFeed feed = make_side_trigger_feed(std::move(source));

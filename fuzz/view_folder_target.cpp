@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::span<const uint8_t> input(data, size), first;
   while (input.size() >= 3) {
     const char* name = kNames[input[0] % std::size(kNames)];
-    const size_t length = std::min<size_t>(e2lf::events::load_le<uint16_t>(&input[1]), input.size() - 3);
+    const size_t length = std::min<size_t>(e2lf::load_le<uint16_t>(&input[1]), input.size() - 3);
     const std::span<const uint8_t> bytes = input.subspan(3, length);
     input = input.subspan(3 + length);
     if (first.empty()) first = bytes;

@@ -9,7 +9,7 @@
 #include "e2lf/recordings/io/byte_source.h"
 
 /// A source for tests and fuzzing: hands bytes out in pieces, as a live source would.
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Cuts lie at the given positions (ascending), then every `step` bytes; a fetch sees one piece more at a time.
 class ChunkedSource final : public ByteSource {
@@ -44,4 +44,4 @@ class ChunkedSource final : public ByteSource {
   std::vector<uint8_t> piece_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

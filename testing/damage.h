@@ -7,7 +7,7 @@
 #include <vector>
 
 /// Damage done to bytes at random, for tests and fuzzing.
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 enum class Damage { kLost, kInserted, kFlipped, kZeroed, kOverwritten, kTruncated };
 inline constexpr int kNumDamages = 6;
@@ -52,4 +52,4 @@ inline DamagedPlace damage(std::vector<uint8_t>& bytes, size_t first, Damage kin
   return {begin, left};
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

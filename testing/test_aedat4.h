@@ -6,15 +6,15 @@
 #include <utility>
 #include <vector>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_header.h"
 #include "e2lf/recordings/event.h"
-#include "e2lf/base/little_endian.h"
 #ifdef E2LF_HAVE_ZSTD
 #include <zstd.h>
 #endif
 
 /// Builds AEDAT 4 files, for tests and fuzzing.
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 
 using Bytes = std::vector<uint8_t>;
 
@@ -117,4 +117,4 @@ inline Bytes make_file(const std::vector<std::pair<int32_t, Bytes>>& packets, Co
   return file;
 }
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

@@ -10,7 +10,7 @@
 #include "e2lf/recordings/recording.h"
 
 /// Streams and files that the module's tests share.
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 struct RandomStream {
   size_t events = 1000;
@@ -65,4 +65,4 @@ class TestFolder {
 #define E2LF_SKIP_WITHOUT(path) \
   if ((path).empty()) GTEST_SKIP() << "E2LF_DATA does not have this file"
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

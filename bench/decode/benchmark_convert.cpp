@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <chrono>
 
+#include "bench/decode/benchmark_streams.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
-#include "bench/decode/benchmark_streams.h"
 #include "e2lf/recordings/convert.h"
 
-namespace e2lf::events {
+namespace e2lf::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,10 +21,10 @@ Result<ConvertBenchmarkRow> measure(const fs::path& recording, const fs::path& o
   double best_s = 0;
   for (int run = 0; run < std::max(runs, 1); ++run) {
     const auto begin = Clock::now();
-    OpenOptions open;
+    recordings::OpenOptions open;
     open.threads = 0;
-    E2LF_ASSIGN_OR_RETURN(const auto reader, open_recording(recording, open));
-    E2LF_ASSIGN_OR_RETURN(const ConvertReport report, convert_recording(*reader, output));
+    E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_recording(recording, open));
+    E2LF_ASSIGN_OR_RETURN(const recordings::ConvertReport report, recordings::convert_recording(*reader, output));
     const double run_s = std::chrono::duration<double>(Clock::now() - begin).count();
     best_s = run == 0 ? run_s : std::min(best_s, run_s);
     row.events = report.events;
@@ -54,4 +54,4 @@ Result<std::vector<ConvertBenchmarkRow>> benchmark_conversion(const ConvertBench
   return rows;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::bench

@@ -7,7 +7,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::bench {
 
 struct ConvertBenchmarkOptions {
   std::filesystem::path folder;      ///< where files are written and removed again
@@ -25,4 +25,4 @@ struct ConvertBenchmarkRow {
 /// Measures the conversion of a RAW file to CSV and to Metavision HDF5. Fails as converting does.
 [[nodiscard]] Result<std::vector<ConvertBenchmarkRow>> benchmark_conversion(const ConvertBenchmarkOptions& options);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::bench

@@ -6,12 +6,12 @@
 #include <ctime>
 #include <map>
 
+#include "bench/decode/benchmark_streams.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
-#include "bench/decode/benchmark_streams.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,16 +28,17 @@ double clock_s(int threads) {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_stream(const BenchmarkStream& stream, int threads) {
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
+Result<std::unique_ptr<recordings::RecordingReader>> open_stream(const BenchmarkStream& stream, int threads) {
+  recordings::OpenOptions options;
+  options.policy = recordings::DecodePolicy::kSkip;
   options.threads = threads;
-  return open_recording(make_memory_source(std::span<const uint8_t>(stream.bytes), stream.source), options);
+  return recordings::open_recording(
+      recordings::make_memory_source(std::span<const uint8_t>(stream.bytes), stream.source), options);
 }
 
-Result<DecodeSummary> decode_to_columns(const BenchmarkStream& stream, int threads) {
+Result<recordings::DecodeSummary> decode_to_columns(const BenchmarkStream& stream, int threads) {
   E2LF_ASSIGN_OR_RETURN(const auto reader, open_stream(stream, threads));
-  EventBatch batch;
+  recordings::EventBatch batch;
   for (bool more = true; more;) {
     E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
   }
@@ -51,7 +52,7 @@ Result<double> measure(const DecodeBenchmarkOptions& options, const BenchmarkStr
   const auto begin = Clock::now();
   for (int run = 0; run < 2 || seconds_since(begin) < options.seconds; ++run) {
     const double start_s = clock_s(threads);
-    E2LF_ASSIGN_OR_RETURN(const DecodeSummary summary, decode_to_columns(stream, threads));
+    E2LF_ASSIGN_OR_RETURN(const recordings::DecodeSummary summary, decode_to_columns(stream, threads));
     const double run_s = clock_s(threads) - start_s;
     if (summary.events() != events) {
       return Error{ErrorCode::kInvalidValue, cat("a run gave ", summary.events(), " events instead of ", events), ""};
@@ -76,7 +77,7 @@ Result<DecodeBenchmarkRow> measure_stream(const DecodeBenchmarkOptions& options,
   row.shape = stream.shape;
   row.source = stream.source;
   const auto decode_once = [&] { return decode_to_columns(stream, 1); };
-  E2LF_ASSIGN_OR_RETURN(const DecodeSummary known, with_scalar_kernels(decode_once));
+  E2LF_ASSIGN_OR_RETURN(const recordings::DecodeSummary known, with_scalar_kernels(decode_once));
   row.events = known.events();
   row.bytes_per_event =
       static_cast<double>(stream.bytes.size()) / static_cast<double>(std::max<uint64_t>(row.events, 1));
@@ -102,7 +103,7 @@ Result<std::map<std::string, std::vector<Found>>> find_recordings(const fs::path
     if (entry->path().extension() != ".raw") continue;
     const auto once = repeat_recording(entry->path(), 1);
     if (!once) continue;
-    E2LF_ASSIGN_OR_RETURN(const DecodeSummary summary, decode_to_columns(*once, 1));
+    E2LF_ASSIGN_OR_RETURN(const recordings::DecodeSummary summary, decode_to_columns(*once, 1));
     if (summary.events() == 0) continue;
     const double bytes_per_event = static_cast<double>(once->bytes.size()) / static_cast<double>(summary.events());
     found[once->shape].push_back({entry->path(), bytes_per_event});
@@ -163,4 +164,4 @@ Result<std::vector<DecodeBenchmarkRow>> benchmark_decoding(const DecodeBenchmark
   return rows;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::bench

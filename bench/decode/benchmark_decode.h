@@ -8,7 +8,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::bench {
 
 struct DecodeBenchmarkOptions {
   /// A RAW recording, or a folder of them: streams are made by repeating these. Empty: all streams are synthesised.
@@ -23,8 +23,8 @@ struct DecodeBenchmarkRow {
   std::string source;  ///< what the stream was made of
   uint64_t events = 0;
   double bytes_per_event = 0;
-  /// Millions of events per second to columns, in batches of the default size: the fastest run. One thread is measured by
-  /// its processor time.
+  /// Millions of events per second to columns, in batches of the default size: the fastest run. One thread is measured
+  /// by its processor time.
   double one_thread = 0, all_threads = 0;
   double reference = 0;  ///< the scalar reference on one thread, in the same run; 0 = not measured
 };
@@ -36,4 +36,4 @@ struct DecodeBenchmarkRow {
 [[nodiscard]] Result<std::vector<DecodeBenchmarkRow>> benchmark_decoding(const DecodeBenchmarkOptions& options,
                                                                          const ProgressFn& progress = {});
 
-}  // namespace e2lf::events
+}  // namespace e2lf::bench

@@ -5,17 +5,17 @@
 #include <optional>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/files/file.h"
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
-#include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::bench {
 namespace {
 
 constexpr uint32_t kWidth = 1280, kHeight = 720;
@@ -25,7 +25,7 @@ class Synthesis {
  public:
   explicit Synthesis(StreamShape shape) : shape_(shape) {}
 
-  void fill(EventBatch& batch, size_t events) {
+  void fill(recordings::EventBatch& batch, size_t events) {
     batch.clear();
     while (batch.events.size() < events) add_row(batch.events);
   }
@@ -33,7 +33,7 @@ class Synthesis {
  private:
   uint32_t below(uint32_t bound) { return rng_.below(next_++, bound); }
 
-  void add_row(EventColumns& events) {
+  void add_row(recordings::EventColumns& events) {
     switch (shape_) {
       case StreamShape::kEvt3Dense:
         t_us_ += below(4) == 0 ? 1 : 0;
@@ -51,14 +51,14 @@ class Synthesis {
     }
   }
 
-  void add_singles(EventColumns& events, uint32_t count) {
+  void add_singles(recordings::EventColumns& events, uint32_t count) {
     const auto y = static_cast<uint16_t>(below(kHeight));
     for (uint32_t i = 0; i < count; ++i) {
       events.push_back({static_cast<uint16_t>(below(kWidth)), y, static_cast<uint8_t>(below(2)), t_us_});
     }
   }
 
-  void add_block(EventColumns& events, uint32_t mask) {
+  void add_block(recordings::EventColumns& events, uint32_t mask) {
     const uint32_t base = 32 * below(kWidth / 32);
     const auto y = static_cast<uint16_t>(below(kHeight));
     const auto p = static_cast<uint8_t>(below(2));
@@ -94,12 +94,14 @@ struct TimeWords {
   size_t offset = 0;  ///< of the part with the time in a word
   bool is_wide = false;
 
-  [[nodiscard]] uint32_t mask() const { return is_wide ? timed::kTimeHighMask : evt3::kPayloadMask; }
+  [[nodiscard]] uint32_t mask() const {
+    return is_wide ? recordings::timed::kTimeHighMask : recordings::evt3::kPayloadMask;
+  }
   [[nodiscard]] uint32_t load(const uint8_t* word) const {
     return is_wide ? load_le<uint32_t>(word + offset) : load_le<uint16_t>(word + offset);
   }
   [[nodiscard]] bool is_time(const uint8_t* word) const {
-    return is_wide ? load(word) >> 28 == timed::kTimeHigh : load(word) >> 12 == evt3::kTimeHigh;
+    return is_wide ? load(word) >> 28 == recordings::timed::kTimeHigh : load(word) >> 12 == recordings::evt3::kTimeHigh;
   }
   void move(uint8_t* word, uint32_t steps) const {
     const uint32_t value = load(word);
@@ -108,17 +110,18 @@ struct TimeWords {
   }
 };
 
-std::optional<TimeWords> time_words(const RawHeader& header, std::span<const uint8_t> payload) {
+std::optional<TimeWords> time_words(const recordings::RawHeader& header, std::span<const uint8_t> payload) {
   if (header.info.format == "evt3") return TimeWords{2, 0, false};
   if (header.info.format == "evt2") return TimeWords{4, 0, true};
   if (header.info.format != "evt2.1") return std::nullopt;
-  const bool is_little = evt21::find_byte_order(payload, header.endianness) == evt21::ByteOrder::kLittle;
+  const bool is_little =
+      recordings::evt21::find_byte_order(payload, header.endianness) == recordings::evt21::ByteOrder::kLittle;
   return TimeWords{8, is_little ? size_t{4} : size_t{0}, true};
 }
 
 Result<uint64_t> count_events(const std::filesystem::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const auto reader, open_recording(path));
-  EventBatch batch;
+  E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_recording(path));
+  recordings::EventBatch batch;
   for (bool more = true; more;) {
     E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
   }
@@ -155,12 +158,12 @@ BenchmarkStream synthesise_stream(StreamShape shape, uint64_t events) {
   BenchmarkStream stream;
   stream.shape = shape_name(shape);
   stream.source = "synthesised";
-  RecordingInfo info;
+  recordings::RecordingInfo info;
   info.width = kWidth;
   info.height = kHeight;
-  auto writer = create_recording(make_memory_sink(stream.bytes), encoding_of(shape), info);
+  auto writer = recordings::create_recording(recordings::make_memory_sink(stream.bytes), encoding_of(shape), info);
   Synthesis synthesis(shape);
-  EventBatch batch;
+  recordings::EventBatch batch;
   bool is_written = writer.ok();
   for (uint64_t done = 0; is_written && done < events; done += batch.events.size()) {
     synthesis.fill(batch, static_cast<size_t>(std::min<uint64_t>(events - done, 1 << 16)));
@@ -175,9 +178,9 @@ Result<BenchmarkStream> repeat_recording(const std::filesystem::path& path, uint
   const auto unsupported = [&path](const char* what) {
     return Error{ErrorCode::kUnsupported, cat(what, "; give a RAW recording with events"), path.string()};
   };
-  if (!is_raw_header(file)) return unsupported("decoding is measured with RAW recordings");
+  if (!recordings::is_raw_header(file)) return unsupported("decoding is measured with RAW recordings");
   E2LF_ASSIGN_OR_RETURN(const uint64_t events_of_one, count_events(path));
-  E2LF_ASSIGN_OR_RETURN(const RawHeader header, parse_raw_header(file, true, path.string()));
+  E2LF_ASSIGN_OR_RETURN(const recordings::RawHeader header, recordings::parse_raw_header(file, true, path.string()));
   const auto payload = std::span(file).subspan(header.num_bytes);
   const auto time = time_words(header, payload);
   const auto words = time ? words_from_time(payload, *time) : std::span<const uint8_t>();
@@ -202,4 +205,4 @@ Result<BenchmarkStream> repeat_recording(const std::filesystem::path& path, uint
   return stream;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::bench

@@ -8,7 +8,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::bench {
 
 /// A RAW recording in memory, header included, to measure decoders with.
 struct BenchmarkStream {
@@ -39,4 +39,4 @@ inline constexpr StreamShape kStreamShapes[] = {StreamShape::kEvt3Dense, StreamS
 /// RAW or has no time words.
 [[nodiscard]] Result<BenchmarkStream> repeat_recording(const std::filesystem::path& path, uint64_t events);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::bench

@@ -8,7 +8,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/reference.h"
 
-namespace e2lf::sensor {
+namespace e2lf::bench {
 namespace {
 
 constexpr size_t kViews = 8;
@@ -23,8 +23,8 @@ lightfield::LightField noise_light_field(size_t height, size_t width) {
   return light_field;
 }
 
-aperture::Codes sparse_codes(size_t num_patterns) {
-  aperture::Codes codes(num_patterns, kViews, kViews);
+capture::Codes sparse_codes(size_t num_patterns) {
+  capture::Codes codes(num_patterns, kViews, kViews);
   const CounterRng rng(0, 1);
   for (size_t i = codes.pattern_size(); i < codes.values.size(); ++i) codes.values[i] = rng.below(i, 6) == 0 ? 1 : 0;
   return codes;
@@ -50,27 +50,27 @@ Result<double> measure(const SimulationBenchmarkOptions& options, const Work& wo
 
 Result<SimulationBenchmark> benchmark_simulation(const SimulationBenchmarkOptions& options) {
   const lightfield::LightField light_field = noise_light_field(options.height, options.width);
-  const aperture::Codes codes = sparse_codes(options.num_patterns);
-  E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities, coded_intensities(codes, light_field));
-  E2LF_RETURN_IF_ERROR(validate(options.model));
+  const capture::Codes codes = sparse_codes(options.num_patterns);
+  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities intensities, sensor::coded_intensities(codes, light_field));
+  E2LF_RETURN_IF_ERROR(sensor::validate(options.model));
 
-  const auto reference_intensities = [&] { return reference_coded_intensities(codes, light_field); };
-  const auto reference_events = [&] { return reference_simulate_events(intensities, options.model); };
-  const auto reference_simulate = [&]() -> Result<events::EventImages> {
-    E2LF_ASSIGN_OR_RETURN(const CodedIntensities coded, reference_intensities());
-    return reference_simulate_events(coded, options.model);
+  const auto reference_intensities = [&] { return sensor::reference_coded_intensities(codes, light_field); };
+  const auto reference_events = [&] { return sensor::reference_simulate_events(intensities, options.model); };
+  const auto reference_simulate = [&]() -> Result<capture::EventImages> {
+    E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities coded, reference_intensities());
+    return sensor::reference_simulate_events(coded, options.model);
   };
   SimulationBenchmark result;
   E2LF_ASSIGN_OR_RETURN(result.intensities_mpx_per_s,
-                        measure(options, [&] { return coded_intensities(codes, light_field); }));
+                        measure(options, [&] { return sensor::coded_intensities(codes, light_field); }));
   E2LF_ASSIGN_OR_RETURN(result.events_mpx_per_s,
-                        measure(options, [&] { return simulate_events(intensities, options.model); }));
+                        measure(options, [&] { return sensor::simulate_events(intensities, options.model); }));
   E2LF_ASSIGN_OR_RETURN(result.simulate_mpx_per_s,
-                        measure(options, [&] { return simulate_events(codes, light_field, options.model); }));
+                        measure(options, [&] { return sensor::simulate_events(codes, light_field, options.model); }));
   E2LF_ASSIGN_OR_RETURN(result.reference_intensities_mpx_per_s, measure(options, reference_intensities));
   E2LF_ASSIGN_OR_RETURN(result.reference_events_mpx_per_s, measure(options, reference_events));
   E2LF_ASSIGN_OR_RETURN(result.reference_simulate_mpx_per_s, measure(options, reference_simulate));
   return result;
 }
 
-}  // namespace e2lf::sensor
+}  // namespace e2lf::bench

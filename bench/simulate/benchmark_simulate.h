@@ -6,13 +6,13 @@
 #include "e2lf/base/result.h"
 #include "e2lf/sensor/event_model.h"
 
-namespace e2lf::sensor {
+namespace e2lf::bench {
 
 struct SimulationBenchmarkOptions {
   size_t height = 720, width = 1280;
   size_t num_patterns = 4;  ///< the first is black, of the others about one cell in six is open, as in learned ones
   double seconds = 1.0;     ///< for each of the measured functions, which run at least twice
-  EventModelOptions model = {};
+  sensor::EventModelOptions model = {};
 };
 
 /// Millions of sensor pixels per second, all transitions of a cycle included; the best of all runs.
@@ -28,4 +28,4 @@ struct SimulationBenchmark {
 /// Measures the simulation of an 8x8 light field of noise. Fails as simulate_events() does.
 [[nodiscard]] Result<SimulationBenchmark> benchmark_simulation(const SimulationBenchmarkOptions& options);
 
-}  // namespace e2lf::sensor
+}  // namespace e2lf::bench

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace e2lf::sensor {
+namespace e2lf::bench {
 namespace {
 
 TEST(SimulationBenchmark, MeasuresEveryFunction) {
@@ -23,4 +23,4 @@ TEST(SimulationBenchmark, UnusableOptionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace e2lf::sensor
+}  // namespace e2lf::bench

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace e2lf::events {
+namespace e2lf {
 
 static_assert(std::endian::native == std::endian::little, "the codecs read and write little-endian words in place");
 
@@ -22,4 +22,4 @@ inline void store_le(uint8_t* bytes, T value) {
   std::memcpy(bytes, &value, sizeof(T));
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf

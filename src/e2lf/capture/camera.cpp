@@ -8,7 +8,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 using enum PixelConstant;
@@ -245,4 +245,4 @@ std::vector<float> camera_traits(const Camera& camera, size_t num_patterns, size
                        num_patterns);
 }
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/result.h"
 #include "e2lf/capture/sensor_constants.h"
 #include "e2lf/files/options.h"
-#include "e2lf/base/result.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 
 /// The constants of an event pixel behind a switched aperture, one number each.
 enum class PixelConstant : uint8_t {
@@ -103,4 +103,4 @@ struct TraitSource {
 /// The traits of a camera at its stated values, for counts that are means over `cycles`.
 [[nodiscard]] std::vector<float> camera_traits(const Camera& camera, size_t num_patterns, size_t cycles = 1);
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

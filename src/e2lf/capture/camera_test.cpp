@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 using enum PixelConstant;
@@ -92,4 +92,4 @@ TEST(Camera, TraitsTellHowFarACameraIsFromAnIdealOne) {
 }
 
 }  // namespace
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 
 /// What the sensor sees under each pattern (Eq. 1): float32 [pattern, y, x], row-major, divided by the number of views.
 struct CodedIntensities {
@@ -25,4 +25,4 @@ struct CodedIntensities {
   }
 };
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 
 Result<void> validate(const Codes& codes, const std::string& location) {
   if (codes.values.empty())
@@ -87,4 +87,4 @@ Codes default_codes() {
   return codes;
 }
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

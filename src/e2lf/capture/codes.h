@@ -8,7 +8,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 
 /// Aperture patterns in the order they are shown: float32 [N, view_y, view_x], row-major, transmittances in [0, 1].
 struct Codes {
@@ -56,4 +56,4 @@ struct Codes {
 /// and along y in the next, over a base line of four views; compact ones keep each coded image sharp.
 [[nodiscard]] Codes default_codes();
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -6,10 +6,10 @@
 #include <sstream>
 #include <string_view>
 
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 constexpr std::string_view kKey = "e2lf_pattern_";
@@ -79,4 +79,4 @@ Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const 
   return std::optional(std::move(codes));
 }
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

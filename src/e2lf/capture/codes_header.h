@@ -8,7 +8,7 @@
 
 #include "e2lf/capture/codes.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 
 /// Lines of a recording's header, key and value.
 using HeaderLines = std::vector<std::pair<std::string, std::string>>;
@@ -21,4 +21,4 @@ using HeaderLines = std::vector<std::pair<std::string, std::string>>;
 /// (a pattern is missing, a row is none) and as codes_from_json() does.
 [[nodiscard]] Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const std::string& location);
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 using testing::HasSubstr;
@@ -45,4 +45,4 @@ TEST(CodesHeader, NamesThePatternThatIsMissingOrDamaged) {
 }
 
 }  // namespace
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -3,7 +3,7 @@
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 constexpr const char* kArrayName = "codes";
@@ -66,4 +66,4 @@ Result<void> write_codes(const std::filesystem::path& path, const Codes& codes) 
   return unknown_extension(path);
 }
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

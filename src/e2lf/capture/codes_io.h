@@ -8,7 +8,7 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/files/options.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 
 /// Patterns from `{"patterns": [[row, ...], ...]}`; a row is a list of numbers or a text of 0 and 1 ("01100110").
 /// Fails with kShape (rows or patterns of different sizes), kFormat and kInvalidValue, with the JSON path in
@@ -33,4 +33,4 @@ namespace e2lf::aperture {
 /// efficiency: "#" = open, "." = closed, ":-=+*" between.
 [[nodiscard]] std::string codes_text(const Codes& codes);
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -7,7 +7,7 @@
 
 #include "testing/test_files.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 using testing::ElementsAre;
@@ -123,4 +123,4 @@ TEST(CodesText, BreaksLinesAfterFourPatterns) {
 }
 
 }  // namespace
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 Result<std::vector<float>> read_row(const Json& row, const std::string& location) {
@@ -85,4 +85,4 @@ Json codes_to_json(const Codes& codes) {
   return {{"patterns", std::move(patterns)}};
 }
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

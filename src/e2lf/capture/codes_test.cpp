@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 using testing::ElementsAre;
@@ -95,4 +95,4 @@ TEST(DefaultCodes, AreBlackThenThreeEqualBlobsOverTwoBaseLines) {
 }
 
 }  // namespace
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

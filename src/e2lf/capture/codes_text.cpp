@@ -3,10 +3,10 @@
 #include <cmath>
 #include <string_view>
 
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 constexpr size_t kPatternsPerLine = 4;
@@ -61,4 +61,4 @@ std::string codes_text(const Codes& codes) {
   return text;
 }
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -7,7 +7,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 constexpr size_t kMostDisplayPixels = size_t{1} << 28;
@@ -89,4 +89,4 @@ Result<DisplayFrame> render_pattern(const Codes& codes, size_t n, const DisplayL
   return frame;
 }
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "e2lf/capture/codes.h"
 #include "e2lf/base/result.h"
+#include "e2lf/capture/codes.h"
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 
 /// Where the aperture lies on a display. The defaults are the paper's: an SXGA display, its central 800x800 px.
 struct DisplayLayout {
@@ -29,4 +29,4 @@ struct DisplayFrame {
 /// when the aperture does not fit on the display.
 [[nodiscard]] Result<DisplayFrame> render_pattern(const Codes& codes, size_t n, const DisplayLayout& layout);
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 namespace {
 
 /// One pattern of 2x3 cells whose transmittances are all different.
@@ -74,4 +74,4 @@ TEST(Display, MovesByTheOffsetAndRefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

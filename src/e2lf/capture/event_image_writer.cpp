@@ -8,12 +8,12 @@
 #include <vector>
 #include <zlib.h>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy_header.h"
-#include "e2lf/base/text.h"
 #include "e2lf/files/zip_format.h"
 
-namespace e2lf::events {
+namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
@@ -290,4 +290,4 @@ Result<void> EventImageWriter::finish() {
   return impl_->finish();
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::capture

@@ -8,7 +8,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/event_images.h"
 
-namespace e2lf::events {
+namespace e2lf::capture {
 
 /// Writes an .npz with `events` int16 [cycles, N-1, y, x] cycle by cycle, in constant memory, for any number of cycles.
 /// The file appears at finish(), whole; destroyed without it, nothing is left behind. Read it with read_event_images()
@@ -42,4 +42,4 @@ class EventImageWriter {
 [[nodiscard]] Result<uint64_t> recover_event_images(const std::filesystem::path& unfinished,
                                                     const std::filesystem::path& path);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::capture

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/rng.h"
 
-namespace e2lf::events {
+namespace e2lf::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,4 +102,4 @@ TEST(EventImageWriter, RefusesAFileWithoutCycles) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::capture

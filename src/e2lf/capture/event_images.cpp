@@ -9,7 +9,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 
-namespace e2lf::events {
+namespace e2lf::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -176,4 +176,4 @@ Result<void> write_event_images(const fs::path& path, const EventImageFile& file
   return write_npz(path, arrays);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::capture

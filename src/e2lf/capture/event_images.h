@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/files/npy.h"
 #include "e2lf/base/result.h"
+#include "e2lf/files/npy.h"
 
-namespace e2lf::events {
+namespace e2lf::capture {
 
 /// Event images of one cycle: int16 [transition, y, x], row-major; each value is the sum of the signed events (+1 ON,
 /// -1 OFF) of a pixel in one pattern transition (Eq. 2). N patterns make N - 1 transitions.
@@ -50,4 +50,4 @@ struct EventImageFile {
 /// Writes `events` int16 [cycles, N-1, y, x] and `codes` (when given) as an .npz.
 [[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::capture

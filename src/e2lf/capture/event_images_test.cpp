@@ -10,7 +10,7 @@
 
 #include "e2lf/files/file.h"
 
-namespace e2lf::events {
+namespace e2lf::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,4 +144,4 @@ TEST_F(EventImageFiles, ReleasedCaptureIsReadWhole) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::capture

@@ -5,12 +5,12 @@
 #include <vector>
 #include <zlib.h>
 
+#include "e2lf/base/little_endian.h"
+#include "e2lf/capture/event_image_writer.h"
 #include "e2lf/files/npy_header.h"
 #include "e2lf/files/zip_format.h"
-#include "e2lf/capture/event_image_writer.h"
-#include "e2lf/base/little_endian.h"
 
-namespace e2lf::events {
+namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
@@ -106,4 +106,4 @@ Result<uint64_t> recover_event_images(const fs::path& unfinished, const fs::path
   return cycles;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::capture

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-namespace e2lf::aperture {
+namespace e2lf::capture {
 
 /// The constants of the paper's event sensor (Eq. 3, 8), those of a Prophesee EVK4 by default. Intensities are
 /// normalised by the number of views.
@@ -14,4 +14,4 @@ struct SensorConstants {
   bool operator==(const SensorConstants&) const = default;
 };
 
-}  // namespace e2lf::aperture
+}  // namespace e2lf::capture

@@ -2,10 +2,11 @@
 // e2lf accumulate: recording -> event images per pattern cycle
 #include <cstdio>
 
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/event_image_writer.h"
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
@@ -13,7 +14,6 @@
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/capture/event_image_writer.h"
 #include "e2lf/recordings/event_rate.h"
 
 namespace e2lf::cli {
@@ -29,10 +29,10 @@ struct AccumulateArguments {
 class CyclePlot {
  public:
   [[nodiscard]] CycleObserver observer() {
-    return {.on_batch = [this](const events::EventBatch& batch) { rate_.add(batch); },
-            .on_mark = [this](const events::Mark& mark) { keep(found_.marks, mark); }};
+    return {.on_batch = [this](const recordings::EventBatch& batch) { rate_.add(batch); },
+            .on_mark = [this](const cycles::Mark& mark) { keep(found_.marks, mark); }};
   }
-  void add(const events::Cycle& cycle) {
+  void add(const cycles::Cycle& cycle) {
     keep(found_.cycles, FoundCycle{cycle.number, cycle.confidence, cycle.slices});
   }
   [[nodiscard]] std::string svg() const { return rate_plot_svg(rate_.rate(), found_); }
@@ -46,14 +46,14 @@ class CyclePlot {
     if (kept.size() < kMaxDrawn) kept.push_back(item);
   }
 
-  events::EventRateCounter rate_{kBins};
+  recordings::EventRateCounter rate_{kBins};
   FoundCycles found_;
 };
 
 /// Puts the patterns of the recording beside its event images, where they are those of the schedule.
-void keep_codes(const aperture::Codes& codes, const fs::path& input, size_t transitions,
-                events::EventImageWriter& writer) {
-  if (codes.num_patterns == transitions + 1) return writer.set_codes(aperture::codes_to_npy(codes));
+void keep_codes(const capture::Codes& codes, const fs::path& input, size_t transitions,
+                capture::EventImageWriter& writer) {
+  if (codes.num_patterns == transitions + 1) return writer.set_codes(capture::codes_to_npy(codes));
   log_warning(cat(input.string(), " holds ", codes.num_patterns, " patterns, which are not those of the schedule with ",
                   transitions, " event images: leaving them out"));
 }
@@ -78,14 +78,14 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   RunRecord record("accumulate");
   CyclePlot plot;
   const bool is_plotted = !arguments.plot.empty();
-  E2LF_ASSIGN_OR_RETURN(events::CycleReader reader,
+  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, is_plotted ? plot.observer() : CycleObserver()));
-  E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(output.path()));
+  E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(const auto codes, recorded_codes(arguments.input, reader.recording().info()));
   ConfidenceWatch confidence;
   Json cycles = Json::array();
   while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
-    E2LF_ASSIGN_OR_RETURN(const std::optional<events::Cycle> cycle, reader.next());
+    E2LF_ASSIGN_OR_RETURN(const std::optional<cycles::Cycle> cycle, reader.next());
     if (!cycle) break;
     confidence.add(*cycle);
     if (writer.cycles() == 0 && codes) keep_codes(*codes, arguments.input, cycle->images.transitions, writer);
@@ -94,8 +94,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     if (is_plotted) plot.add(*cycle);
   }
   record.end_step("accumulate");
-  const events::CycleReport report = reader.report();
-  const events::DecodeSummary summary = reader.recording().summary();
+  const cycles::CycleReport report = reader.report();
+  const recordings::DecodeSummary summary = reader.recording().summary();
   warn_of_losses(arguments.input, summary);
   // The picture comes first: it tells why, where no cycle was found.
   if (picture) {

@@ -2,6 +2,7 @@
 // e2lf bench reconstruct | simulate; decode is in a file of its own
 #include <cstdio>
 
+#include "bench/simulate/benchmark_simulate.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/cli/bench_decode.h"
 #include "e2lf/cli/bench_reconstruct.h"
@@ -9,7 +10,6 @@
 #include "e2lf/cli/trainer_program.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/model/model.h"
-#include "bench/simulate/benchmark_simulate.h"
 
 namespace e2lf::cli {
 namespace {
@@ -74,11 +74,11 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
   Verb verb("bench simulate",
             "Measure the event simulation against the scalar reference on one thread, in the same run.",
             "e2lf bench simulate --json");
-  sensor::SimulationBenchmarkOptions options;
+  bench::SimulationBenchmarkOptions options;
   add_size_options(verb, options.width, options.height);
   verb.app().add_option("--seconds", options.seconds, "time for each measurement")->capture_default_str();
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(const sensor::SimulationBenchmark result, sensor::benchmark_simulation(options));
+    E2LF_ASSIGN_OR_RETURN(const bench::SimulationBenchmark result, bench::benchmark_simulation(options));
     const auto row = [](double ours, double reference) {
       return Json{{"mpx_per_s", ours}, {"reference_mpx_per_s", reference}, {"ratio", ours / reference}};
     };

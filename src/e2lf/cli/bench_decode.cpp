@@ -4,17 +4,17 @@
 
 #include <cstdio>
 
+#include "bench/decode/benchmark_convert.h"
+#include "bench/decode/benchmark_decode.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/verb.h"
-#include "bench/decode/benchmark_convert.h"
-#include "bench/decode/benchmark_decode.h"
 
 namespace e2lf::cli {
 namespace {
 
-using events::DecodeBenchmarkRow;
+using bench::DecodeBenchmarkRow;
 
 /// Measured on one thread of a Zen 4 class server CPU, from memory, on streams of these shapes; 0 = does not read it.
 struct PublishedRates {
@@ -59,14 +59,14 @@ Json to_json(const std::vector<DecodeBenchmarkRow>& rows) {
   return json;
 }
 
-Result<std::vector<events::ConvertBenchmarkRow>> measure_conversion(const std::filesystem::path& folder,
-                                                                    const events::DecodeBenchmarkOptions& decode) {
-  events::ConvertBenchmarkOptions options;
+Result<std::vector<bench::ConvertBenchmarkRow>> measure_conversion(const std::filesystem::path& folder,
+                                                                   const bench::DecodeBenchmarkOptions& decode) {
+  bench::ConvertBenchmarkOptions options;
   options.folder = folder;
   options.events = decode.events;
   std::error_code status;
   if (std::filesystem::is_regular_file(decode.input, status)) options.input = decode.input;
-  return events::benchmark_conversion(options);
+  return bench::benchmark_conversion(options);
 }
 
 void print_line(const char* what, double rate, double reference) {
@@ -104,7 +104,7 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
             "Measure the decoding of RAW recordings from memory, to columns, against the "
             "scalar reference in the same run.",
             "e2lf bench decode RECORDINGS_DIR --json");
-  events::DecodeBenchmarkOptions options;
+  bench::DecodeBenchmarkOptions options;
   bool without_reference = false;
   std::filesystem::path convert_folder;
   verb.app().add_option("input,-i,--input", options.input,
@@ -117,8 +117,8 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     options.with_reference = !without_reference;
     ProgressBar bar("bench", verb.common().quiet);
-    E2LF_ASSIGN_OR_RETURN(const auto rows, events::benchmark_decoding(options, bar.callback()));
-    std::vector<events::ConvertBenchmarkRow> conversions;
+    E2LF_ASSIGN_OR_RETURN(const auto rows, bench::benchmark_decoding(options, bar.callback()));
+    std::vector<bench::ConvertBenchmarkRow> conversions;
     if (!convert_folder.empty()) {
       E2LF_ASSIGN_OR_RETURN(conversions, measure_conversion(convert_folder, options));
     }

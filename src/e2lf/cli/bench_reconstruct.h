@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "e2lf/files/options.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
+#include "e2lf/files/options.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::cli {

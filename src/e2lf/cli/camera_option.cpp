@@ -38,11 +38,11 @@ void add_camera_option(CLI::App& app, std::string& camera, const std::string& he
   app.add_option("--camera", camera, help + ": a camera file (JSON), or a bundled one: " + join(bundled_cameras()));
 }
 
-Result<aperture::Camera> load_camera(const std::string& name, RunRecord& record) {
+Result<capture::Camera> load_camera(const std::string& name, RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(const fs::path path, find_camera(name));
   record.add_input(path);
-  E2LF_ASSIGN_OR_RETURN(aperture::Camera camera, aperture::read_camera(path));
-  record.note("camera", aperture::to_json(camera));
+  E2LF_ASSIGN_OR_RETURN(capture::Camera camera, capture::read_camera(path));
+  record.note("camera", capture::to_json(camera));
   return camera;
 }
 

@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "e2lf/capture/camera.h"
 #include "e2lf/base/result.h"
+#include "e2lf/capture/camera.h"
 #include "e2lf/cli/run_record.h"
 
 namespace e2lf::cli {
@@ -14,7 +14,7 @@ namespace e2lf::cli {
 void add_camera_option(CLI::App& app, std::string& camera, const std::string& help);
 
 /// Reads what --camera names, and keeps it in the record. Fails with kNotFound, naming the bundled ones, and as
-/// aperture::read_camera().
-[[nodiscard]] Result<aperture::Camera> load_camera(const std::string& name, RunRecord& record);
+/// capture::read_camera().
+[[nodiscard]] Result<capture::Camera> load_camera(const std::string& name, RunRecord& record);
 
 }  // namespace e2lf::cli

@@ -3,29 +3,29 @@
 #include <cstdio>
 
 #include "e2lf/capture/codes_io.h"
-#include "e2lf/files/file.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/file.h"
 
 namespace e2lf::cli {
 namespace {
 
-Json codes_json(const aperture::Codes& codes) {
+Json codes_json(const capture::Codes& codes) {
   Json json;
   json["num_patterns"] = codes.num_patterns;
   json["views"] = {codes.views_y, codes.views_x};
-  json["black_first"] = aperture::is_black_first(codes);
-  json["binary"] = aperture::is_binary(codes);
-  json["light_efficiency"] = aperture::light_efficiency(codes);
+  json["black_first"] = capture::is_black_first(codes);
+  json["binary"] = capture::is_binary(codes);
+  json["light_efficiency"] = capture::light_efficiency(codes);
   return json;
 }
 
-void print_codes(const aperture::Codes& codes) {
+void print_codes(const capture::Codes& codes) {
   std::printf("%zu patterns of %zux%zu, %s, %s\n%s\nlight efficiency:", codes.num_patterns, codes.views_y,
-              codes.views_x, aperture::is_black_first(codes) ? "black first" : "NOT black first",
-              aperture::is_binary(codes) ? "binary" : "not binary", aperture::codes_text(codes).c_str());
-  for (const float efficiency : aperture::light_efficiency(codes)) {
+              codes.views_x, capture::is_black_first(codes) ? "black first" : "NOT black first",
+              capture::is_binary(codes) ? "binary" : "not binary", capture::codes_text(codes).c_str());
+  for (const float efficiency : capture::light_efficiency(codes)) {
     std::printf(" %.1f %%", 100.0 * static_cast<double>(efficiency));
   }
   std::printf("\n");
@@ -44,7 +44,7 @@ int run_codes_show(const std::vector<std::string>& arguments) {
     if (!output.empty()) {
       E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {source.model, source.codes},
                                                                          .overwrite = verb.common().overwrite}));
-      E2LF_RETURN_IF_ERROR(aperture::write_codes(file.path(), known.codes));
+      E2LF_RETURN_IF_ERROR(capture::write_codes(file.path(), known.codes));
       E2LF_RETURN_IF_ERROR(file.commit());
     }
     if (verb.common().json) {

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/display.h"
-#include "e2lf/files/file.h"
-#include "e2lf/base/text.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/schedule.h"
+#include "e2lf/files/file.h"
 #include "e2lf/lightfield/formats/bitmap.h"
 
 namespace e2lf::cli {
@@ -22,7 +22,7 @@ namespace {
 struct RenderArguments {
   CodesSource codes;
   fs::path output;
-  aperture::DisplayLayout layout;
+  capture::DisplayLayout layout;
   unsigned rotation_deg = 0;
   std::string format = "png";
   unsigned bits = 8;
@@ -38,20 +38,20 @@ struct NamedFrame {
 
 /// The schedule's patterns: their inverses first, as the paper's display needs it, unless there are to be none.
 struct Sequence {
-  events::Schedule schedule;
-  std::vector<aperture::Codes> parts;  ///< one after another
+  cycles::Schedule schedule;
+  std::vector<capture::Codes> parts;  ///< one after another
 };
 
-Sequence sequence_of(const RenderArguments& arguments, const aperture::Codes& codes) {
-  if (arguments.no_inverses) return {events::plain_schedule(codes.num_patterns, arguments.duration_us), {codes}};
-  return {events::paper_schedule(codes.num_patterns), {aperture::complement(codes), codes}};
+Sequence sequence_of(const RenderArguments& arguments, const capture::Codes& codes) {
+  if (arguments.no_inverses) return {cycles::plain_schedule(codes.num_patterns, arguments.duration_us), {codes}};
+  return {cycles::paper_schedule(codes.num_patterns), {capture::complement(codes), codes}};
 }
 
 Result<std::vector<NamedFrame>> render_frames(const RenderArguments& arguments, const Sequence& sequence) {
   std::vector<NamedFrame> frames;
-  for (const aperture::Codes& part : sequence.parts) {
+  for (const capture::Codes& part : sequence.parts) {
     for (size_t n = 0; n < part.num_patterns; ++n) {
-      E2LF_ASSIGN_OR_RETURN(aperture::DisplayFrame frame, aperture::render_pattern(part, n, arguments.layout));
+      E2LF_ASSIGN_OR_RETURN(capture::DisplayFrame frame, capture::render_pattern(part, n, arguments.layout));
       std::string name = sequence.schedule.patterns[frames.size()].name;
       std::replace(name.begin(), name.end(), ' ', '_');
       ByteImage picture(frame.width_px, frame.height_px, 1);
@@ -84,11 +84,11 @@ ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
 }
 
 /// What a program that drives the display reads: frame, when it begins in the cycle, how long it is shown.
-std::string csv_of(const events::Schedule& schedule, const std::vector<NamedFrame>& frames) {
+std::string csv_of(const cycles::Schedule& schedule, const std::vector<NamedFrame>& frames) {
   std::string text = "index,file,name,begin_us,duration_us,event_image\n";
   int64_t begin_us = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
-    const events::ScheduledPattern& pattern = schedule.patterns[i];
+    const cycles::ScheduledPattern& pattern = schedule.patterns[i];
     text += cat(i, ',', frames[i].file, ',', pattern.name, ',', begin_us, ',', pattern.duration_us, ',',
                 pattern.image ? std::to_string(*pattern.image) : "", '\n');
     begin_us += pattern.interval_us();
@@ -103,8 +103,8 @@ Result<void> write_frame(const fs::path& folder, const NamedFrame& frame, const 
   return write_file(folder / frame.file, bytes);
 }
 
-Result<void> check_depth(const RenderArguments& arguments, const aperture::Codes& codes) {
-  if (arguments.bits == 8 || aperture::is_binary(codes)) return {};
+Result<void> check_depth(const RenderArguments& arguments, const capture::Codes& codes) {
+  if (arguments.bits == 8 || capture::is_binary(codes)) return {};
   return Error{ErrorCode::kInvalidValue, "the patterns hold values between 0 and 1, which one bit cannot show; use 8",
                "--bits"};
 }
@@ -119,9 +119,9 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
                         open_output_folder(arguments.output, {.inputs = {arguments.codes.model, arguments.codes.codes},
                                                               .overwrite = verb.common().overwrite}));
   for (const NamedFrame& frame : frames) E2LF_RETURN_IF_ERROR(write_frame(folder.path(), frame, arguments));
-  E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", events::schedule_text(sequence.schedule)));
+  E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", cycles::schedule_text(sequence.schedule)));
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.csv", csv_of(sequence.schedule, frames)));
-  E2LF_RETURN_IF_ERROR(aperture::write_codes(folder.path() / "codes.json", known.codes));
+  E2LF_RETURN_IF_ERROR(capture::write_codes(folder.path() / "codes.json", known.codes));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder.path() / "contact_sheet.png", sheet_of(frames)));
   record.end_step("render");
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
@@ -139,7 +139,7 @@ int run_codes_render(const std::vector<std::string>& arguments) {
   Verb verb("codes render", "Make the pictures that an aperture display shows, and their schedule.",
             "e2lf codes render -m models/e2lf-n4.safetensors -o out/display --flip-x --bits 1");
   RenderArguments render_arguments;
-  aperture::DisplayLayout& layout = render_arguments.layout;
+  capture::DisplayLayout& layout = render_arguments.layout;
   CLI::App& app = verb.app();
   add_codes_options(app, render_arguments.codes);
   app.add_option("-o,--output", render_arguments.output, "folder to write")->required();

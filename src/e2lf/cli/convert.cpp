@@ -12,9 +12,9 @@
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/recordings/recording_place.h"
-#include "e2lf/recordings/open_named_recording.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/recording_place.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -86,19 +86,19 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
 }
 
 Result<void> convert_events(const ConvertArguments& arguments, const CommonOptions& common) {
-  E2LF_ASSIGN_OR_RETURN(const events::RecordingPlace place,
-                        events::place_of_recording(arguments.output, arguments.format));
+  E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place,
+                        recordings::place_of_recording(arguments.output, arguments.format));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
                                                                                  .overwrite = common.overwrite,
                                                                                  .streams = place.streams,
                                                                                  .side_file = place.side_file,
                                                                                  .recover = recover_recording}));
-  E2LF_ASSIGN_OR_RETURN(events::OpenOptions open, open_options(arguments.input, arguments.recording));
-  open.time = arguments.shift_time ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;
-  E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(arguments.input.string(), open));
+  E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording));
+  open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
+  E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(arguments.input.string(), open));
   say_assumptions(*reader);
-  E2LF_ASSIGN_OR_RETURN(const events::ConvertReport report,
-                        events::convert_recording(*reader, output.path(), {.format = arguments.format}));
+  E2LF_ASSIGN_OR_RETURN(const recordings::ConvertReport report,
+                        recordings::convert_recording(*reader, output.path(), {.format = arguments.format}));
   E2LF_RETURN_IF_ERROR(output.commit());
   fs::path trigger_file = report.trigger_file;
   if (!trigger_file.empty()) trigger_file = arguments.output.parent_path() / trigger_file;

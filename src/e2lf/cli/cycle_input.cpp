@@ -8,7 +8,7 @@
 namespace e2lf::cli {
 namespace {
 
-void add(const events::EventImages& more, events::EventImages& sum) {
+void add(const capture::EventImages& more, capture::EventImages& sum) {
   for (size_t i = 0; i < sum.counts.size(); ++i) {
     sum.counts[i] = static_cast<int16_t>(std::clamp(sum.counts[i] + more.counts[i], -32768, 32767));
   }
@@ -24,7 +24,7 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
     return std::optional(std::move(next));
   }
   if (max_cycles_ != 0 && taken_ == max_cycles_) return std::optional<CycleImages>();
-  E2LF_ASSIGN_OR_RETURN(std::optional<events::Cycle> cycle, reader_->next());
+  E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> cycle, reader_->next());
   if (!cycle) return std::optional<CycleImages>();
   ++taken_;
   confidence_.add(*cycle);
@@ -51,14 +51,14 @@ Result<std::optional<CycleImages>> CycleInput::next() {
 Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
                                     size_t cycles_per_field) {
   if (is_recording(input)) {
-    E2LF_ASSIGN_OR_RETURN(events::CycleReader reader, open_cycles(input, flags));
+    E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, flags));
     return CycleInput(std::move(reader), flags.max_cycles, cycles_per_field);
   }
   if (!flags.schedule.empty()) {
     return Error{ErrorCode::kInvalidValue, "event images are cut already; --schedule is for recordings, leave it out",
                  input.string()};
   }
-  E2LF_ASSIGN_OR_RETURN(events::EventImageFile file, events::read_event_images(input));
+  E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(input));
   if (file.cycles.size() < cycles_per_field) {
     return Error{ErrorCode::kInvalidValue,
                  cat("there are ", file.cycles.size(), " cycles, fewer than the ", cycles_per_field,

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
-#include "e2lf/cli/cycle_options.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/cli/cycle_options.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::cli {
 
@@ -16,7 +16,7 @@ using CycleClock = std::chrono::steady_clock;
 
 /// The event images of a light field, and what is known of them.
 struct CycleImages {
-  events::EventImages images;   ///< of one cycle, or sums over several
+  capture::EventImages images;  ///< of one cycle, or sums over several
   Json about = Json::object();  ///< for the record: of a recording, times and confidence of the last cycle
   CycleClock::time_point ready = CycleClock::now();  ///< when they were there: of a live recording, the last bytes
   double behind_s = 0;  ///< from the end of the last pattern until then; live recordings only
@@ -25,9 +25,9 @@ struct CycleImages {
 /// The event images of one light field after the other, from a file of them or cut from a recording as it is read.
 class CycleInput {
  public:
-  CycleInput(events::EventImageFile file, size_t cycles_per_field)
+  CycleInput(capture::EventImageFile file, size_t cycles_per_field)
       : file_(std::move(file)), cycles_per_field_(cycles_per_field) {}
-  CycleInput(events::CycleReader reader, uint64_t max_cycles, size_t cycles_per_field)
+  CycleInput(cycles::CycleReader reader, uint64_t max_cycles, size_t cycles_per_field)
       : reader_(std::move(reader)), max_cycles_(max_cycles), cycles_per_field_(cycles_per_field) {}
 
   /// The sums over the next cycles_per_field cycles; nothing at the end, where fewer are left. Sums beyond int16 are
@@ -37,21 +37,21 @@ class CycleInput {
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
   /// Of a recording nobody knows.
   [[nodiscard]] bool has_one_field() const { return !reader_ && file_.cycles.size() / cycles_per_field_ == 1; }
-  [[nodiscard]] const events::EventImageFile& file() const { return file_; }
-  [[nodiscard]] const events::RecordingInfo& recording_info() const { return reader_->recording().info(); }
-  [[nodiscard]] events::CycleSource source() const { return reader_->source(); }
+  [[nodiscard]] const capture::EventImageFile& file() const { return file_; }
+  [[nodiscard]] const recordings::RecordingInfo& recording_info() const { return reader_->recording().info(); }
+  [[nodiscard]] cycles::CycleSource source() const { return reader_->source(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
-  [[nodiscard]] events::CycleReport report() const { return reader_->report(); }
+  [[nodiscard]] cycles::CycleReport report() const { return reader_->report(); }
   /// Of what was read of a recording; empty for event images.
-  [[nodiscard]] events::DecodeSummary summary() const {
-    return reader_ ? reader_->recording().summary() : events::DecodeSummary();
+  [[nodiscard]] recordings::DecodeSummary summary() const {
+    return reader_ ? reader_->recording().summary() : recordings::DecodeSummary();
   }
 
  private:
   [[nodiscard]] Result<std::optional<CycleImages>> next_cycle();
 
-  events::EventImageFile file_;
-  std::optional<events::CycleReader> reader_;
+  capture::EventImageFile file_;
+  std::optional<cycles::CycleReader> reader_;
   uint64_t max_cycles_ = 0;
   size_t cycles_per_field_ = 1;
   ConfidenceWatch confidence_;

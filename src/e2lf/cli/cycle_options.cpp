@@ -4,33 +4,33 @@
 #include <algorithm>
 
 #include "e2lf/base/log.h"
-#include "e2lf/files/npy.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/number_check.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/open_named_recording.h"
+#include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-Result<events::Schedule> schedule_of(const CycleFlags& flags) {
-  if (!flags.schedule.empty()) return events::read_schedule(flags.schedule);
-  return events::paper_schedule(flags.num_patterns);
+Result<cycles::Schedule> schedule_of(const CycleFlags& flags) {
+  if (!flags.schedule.empty()) return cycles::read_schedule(flags.schedule);
+  return cycles::paper_schedule(flags.num_patterns);
 }
 
 /// What was named, or what other flags imply.
-events::CycleSource source_of(const CycleFlags& flags) {
-  if (flags.source == "triggers") return events::CycleSource::kTriggers;
-  if (flags.source == "schedule") return events::CycleSource::kSchedule;
-  if (flags.source == "bursts") return events::CycleSource::kBursts;
-  if (flags.one_trigger_per_cycle || flags.channel) return events::CycleSource::kTriggers;
-  return flags.origin_us ? events::CycleSource::kSchedule : events::CycleSource::kAuto;
+cycles::CycleSource source_of(const CycleFlags& flags) {
+  if (flags.source == "triggers") return cycles::CycleSource::kTriggers;
+  if (flags.source == "schedule") return cycles::CycleSource::kSchedule;
+  if (flags.source == "bursts") return cycles::CycleSource::kBursts;
+  if (flags.one_trigger_per_cycle || flags.channel) return cycles::CycleSource::kTriggers;
+  return flags.origin_us ? cycles::CycleSource::kSchedule : cycles::CycleSource::kAuto;
 }
 
-events::TriggerEdge edge_of(const std::string& name) {
-  if (name == "falling") return events::TriggerEdge::kFalling;
-  return name == "both" ? events::TriggerEdge::kBoth : events::TriggerEdge::kRising;
+cycles::TriggerEdge edge_of(const std::string& name) {
+  if (name == "falling") return cycles::TriggerEdge::kFalling;
+  return name == "both" ? cycles::TriggerEdge::kBoth : cycles::TriggerEdge::kRising;
 }
 
 }  // namespace
@@ -69,9 +69,9 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   add_recording_options(app, flags.recording, group);
 }
 
-Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
-  E2LF_ASSIGN_OR_RETURN(const events::OpenOptions open, open_options(input, flags.recording));
-  events::CycleOptions options;
+Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
+  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags.recording));
+  cycles::CycleOptions options;
   E2LF_ASSIGN_OR_RETURN(options.schedule, schedule_of(flags));
   options.source = source_of(flags);
   options.edge = edge_of(flags.edge);
@@ -80,9 +80,9 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   options.tracker.first_pattern = flags.first_pattern;
   // Triggers are often set up to begin with the sequence; bursts say nothing of it.
   const bool may_be_triggers =
-      options.source == events::CycleSource::kTriggers || options.source == events::CycleSource::kAuto;
+      options.source == cycles::CycleSource::kTriggers || options.source == cycles::CycleSource::kAuto;
   if (may_be_triggers) options.tracker.likely_first_pattern = 0;
-  if (options.source == events::CycleSource::kSchedule && !flags.origin_us) {
+  if (options.source == cycles::CycleSource::kSchedule && !flags.origin_us) {
     return Error{
         ErrorCode::kInvalidValue,
         "the schedule does not say when a cycle began; give that time, or let the events tell (--source bursts)",
@@ -91,34 +91,34 @@ Result<events::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   options.origin_us = flags.origin_us.value_or(0);
   options.on_batch = observer.on_batch;
   options.on_mark = observer.on_mark;
-  if (flags.filter_pixels) options.filter = events::PixelFilterOptions{};
-  E2LF_ASSIGN_OR_RETURN(auto reader, events::open_named_recording(input.string(), open));
+  if (flags.filter_pixels) options.filter = cycles::PixelFilterOptions{};
+  E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
   say_assumptions(*reader);
-  return events::CycleReader::open(std::move(reader), options);
+  return cycles::CycleReader::open(std::move(reader), options);
 }
 
-const char* source_name(events::CycleSource source) {
+const char* source_name(cycles::CycleSource source) {
   switch (source) {
-    case events::CycleSource::kTriggers:
+    case cycles::CycleSource::kTriggers:
       return "triggers";
-    case events::CycleSource::kSchedule:
+    case cycles::CycleSource::kSchedule:
       return "schedule";
-    case events::CycleSource::kBursts:
+    case cycles::CycleSource::kBursts:
       return "bursts";
-    case events::CycleSource::kAuto:
+    case cycles::CycleSource::kAuto:
       return "auto";
   }
   E2LF_REQUIRE(false, "a source without a name");
 }
 
-void ConfidenceWatch::add(const events::Cycle& cycle) {
+void ConfidenceWatch::add(const cycles::Cycle& cycle) {
   constexpr float kDoubtful = 0.1F;
   ++cycles_;
   doubtful_ += cycle.confidence < kDoubtful;
   least_ = std::min(least_, cycle.confidence);
 }
 
-void ConfidenceWatch::warn(const fs::path& input, const events::CycleReport& report) const {
+void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& report) const {
   if (report.has_assumed_first) {
     log_warning(cat(input.string(),
                     ": neither intervals nor events tell which pattern the first trigger begins: pattern ",
@@ -130,18 +130,18 @@ void ConfidenceWatch::warn(const fs::path& input, const events::CycleReport& rep
                   "); check --schedule, --origin-us and --first-pattern, or look at `e2lf accumulate --plot`"));
 }
 
-std::string report_text(const events::CycleReport& report) {
+std::string report_text(const cycles::CycleReport& report) {
   std::string text = cat(report.complete, " complete cycle", report.complete == 1 ? "" : "s");
-  for (size_t i = 0; i < events::kNumCycleFaults; ++i) {
+  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
     if (report.dropped[i] == 0) continue;
     text +=
-        cat(", ", report.dropped[i], " dropped (", events::cycle_fault_name(static_cast<events::CycleFault>(i)), ")");
+        cat(", ", report.dropped[i], " dropped (", cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i)), ")");
   }
   if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " pixels silenced");
   return text;
 }
 
-Error no_cycle_error(const fs::path& input, const events::CycleReport& report) {
+Error no_cycle_error(const fs::path& input, const cycles::CycleReport& report) {
   std::string found = report_text(report);
   if (report.unassigned_marks > 0) {
     found += cat("; of ", report.marks, " triggers or bursts the pattern of ", report.unassigned_marks,
@@ -154,10 +154,10 @@ Error no_cycle_error(const fs::path& input, const events::CycleReport& report) {
           input.string()};
 }
 
-Json report_json(const events::CycleReport& report) {
+Json report_json(const cycles::CycleReport& report) {
   Json dropped = Json::object();
-  for (size_t i = 0; i < events::kNumCycleFaults; ++i) {
-    dropped[events::cycle_fault_name(static_cast<events::CycleFault>(i))] = report.dropped[i];
+  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
+    dropped[cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i))] = report.dropped[i];
   }
   return {{"complete", report.complete},
           {"dropped", dropped},
@@ -167,7 +167,7 @@ Json report_json(const events::CycleReport& report) {
           {"silenced_pixels", report.hot_pixels}};
 }
 
-Json cycle_json(const events::Cycle& cycle) {
+Json cycle_json(const cycles::Cycle& cycle) {
   return {{"number", cycle.number},
           {"begin_us", cycle.begin_us},
           {"end_us", cycle.slices.empty() ? cycle.begin_us : cycle.slices.back().end_us},
@@ -177,7 +177,7 @@ Json cycle_json(const events::Cycle& cycle) {
 
 bool is_recording(const fs::path& path) {
   std::error_code error;
-  if (path == "-" || events::is_camera_name(path.string())) return true;
+  if (path == "-" || recordings::is_camera_name(path.string())) return true;
   if (fs::is_directory(path, error)) return false;
   if (path.extension() == ".npz") {
     const auto arrays = read_npz(path);

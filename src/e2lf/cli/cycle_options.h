@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::cli {
 
@@ -27,10 +27,10 @@ struct CycleFlags {
   RecordingFlags recording;
 };
 
-/// Sees what a reader of cycles reads and finds; see events::CycleOptions.
+/// Sees what a reader of cycles reads and finds; see cycles::CycleOptions.
 struct CycleObserver {
-  std::function<void(const events::EventBatch&)> on_batch = {};
-  std::function<void(const events::Mark&)> on_mark = {};
+  std::function<void(const recordings::EventBatch&)> on_batch = {};
+  std::function<void(const cycles::Mark&)> on_mark = {};
 };
 
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
@@ -38,16 +38,16 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 /// Opens a recording (a path, "-" for standard input, or a camera's name) cut into cycles as the flags say.
 /// Fails with kInvalidValue where the schedule alone shall tell and nothing says when it began.
 /// "auto" takes triggers when the recording begins with some, else bursts.
-[[nodiscard]] Result<events::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
+[[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
 
 /// Watches whether the events confirm what was claimed of the cycles.
 class ConfidenceWatch {
  public:
-  void add(const events::Cycle& cycle);
+  void add(const cycles::Cycle& cycle);
   [[nodiscard]] float least() const { return least_; }
   /// Warns of cycles in whose claimed changes nothing happens, or the opposite, and of what had to be assumed.
-  void warn(const std::filesystem::path& input, const events::CycleReport& report) const;
+  void warn(const std::filesystem::path& input, const cycles::CycleReport& report) const;
 
  private:
   float least_ = 1.0F;
@@ -55,16 +55,16 @@ class ConfidenceWatch {
 };
 
 /// What --source calls it.
-[[nodiscard]] const char* source_name(events::CycleSource source);
+[[nodiscard]] const char* source_name(cycles::CycleSource source);
 
 /// One line for people: cycles found and dropped, and why.
-[[nodiscard]] std::string report_text(const events::CycleReport& report);
+[[nodiscard]] std::string report_text(const cycles::CycleReport& report);
 /// The error of a recording in which nothing was found.
-[[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const events::CycleReport& report);
-[[nodiscard]] Json report_json(const events::CycleReport& report);
+[[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const cycles::CycleReport& report);
+[[nodiscard]] Json report_json(const cycles::CycleReport& report);
 
 /// One cycle: number, times, events, confidence.
-[[nodiscard]] Json cycle_json(const events::Cycle& cycle);
+[[nodiscard]] Json cycle_json(const cycles::Cycle& cycle);
 
 /// Whether a path is a recording rather than event images: no folder, no .npz of event images, no .npy of counts.
 [[nodiscard]] bool is_recording(const std::filesystem::path& path);

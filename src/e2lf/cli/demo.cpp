@@ -2,9 +2,10 @@
 // e2lf demo: the whole loop on a procedural scene
 #include <cstdio>
 
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/light_field_output.h"
 #include "e2lf/cli/output.h"
@@ -12,7 +13,6 @@
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -34,8 +34,8 @@ struct DemoArguments {
 
 /// The camera of the demo: a model's patterns and network, the bundled one's, or built-in patterns and the closed form.
 struct Camera {
-  aperture::Codes codes = aperture::default_codes();
-  aperture::SensorConstants constants;
+  capture::Codes codes = capture::default_codes();
+  capture::SensorConstants constants;
   sensor::EventModel event_model = sensor::EventModel::kReferenceAware;
   std::optional<recon::Reconstructor> network;
   std::string method = "closed-form inversion (no trained model is bundled)";
@@ -59,7 +59,7 @@ Result<Camera> make_camera(const fs::path& named) {
   return camera;
 }
 
-Result<LightField> reconstruct(const Camera& camera, const events::EventImages& images, const ProgressFn& progress) {
+Result<LightField> reconstruct(const Camera& camera, const capture::EventImages& images, const ProgressFn& progress) {
   if (camera.network) return camera.network->reconstruct(images, progress);
   return recon::reconstruct_by_inversion(images, camera.codes, camera.constants);
 }
@@ -96,7 +96,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   sensor.model = camera.event_model;
   sensor.constants = camera.constants;
   sensor.seed = common.seed;
-  E2LF_ASSIGN_OR_RETURN(const events::EventImages images, sensor::simulate_events(camera.codes, scene, sensor));
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, sensor::simulate_events(camera.codes, scene, sensor));
   record.end_step("simulate");
 
   LightField light_field;
@@ -115,7 +115,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   fs::create_directory(folder / "scene", ignored);
   E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
   E2LF_RETURN_IF_ERROR(
-      events::write_event_images(folder / "events.npz", {{images}, aperture::codes_to_npy(camera.codes)}));
+      capture::write_event_images(folder / "events.npz", {{images}, capture::codes_to_npy(camera.codes)}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
   fs::create_directory(folder / "recon", ignored);
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}));

@@ -3,13 +3,13 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/capture/event_images.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/capture/event_images.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -47,8 +47,8 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   eval::EvalRow row{arguments.reconstruction.string(), arguments.truth.string(), {}, {}};
   E2LF_ASSIGN_OR_RETURN(row.quality, eval::compare(truth, reconstruction, {.clamp = !arguments.no_clamp}));
   if (!arguments.events.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const events::EventImageFile file, events::read_event_images(arguments.events));
-    const events::EventImages& images = file.cycles.front();
+    E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(arguments.events));
+    const capture::EventImages& images = file.cycles.front();
     if (images.width != truth.shape().width || images.height != truth.shape().height) {
       return Error{ErrorCode::kShape,
                    cat("event images of ", images.width, "x", images.height, " px are not of a light field of ",

@@ -2,15 +2,15 @@
 // e2lf info: what a file or folder is
 #include <cstdio>
 
-#include "e2lf/files/safetensors.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/cli/info_recording.h"
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/capture/event_images.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
@@ -58,8 +58,8 @@ Result<Description> describe_safetensors(const fs::path& path) {
 }
 
 Result<Description> describe_event_images(const fs::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const events::EventImageFile file, events::read_event_images(path));
-  const events::EventImages& first = file.cycles.front();
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
+  const capture::EventImages& first = file.cycles.front();
   const eval::EventStatistics statistics = eval::event_statistics(first);
   Json json = {{"kind", "event images"},
                {"cycles", file.cycles.size()},

@@ -9,7 +9,7 @@
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
 #include "e2lf/cli/recording_statistics.h"
-#include "e2lf/recordings/open_named_recording.h"
+#include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t kPlotBins = 2000;
 
-Json to_json(const events::RecordingInfo& info, const events::DecodeSummary& summary,
+Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
              const RecordingStatistics& statistics) {
   Json json = {{"kind", "recording"},
                {"format", info.format},
@@ -43,13 +43,13 @@ Json to_json(const events::RecordingInfo& info, const events::DecodeSummary& sum
   return json;
 }
 
-std::string size_text(const events::RecordingInfo& info, const RecordingStatistics& statistics) {
+std::string size_text(const recordings::RecordingInfo& info, const RecordingStatistics& statistics) {
   if (info.width != 0) return cat(info.width, "x", info.height, " px");
   if (statistics.width() == 0) return "of unknown size";
   return cat("of unknown size; its events reach ", statistics.width(), "x", statistics.height(), " px");
 }
 
-void print_text(const events::RecordingInfo& info, const events::DecodeSummary& summary,
+void print_text(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
                 const RecordingStatistics& statistics) {
   const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
   std::printf("recording: %s, sensor %s\n", info.format.c_str(), size_text(info, statistics).c_str());
@@ -63,8 +63,8 @@ void print_text(const events::RecordingInfo& info, const events::DecodeSummary& 
   if (summary.out_of_order > 0) {
     std::printf("sorted:    %llu events were out of order\n", static_cast<unsigned long long>(summary.out_of_order));
   }
-  const std::vector<events::Loss> losses = events::losses(summary);
-  std::printf("left out:  %s\n", losses.empty() ? "nothing" : events::loss_text(losses).c_str());
+  const std::vector<recordings::Loss> losses = recordings::losses(summary);
+  std::printf("left out:  %s\n", losses.empty() ? "nothing" : recordings::loss_text(losses).c_str());
   if (summary.num_gaps > 0) {
     std::printf("gaps:      %llu stretches of time are incomplete\n",
                 static_cast<unsigned long long>(summary.num_gaps));
@@ -82,11 +82,11 @@ Result<void> print_recording_info(const fs::path& path, const RecordingInfoOptio
     E2LF_ASSIGN_OR_RETURN(
         picture, OutputFile::create(options.plot, {.inputs = {path}, .overwrite = common.overwrite, .streams = true}));
   }
-  E2LF_ASSIGN_OR_RETURN(const events::OpenOptions open, open_options(path, options.flags));
-  E2LF_ASSIGN_OR_RETURN(const auto reader, events::open_named_recording(path.string(), open));
-  events::EventRateCounter rate(kPlotBins);
+  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(path, options.flags));
+  E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(path.string(), open));
+  recordings::EventRateCounter rate(kPlotBins);
   RecordingStatistics statistics;
-  events::EventBatch batch;
+  recordings::EventBatch batch;
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
     if (!more) break;

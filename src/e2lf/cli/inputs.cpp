@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/inputs.h"
 
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 
@@ -17,10 +17,10 @@ void add_codes_options(CLI::App& app, CodesSource& source) {
       "aperture patterns (.json, .npy, .npz); default: those of the events' file, the model's, built-in ones");
 }
 
-Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<aperture::Codes>& of_events,
+Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<capture::Codes>& of_events,
                                              RunRecord& record) {
   KnownCodes known;
-  std::optional<aperture::Codes> codes;
+  std::optional<capture::Codes> codes;
   if (!source.model.empty()) {
     record.add_input(source.model);
     E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(source.model));
@@ -35,7 +35,7 @@ Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const st
   }
   if (!source.codes.empty()) {
     record.add_input(source.codes);
-    E2LF_ASSIGN_OR_RETURN(codes, aperture::read_codes(source.codes));
+    E2LF_ASSIGN_OR_RETURN(codes, capture::read_codes(source.codes));
     known.origin = CodesOrigin::kGiven;
     if (of_events && *codes != *of_events) {
       log_warning(cat("the patterns of ", source.codes.string(), " are not those that the file of the events holds; ",
@@ -54,7 +54,7 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
     return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; give them with --codes",
                  source.model.string()};
   }
-  known.emplace().codes = aperture::default_codes();
+  known.emplace().codes = capture::default_codes();
   return std::move(*known);
 }
 

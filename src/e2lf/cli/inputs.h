@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "e2lf/base/result.h"
 #include "e2lf/capture/codes.h"
 #include "e2lf/capture/sensor_constants.h"
-#include "e2lf/base/result.h"
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/lightfield/light_field.h"
@@ -30,9 +30,9 @@ enum class CodesOrigin {
 
 /// The patterns and what is known of the sensor they were made for.
 struct KnownCodes {
-  aperture::Codes codes;
+  capture::Codes codes;
   CodesOrigin origin = CodesOrigin::kBuiltIn;
-  aperture::SensorConstants constants;
+  capture::SensorConstants constants;
   std::string event_model = "reference-aware";
 };
 
@@ -42,7 +42,7 @@ void add_codes_options(CLI::App& app, CodesSource& source);
 /// What is known of the patterns behind some events: those of --codes, else `of_events` (what the events' own file
 /// holds), else those of the model. Nothing when none of them has any. Warns where --codes and the events' file differ.
 [[nodiscard]] Result<std::optional<KnownCodes>> find_codes(const CodesSource& source,
-                                                           const std::optional<aperture::Codes>& of_events,
+                                                           const std::optional<capture::Codes>& of_events,
                                                            RunRecord& record);
 
 /// Reads the patterns: those of --codes, else those of the model, else the built-in ones when neither is given. Fails

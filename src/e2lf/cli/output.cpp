@@ -8,13 +8,13 @@
 #include <iterator>
 #include <string>
 
-#include "e2lf/files/file.h"
-#include "e2lf/files/is_stream.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/run_record.h"
 #include "e2lf/capture/event_image_writer.h"
-#include "e2lf/recordings/recording_place.h"
+#include "e2lf/cli/run_record.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/is_stream.h"
+#include "e2lf/recordings/open/recording_place.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -76,7 +76,7 @@ fs::path other_owner(const fs::path& triggers, const fs::path& target) {
   for (fs::directory_iterator entry(target.parent_path(), error), end; !error && entry != end; entry.increment(error)) {
     std::error_code ignored;
     if (entry->path() == target || !entry->is_regular_file(ignored)) continue;
-    const auto place = events::place_of_recording(entry->path(), "");
+    const auto place = recordings::place_of_recording(entry->path(), "");
     if (place && place->side_file != nullptr && place->side_file(entry->path()) == triggers) return entry->path();
   }
   return {};
@@ -169,7 +169,7 @@ Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& in
 }
 
 std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
-  const auto cycles = events::recover_event_images(partial, kept);
+  const auto cycles = capture::recover_event_images(partial, kept);
   if (!cycles || *cycles == 0) return {};
   return cat(*cycles, *cycles == 1 ? " cycle" : " cycles");
 }

@@ -9,7 +9,7 @@
 namespace e2lf::cli {
 namespace {
 
-float bright_count(const events::EventImages& images) {
+float bright_count(const capture::EventImages& images) {
   std::vector<int16_t> counts = images.counts;
   for (int16_t& count : counts) count = static_cast<int16_t>(std::min(std::abs(int{count}), 32767));
   const auto quantile = counts.begin() + static_cast<ptrdiff_t>((counts.size() - 1) * 99 / 100);
@@ -26,7 +26,7 @@ std::array<float, 3> colour_of(float value) {
 
 }  // namespace
 
-lightfield::Image event_picture(const events::EventImages& images) {
+lightfield::Image event_picture(const capture::EventImages& images) {
   constexpr size_t kGap = 4;
   lightfield::Image picture(images.transitions * (images.width + kGap) - kGap, images.height, 3);
   std::fill(picture.pixels.begin(), picture.pixels.end(), 1.0F);

@@ -45,7 +45,7 @@ std::string line(double x0, double y0, double x1, double y1) {
 /// Where a time is on the page; nothing when it is outside the plot.
 class TimeAxis {
  public:
-  explicit TimeAxis(const events::EventRate& rate)
+  explicit TimeAxis(const recordings::EventRate& rate)
       : begin_us_(rate.begin_us), length_us_(static_cast<double>(rate.bin_us) * static_cast<double>(rate.size())) {}
 
   [[nodiscard]] double x_of(int64_t t_us) const {
@@ -64,7 +64,7 @@ std::string shade_cycles(const std::vector<FoundCycle>& cycles, const TimeAxis& 
   double labelled_until = 0;
   for (size_t i = 0; i < std::min(cycles.size(), kMaxDrawn); ++i) {
     const FoundCycle& cycle = cycles[i];
-    for (const events::TimeSlice& slice : cycle.slices) {
+    for (const cycles::TimeSlice& slice : cycle.slices) {
       const double begin = axis.x_of(slice.begin_us), end = axis.x_of(slice.end_us);
       svg += cat("<rect x=\"", begin, "\" y=\"", kTop, "\" width=\"", std::max(end - begin, 0.5), "\" height=\"",
                  kHeight - kTop - kBottom, "\" fill=\"#2ca02c\" fill-opacity=\"", 0.25 * cycle.confidence, "\"/>\n");
@@ -78,10 +78,10 @@ std::string shade_cycles(const std::vector<FoundCycle>& cycles, const TimeAxis& 
 }
 
 /// A tick for each trigger or burst, in the colour of its sign.
-std::string draw_marks(const std::vector<events::Mark>& marks, const TimeAxis& axis) {
+std::string draw_marks(const std::vector<cycles::Mark>& marks, const TimeAxis& axis) {
   std::string svg;
   for (size_t i = 0; i < std::min(marks.size(), kMaxDrawn); ++i) {
-    const events::Mark& mark = marks[i];
+    const cycles::Mark& mark = marks[i];
     const char* colour = !mark.on_share ? "#888" : *mark.on_share > 0.5F ? "#d62728" : "#1f77b4";
     const double x = axis.x_of(mark.t_us);
     svg += cat("<line x1=\"", x, "\" y1=\"", kHeight - kBottom, "\" x2=\"", x, "\" y2=\"", kHeight - kBottom + 10,
@@ -93,7 +93,7 @@ std::string draw_marks(const std::vector<events::Mark>& marks, const TimeAxis& a
 
 }  // namespace
 
-std::string rate_plot_svg(const events::EventRate& rate, const FoundCycles& found) {
+std::string rate_plot_svg(const recordings::EventRate& rate, const FoundCycles& found) {
   std::string svg =
       cat("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ", kWidth, " ", kHeight,
           "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n");

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/recordings/event_rate.h"
-#include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
 
@@ -14,17 +14,17 @@ namespace e2lf::cli {
 struct FoundCycle {
   uint64_t number = 0;
   float confidence = 1.0F;
-  std::vector<events::TimeSlice> slices;  ///< of its event images
+  std::vector<cycles::TimeSlice> slices;  ///< of its event images
 };
 struct FoundCycles {
-  std::vector<events::Mark> marks;  ///< triggers or bursts
+  std::vector<cycles::Mark> marks;  ///< triggers or bursts
   std::vector<FoundCycle> cycles;
 };
 
 /// The event rate over time as an SVG picture: ON above the axis, OFF below, with axes in ms and M events/s; a tick at
 /// the foot for each mark (red ON, blue OFF, grey unknown), and each cycle's number, confidence and slices shaded.
 /// Of a long recording the first kMaxDrawn marks and cycles are drawn.
-[[nodiscard]] std::string rate_plot_svg(const events::EventRate& rate, const FoundCycles& found = {});
+[[nodiscard]] std::string rate_plot_svg(const recordings::EventRate& rate, const FoundCycles& found = {});
 inline constexpr size_t kMaxDrawn = 2000;
 
 }  // namespace e2lf::cli

@@ -19,14 +19,14 @@ uint64_t size_of(const fs::path& path) {
 
 }  // namespace
 
-void note_recorded_codes(RunRecord& record, const aperture::Codes& codes, const fs::path& recording) {
-  Json note = aperture::codes_to_json(codes);
+void note_recorded_codes(RunRecord& record, const capture::Codes& codes, const fs::path& recording) {
+  Json note = capture::codes_to_json(codes);
   note["recording_bytes"] = size_of(recording);
   record.note(kNote, std::move(note));
 }
 
-Result<std::optional<aperture::Codes>> recorded_codes(const fs::path& recording, const events::RecordingInfo& info) {
-  E2LF_ASSIGN_OR_RETURN(auto codes, aperture::codes_from_header(info.header, recording.string()));
+Result<std::optional<capture::Codes>> recorded_codes(const fs::path& recording, const recordings::RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(auto codes, capture::codes_from_header(info.header, recording.string()));
   if (codes) return codes;
   const fs::path path = record_path_beside(recording);
   std::error_code error;
@@ -39,7 +39,7 @@ Result<std::optional<aperture::Codes>> recorded_codes(const fs::path& recording,
   Json note = record->at("notes").at(kNote);
   if (!note.is_object() || note.value("recording_bytes", Json()) != Json(size_of(recording))) return codes;
   note.erase("recording_bytes");
-  E2LF_ASSIGN_OR_RETURN(codes, aperture::codes_from_json(note, path.string()));
+  E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_json(note, path.string()));
   return codes;
 }
 

@@ -32,26 +32,26 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
 
 namespace {
 
-events::TimeUnit time_unit_of(const std::string& word) {
-  if (word == "s") return events::TimeUnit::kSeconds;
-  if (word == "ms") return events::TimeUnit::kMilliseconds;
-  if (word == "us") return events::TimeUnit::kMicroseconds;
-  return word == "ns" ? events::TimeUnit::kNanoseconds : events::TimeUnit::kAuto;
+recordings::TimeUnit time_unit_of(const std::string& word) {
+  if (word == "s") return recordings::TimeUnit::kSeconds;
+  if (word == "ms") return recordings::TimeUnit::kMilliseconds;
+  if (word == "us") return recordings::TimeUnit::kMicroseconds;
+  return word == "ns" ? recordings::TimeUnit::kNanoseconds : recordings::TimeUnit::kAuto;
 }
 
 }  // namespace
 
 bool is_live(const fs::path& input) {
-  return input == "-" || events::is_camera_name(input.string());
+  return input == "-" || recordings::is_camera_name(input.string());
 }
 
-Result<events::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags) {
+Result<recordings::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags) {
   if (flags.from_us >= flags.to_us) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the range from ", flags.from_us, " to ", flags.to_us, " us is empty; give a later --to-us"),
                  "--from-us"};
   }
-  events::OpenOptions open;
+  recordings::OpenOptions open;
   open.format = flags.format;
   open.width = flags.width;
   open.height = flags.height;
@@ -59,36 +59,36 @@ Result<events::OpenOptions> open_options(const fs::path& input, const RecordingF
   open.time_unit = time_unit_of(flags.time_unit);
   open.from_us = flags.from_us;
   open.to_us = flags.to_us;
-  open.range = flags.is_relative ? events::TimeOrigin::kZero : events::TimeOrigin::kAbsolute;
+  open.range = flags.is_relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   open.threads = 0;
   // Who waits for a camera hears of damage at once; of a file, the account at the end says it all.
-  open.policy = flags.is_strict  ? events::DecodePolicy::kStrict
-                : is_live(input) ? events::DecodePolicy::kReport
-                                 : events::DecodePolicy::kSkip;
+  open.policy = flags.is_strict  ? recordings::DecodePolicy::kStrict
+                : is_live(input) ? recordings::DecodePolicy::kReport
+                                 : recordings::DecodePolicy::kSkip;
   return open;
 }
 
-void say_assumptions(const events::RecordingReader& reader) {
+void say_assumptions(const recordings::RecordingReader& reader) {
   for (const std::string& assumption : reader.info().assumptions) log_info(cat(reader.name(), ": ", assumption));
 }
 
-Json losses_json(const events::DecodeSummary& summary) {
+Json losses_json(const recordings::DecodeSummary& summary) {
   Json json = Json::array();
-  for (const events::Loss& loss : events::losses(summary)) {
+  for (const recordings::Loss& loss : recordings::losses(summary)) {
     json.push_back({{"reason", loss.reason}, {"count", loss.count}, {"first_byte", loss.first_byte}});
   }
   return json;
 }
 
-void warn_of_losses(const fs::path& input, const events::DecodeSummary& summary) {
-  const std::vector<events::Loss> losses = events::losses(summary);
+void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summary) {
+  const std::vector<recordings::Loss> losses = recordings::losses(summary);
   if (losses.empty()) return;
-  const bool is_outside = summary.of(events::Violation::kOutOfRange).count > 0;
+  const bool is_outside = summary.of(recordings::Violation::kOutOfRange).count > 0;
   const char* const advice = is_outside ? "; --sensor-width and --sensor-height give the sensor's size" : "";
-  log_warning(cat(input.string(), ": left out ", events::loss_text(losses), advice));
+  log_warning(cat(input.string(), ": left out ", recordings::loss_text(losses), advice));
 }
 
-std::string sorted_text(const events::DecodeSummary& summary) {
+std::string sorted_text(const recordings::DecodeSummary& summary) {
   return summary.out_of_order == 0 ? "" : cat(", ", summary.out_of_order, " of them sorted to their place");
 }
 

@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
+#include "e2lf/files/options.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
@@ -31,19 +31,20 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
 [[nodiscard]] bool is_live(const std::filesystem::path& input);
 
 /// What the flags ask of a reader. Fails with kInvalidValue where they contradict each other.
-[[nodiscard]] Result<events::OpenOptions> open_options(const std::filesystem::path& input, const RecordingFlags& flags);
+[[nodiscard]] Result<recordings::OpenOptions> open_options(const std::filesystem::path& input,
+                                                           const RecordingFlags& flags);
 
 /// Says on stderr what the recording does not tell and was taken for granted.
-void say_assumptions(const events::RecordingReader& reader);
+void say_assumptions(const recordings::RecordingReader& reader);
 
 /// What was left out of a recording, by reason: [{"reason", "count", "first_byte"}, ...].
-[[nodiscard]] Json losses_json(const events::DecodeSummary& summary);
+[[nodiscard]] Json losses_json(const recordings::DecodeSummary& summary);
 
 /// Says on stderr, with --quiet too, what was left out; nothing when nothing was. To be called also before a verb fails
 /// for want of events.
-void warn_of_losses(const std::filesystem::path& input, const events::DecodeSummary& summary);
+void warn_of_losses(const std::filesystem::path& input, const recordings::DecodeSummary& summary);
 
 /// ", 20 of them sorted to their place"; empty when all were in order.
-[[nodiscard]] std::string sorted_text(const events::DecodeSummary& summary);
+[[nodiscard]] std::string sorted_text(const recordings::DecodeSummary& summary);
 
 }  // namespace e2lf::cli

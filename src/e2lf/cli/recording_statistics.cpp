@@ -8,7 +8,7 @@
 namespace e2lf::cli {
 namespace {
 
-size_t beyond(const events::Column<uint16_t>& coordinates, size_t known) {
+size_t beyond(const recordings::Column<uint16_t>& coordinates, size_t known) {
   if (coordinates.empty()) return known;
   return std::max<size_t>(known, size_t{*std::max_element(coordinates.begin(), coordinates.end())} + 1);
 }
@@ -25,10 +25,10 @@ double RecordingStatistics::Edges::period_us() const {
   return count < 2 ? 0.0 : static_cast<double>(last_us - first_us) / static_cast<double>(count - 1);
 }
 
-void RecordingStatistics::add(const events::EventBatch& batch) {
+void RecordingStatistics::add(const recordings::EventBatch& batch) {
   width_ = beyond(batch.events.x, width_);
   height_ = beyond(batch.events.y, height_);
-  for (const events::Trigger& trigger : batch.triggers) {
+  for (const recordings::Trigger& trigger : batch.triggers) {
     Channel& channel = channels_[trigger.id];
     (trigger.p != 0 ? channel.rising : channel.falling).add(trigger.t);
   }

@@ -13,7 +13,7 @@ namespace e2lf::cli {
 /// What the triggers of a recording look like, and how far its events reach. Constant memory.
 class RecordingStatistics {
  public:
-  void add(const events::EventBatch& batch);
+  void add(const recordings::EventBatch& batch);
 
   /// The size of the smallest sensor that holds the events; 0 without any.
   [[nodiscard]] size_t width() const { return width_; }

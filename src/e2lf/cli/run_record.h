@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::cli {
 

@@ -5,10 +5,12 @@
 #include <optional>
 
 #include "e2lf/base/log.h"
-#include "e2lf/capture/codes_header.h"
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_header.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/event_image_writer.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
@@ -16,12 +18,10 @@
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/capture/event_image_writer.h"
-#include "e2lf/capture/event_images.h"
 #include "e2lf/recordings/recording_place.h"
-#include "e2lf/cycles/synthesise.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 
@@ -55,7 +55,7 @@ sensor::EventModelOptions event_model_options(const SimulateArguments& arguments
   return options;
 }
 
-void print_statistics(const events::EventImages& images, const CommonOptions& common) {
+void print_statistics(const capture::EventImages& images, const CommonOptions& common) {
   const eval::EventStatistics statistics = eval::event_statistics(images);
   if (common.json) {
     std::printf("%s\n", eval::to_json(statistics).dump(2).c_str());
@@ -76,10 +76,10 @@ void record_constants(const sensor::EventModelOptions& options, const std::strin
   record.resolve("sigma-z", json_number(options.constants.sigma_z));
 }
 
-using ImagesOf = std::function<Result<events::EventImages>(uint64_t cycle)>;
+using ImagesOf = std::function<Result<capture::EventImages>(uint64_t cycle)>;
 
 /// Physical pixels have no use for the constants of the paper's model.
-Result<void> check_model_flags(const SimulateArguments& arguments, const aperture::Camera& camera) {
+Result<void> check_model_flags(const SimulateArguments& arguments, const capture::Camera& camera) {
   const bool has_flags = arguments.eps || arguments.tau || arguments.sigma_w || arguments.sigma_z ||
                          arguments.residue != 0.0F || !arguments.event_model.empty();
   if (!camera.is_pixel() || !has_flags) return {};
@@ -99,20 +99,20 @@ ImagesOf paper_pixels(const SimulateArguments& arguments, const KnownCodes& know
 }
 
 /// The same by a camera's physical pixels, whose thresholds stay from cycle to cycle.
-ImagesOf physical_pixels(const SimulateArguments& arguments, const aperture::Codes& codes,
-                         const lightfield::LightField& scene, const aperture::Camera& camera, uint64_t seed) {
+ImagesOf physical_pixels(const SimulateArguments& arguments, const capture::Codes& codes,
+                         const lightfield::LightField& scene, const capture::Camera& camera, uint64_t seed) {
   return [&, seed](uint64_t cycle) {
     return sensor::simulate_pixel_events(codes, scene, camera,
                                          {.gain = arguments.scene_gain, .seed = seed + cycle, .map_seed = seed});
   };
 }
 
-Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const aperture::Codes& codes,
+Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const capture::Codes& codes,
                           const ImagesOf& images_of) {
-  E2LF_ASSIGN_OR_RETURN(events::EventImageWriter writer, events::EventImageWriter::create(path));
-  writer.set_codes(aperture::codes_to_npy(codes));
+  E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(path));
+  writer.set_codes(capture::codes_to_npy(codes));
   for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
-    E2LF_ASSIGN_OR_RETURN(const events::EventImages images, images_of(cycle));
+    E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, images_of(cycle));
     E2LF_RETURN_IF_ERROR(writer.add(images));
   }
   return writer.finish();
@@ -120,21 +120,21 @@ Result<void> write_images(const SimulateArguments& arguments, const fs::path& pa
 
 /// A recording as the paper's camera makes it: every pattern after its inverse ones, bursts of events after each
 /// change.
-Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path, const aperture::Codes& codes,
+Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path, const capture::Codes& codes,
                              const lightfield::Shape& shape, const ImagesOf& images_of) {
-  events::RecordingInfo info;
+  recordings::RecordingInfo info;
   info.width = shape.width;
   info.height = shape.height;
-  info.header = aperture::codes_to_header(codes);
-  E2LF_ASSIGN_OR_RETURN(const auto writer, events::create_recording(path, "", info));
-  events::SynthesisOptions synthesis;
-  synthesis.schedule = events::paper_schedule(codes.num_patterns);
+  info.header = capture::codes_to_header(codes);
+  E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(path, "", info));
+  cycles::SynthesisOptions synthesis;
+  synthesis.schedule = cycles::paper_schedule(codes.num_patterns);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
   if (!arguments.no_triggers && !writer->holds_triggers()) {
     log_warning(cat(arguments.output.string(), ": this format holds no triggers, so they are left out; write .raw, ",
                     ".hdf5 or .dat for them"));
   }
-  E2LF_RETURN_IF_ERROR(events::synthesise_recording(*writer, arguments.cycles, synthesis, images_of));
+  E2LF_RETURN_IF_ERROR(cycles::synthesise_recording(*writer, arguments.cycles, synthesis, images_of));
   return writer->finish();
 }
 
@@ -142,7 +142,7 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_image
   OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera},
                     .overwrite = overwrite};
   if (!as_images) {
-    E2LF_ASSIGN_OR_RETURN(const events::RecordingPlace place, events::place_of_recording(arguments.output, ""));
+    E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(arguments.output, ""));
     rules.streams = place.streams;
     rules.side_file = place.side_file;
   }
@@ -155,7 +155,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   RunRecord record("simulate");
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(arguments.codes, record));
-  std::optional<aperture::Camera> camera;
+  std::optional<capture::Camera> camera;
   if (!arguments.camera.empty()) {
     E2LF_ASSIGN_OR_RETURN(camera, load_camera(arguments.camera, record));
     E2LF_RETURN_IF_ERROR(check_model_flags(arguments, *camera));
@@ -182,7 +182,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   record.end_step("simulate");
   if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
-  E2LF_ASSIGN_OR_RETURN(const events::EventImages first, images_of(0));
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImages first, images_of(0));
   print_statistics(first, verb.common());
   return {};
 }

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/contract.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 /// Empty bins that are put in for a pause; a longer one is as good as this.
@@ -25,7 +25,7 @@ BurstDetector::BurstDetector(const BurstOptions& options)
   E2LF_REQUIRE(options.bin_us >= 1 && window_ >= 1 && spacing_ >= window_, "windows of at least one bin");
 }
 
-void BurstDetector::add(const EventColumns& events, std::vector<Mark>& marks) {
+void BurstDetector::add(const recordings::EventColumns& events, std::vector<Mark>& marks) {
   for (size_t i = 0; i < events.size(); ++i) {
     const int64_t bin = events.t[i] / options_.bin_us - (events.t[i] % options_.bin_us < 0);
     if (!has_begun_) {
@@ -120,4 +120,4 @@ void BurstDetector::judge(std::vector<Mark>& marks) {
   ++first_bin_;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

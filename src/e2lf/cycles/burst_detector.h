@@ -9,7 +9,7 @@
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 struct BurstOptions {
   int64_t bin_us = 100;           ///< resolution of the starts
@@ -26,7 +26,7 @@ class BurstDetector {
   explicit BurstDetector(const BurstOptions& options);
 
   /// Takes the next events and appends the bursts that are certain now.
-  void add(const EventColumns& events, std::vector<Mark>& marks);
+  void add(const recordings::EventColumns& events, std::vector<Mark>& marks);
 
   /// Appends the bursts of the end of the recording.
   void finish(std::vector<Mark>& marks);
@@ -63,4 +63,4 @@ class BurstDetector {
   std::optional<int64_t> last_mark_us_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 /// The share of its last pattern's time that a recording must reach into for its last cycle to count as complete.
@@ -47,9 +47,9 @@ void CycleAssembler::add_start(const PatternStart& start) {
   starts_.insert(std::upper_bound(starts_.begin(), starts_.end(), start.t_us, later), start);
 }
 
-void CycleAssembler::add_events(const EventColumns& events) {
+void CycleAssembler::add_events(const recordings::EventColumns& events) {
   if (next_ > events_.size() / 2) {
-    EventColumns rest;
+    recordings::EventColumns rest;
     rest.append(events_, next_, events_.size());
     std::swap(events_, rest);
     next_ = 0;
@@ -110,7 +110,7 @@ void CycleAssembler::begin_cycle(int64_t t_us) {
   open_ = Open{};
   open_->cycle.number = next_number_++;
   open_->cycle.begin_us = t_us;
-  open_->cycle.images = EventImages(options_.schedule.num_images(), height_, width_);
+  open_->cycle.images = capture::EventImages(options_.schedule.num_images(), height_, width_);
 }
 
 void CycleAssembler::set_fault(CycleFault fault, int64_t t_us) {
@@ -214,4 +214,4 @@ void CycleAssembler::accumulate(size_t begin, size_t end) {
   cycle.events += end - begin;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

@@ -9,7 +9,7 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/event_histogram.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 /// Puts cycles together from pattern starts and events, both in order of time.
 class CycleAssembler {
@@ -21,7 +21,7 @@ class CycleAssembler {
   void add_start(const PatternStart& start);
 
   /// Takes the events that come next.
-  void add_events(const EventColumns& events);
+  void add_events(const recordings::EventColumns& events);
 
   /// Works through everything before until_us: all starts up to then must be known. The tracker knows the expected
   /// intervals; null = those of the schedule.
@@ -60,7 +60,7 @@ class CycleAssembler {
   EventHistogram histogram_;  ///< of the open cycle
 
   std::deque<PatternStart> starts_;
-  EventColumns events_;  ///< waiting, from next_ on
+  recordings::EventColumns events_;  ///< waiting, from next_ on
   size_t next_ = 0;
 
   std::optional<Open> open_;
@@ -74,4 +74,4 @@ class CycleAssembler {
   CycleReport report_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

@@ -7,7 +7,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/cycle_assembler.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 constexpr size_t kBatchEvents = size_t{1} << 16;
@@ -31,28 +31,28 @@ TrackerOptions tracker_options(const CycleOptions& options) {
 }
 
 /// Whether a trigger is one that patterns may begin with.
-bool is_mark(const Trigger& trigger, const CycleOptions& options) {
+bool is_mark(const recordings::Trigger& trigger, const CycleOptions& options) {
   if (options.channel && trigger.id != *options.channel) return false;
   return options.edge == TriggerEdge::kBoth || (trigger.p != 0) == (options.edge == TriggerEdge::kRising);
 }
 
 /// The first batches of a recording, read to look for triggers.
 struct Beginning {
-  std::deque<EventBatch> batches;
+  std::deque<recordings::EventBatch> batches;
   bool has_triggers = false;
 };
 
 /// Reads until there is a trigger, or until there should have been one: in a live recording, where cycles wait for it,
 /// after two cycles; in others after a million events too, for those that begin before the aperture moves.
-Result<Beginning> read_beginning(RecordingReader& reader, const CycleOptions& options) {
+Result<Beginning> read_beginning(recordings::RecordingReader& reader, const CycleOptions& options) {
   Beginning beginning;
   std::optional<int64_t> first_us;
   size_t events = 0;
-  for (EventBatch batch; !beginning.has_triggers;) {
+  for (recordings::EventBatch batch; !beginning.has_triggers;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch, kBatchEvents));
     if (!more) break;
     beginning.has_triggers = std::any_of(batch.triggers.begin(), batch.triggers.end(),
-                                         [&](const Trigger& trigger) { return is_mark(trigger, options); });
+                                         [&](const recordings::Trigger& trigger) { return is_mark(trigger, options); });
     events += batch.events.size();
     const std::optional<int64_t> last_us = batch.events.empty() ? std::nullopt : std::optional(batch.events.t.back());
     if (!first_us && last_us) first_us = batch.events.t.front();
@@ -68,7 +68,7 @@ Result<Beginning> read_beginning(RecordingReader& reader, const CycleOptions& op
 
 class CycleReader::Impl {
  public:
-  Impl(std::unique_ptr<RecordingReader> reader, const CycleOptions& options, Beginning beginning)
+  Impl(std::unique_ptr<recordings::RecordingReader> reader, const CycleOptions& options, Beginning beginning)
       : reader_(std::move(reader)),
         beginning_(std::move(beginning.batches)),
         options_(options),
@@ -97,7 +97,7 @@ class CycleReader::Impl {
     return report;
   }
 
-  const RecordingReader& recording() const { return *reader_; }
+  const recordings::RecordingReader& recording() const { return *reader_; }
   CycleSource source() const { return options_.source; }
 
  private:
@@ -191,7 +191,7 @@ class CycleReader::Impl {
   }
 
   void find_trigger_marks() {
-    for (const Trigger& trigger : batch_.triggers) {
+    for (const recordings::Trigger& trigger : batch_.triggers) {
       if (is_mark(trigger, options_)) found_.push_back({trigger.t, {}, 1.0F});
     }
   }
@@ -213,14 +213,14 @@ class CycleReader::Impl {
     }
   }
 
-  std::unique_ptr<RecordingReader> reader_;
-  std::deque<EventBatch> beginning_;  ///< read already, to look for triggers
+  std::unique_ptr<recordings::RecordingReader> reader_;
+  std::deque<recordings::EventBatch> beginning_;  ///< read already, to look for triggers
   CycleOptions options_;
   PatternTracker tracker_;
   BurstDetector bursts_;
   MarkSigner signer_;
   CycleAssembler assembler_;
-  EventBatch batch_;
+  recordings::EventBatch batch_;
   std::vector<Mark> found_;
   std::vector<PatternStart> starts_;
   int64_t last_us_ = INT64_MIN;
@@ -230,7 +230,8 @@ class CycleReader::Impl {
   size_t next_pattern_ = 0;
 };
 
-Result<CycleReader> CycleReader::open(std::unique_ptr<RecordingReader> reader, const CycleOptions& options) {
+Result<CycleReader> CycleReader::open(std::unique_ptr<recordings::RecordingReader> reader,
+                                      const CycleOptions& options) {
   E2LF_RETURN_IF_ERROR(validate(options.schedule, "schedule"));
   const auto invalid = [](const std::string& message) { return Error{ErrorCode::kInvalidValue, message, ""}; };
   if (options.tracker.first_pattern && *options.tracker.first_pattern >= options.schedule.size()) {
@@ -268,8 +269,8 @@ CycleReport CycleReader::report() const {
 CycleSource CycleReader::source() const {
   return impl_->source();
 }
-const RecordingReader& CycleReader::recording() const {
+const recordings::RecordingReader& CycleReader::recording() const {
   return impl_->recording();
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

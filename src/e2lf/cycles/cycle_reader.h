@@ -18,7 +18,7 @@
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 /// What tells when patterns change.
 enum class CycleSource {
@@ -44,7 +44,7 @@ struct CycleOptions {
   int64_t origin_us = 0;  ///< kSchedule: when the first pattern of any cycle began
 
   /// Called with every batch that is read and every mark that is found, for pictures of a recording.
-  std::function<void(const EventBatch&)> on_batch = {};
+  std::function<void(const recordings::EventBatch&)> on_batch = {};
   std::function<void(const Mark&)> on_mark = {};
 
   std::optional<PixelFilterOptions> filter = {};  ///< hot and flickering pixels
@@ -53,12 +53,18 @@ struct CycleOptions {
   size_t max_waiting_events = size_t{1} << 26;
 };
 
+/// Times t with begin_us <= t < end_us.
+struct TimeSlice {
+  int64_t begin_us = 0;
+  int64_t end_us = 0;
+};
+
 /// One pass over the patterns.
 struct Cycle {
   uint64_t number = 0;            ///< in the recording, dropped ones counted
   int64_t begin_us = 0;           ///< start of its first pattern
   std::vector<TimeSlice> slices;  ///< of the event images
-  EventImages images;
+  capture::EventImages images;
   uint64_t events = 0;  ///< in the images
   float confidence =
       1.0F;  ///< that the patterns changed when they are said to, by the events; of the least certain one
@@ -106,7 +112,8 @@ class CycleReader {
   /// Fails with kInvalidValue: a schedule that is not valid, a first pattern that does not exist, a sensor of unknown
   /// size (give the reader one). With kAuto two cycles' time of the recording is read first, and what comes later
   /// waits.
-  [[nodiscard]] static Result<CycleReader> open(std::unique_ptr<RecordingReader> reader, const CycleOptions& options);
+  [[nodiscard]] static Result<CycleReader> open(std::unique_ptr<recordings::RecordingReader> reader,
+                                                const CycleOptions& options);
 
   CycleReader(CycleReader&&) noexcept;
   CycleReader& operator=(CycleReader&&) noexcept;
@@ -120,7 +127,7 @@ class CycleReader {
 
   /// What tells when patterns change; never kAuto.
   [[nodiscard]] CycleSource source() const;
-  [[nodiscard]] const RecordingReader& recording() const;
+  [[nodiscard]] const recordings::RecordingReader& recording() const;
 
  private:
   class Impl;
@@ -128,4 +135,4 @@ class CycleReader {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

@@ -8,17 +8,17 @@
 #include <set>
 #include <sys/resource.h>
 
-#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/cycles/synthesise.h"
+#include "e2lf/recordings/event_blocks.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 constexpr size_t kWidth = 24, kHeight = 16;
 
 /// Event images of a scene that changes a little from cycle to cycle; the first image is ON, as black comes before it.
-EventImages images_of(uint64_t number, size_t transitions = 3) {
-  EventImages images(transitions, kHeight, kWidth);
+capture::EventImages images_of(uint64_t number, size_t transitions = 3) {
+  capture::EventImages images(transitions, kHeight, kWidth);
   std::mt19937 random(static_cast<uint32_t>(number + 1));
   for (size_t k = 0; k < transitions; ++k) {
     for (int16_t& count : images.image(k)) {
@@ -32,12 +32,12 @@ EventImages images_of(uint64_t number, size_t transitions = 3) {
 using Change = std::function<void(uint64_t number, SynthesisedCycle& cycle)>;
 
 /// A recording made while it is read.
-class SynthesisedBlocks final : public EventBlocks {
+class SynthesisedBlocks final : public recordings::EventBlocks {
  public:
   SynthesisedBlocks(uint64_t cycles, SynthesisOptions options, Change change)
       : cycles_(cycles), options_(std::move(options)), change_(std::move(change)) {}
 
-  Result<bool> next(EventBatch& block, DecodeSummary&) override {
+  Result<bool> next(recordings::EventBatch& block, recordings::DecodeSummary&) override {
     block.clear();
     if (number_ == cycles_) return false;
     SynthesisedCycle cycle = synthesise_cycle(images_of(number_, options_.schedule.num_images()), number_, options_);
@@ -72,7 +72,7 @@ uint64_t true_number(const Cycle& cycle, const SynthesisOptions& options) {
 
 Outcome cut(uint64_t cycles, const SynthesisOptions& synthesis, const CycleOptions& options, const Change& change = {},
             bool keep_images = true) {
-  RecordingInfo info;
+  recordings::RecordingInfo info;
   info.width = kWidth;
   info.height = kHeight;
   auto reader = CycleReader::open(
@@ -134,7 +134,7 @@ TEST(CycleReader, MissingTriggersDropExactlyTheirCycles) {
   std::mt19937 random(4);
   const Outcome outcome = cut(1000, synthesis, by_triggers(), [&](uint64_t number, SynthesisedCycle& cycle) {
     // The very first trigger tells which pattern comes first; it stays.
-    std::erase_if(cycle.batch.triggers, [&](const Trigger& trigger) {
+    std::erase_if(cycle.batch.triggers, [&](const recordings::Trigger& trigger) {
       const bool is_removed = trigger.p == 1 && random() % 100 == 0 && trigger.t != 100000 && number > 0;
       if (is_removed) affected.insert(number);
       return is_removed;
@@ -152,9 +152,9 @@ TEST(CycleReader, DoubledTriggersDropExactlyTheirCycles) {
   const std::set<uint64_t> affected = {3, 11, 12};
   const Outcome outcome = cut(20, synthesis, by_triggers(), [&](uint64_t number, SynthesisedCycle& cycle) {
     if (!affected.contains(number)) return;
-    std::vector<Trigger>& triggers = cycle.batch.triggers;
+    std::vector<recordings::Trigger>& triggers = cycle.batch.triggers;
     const size_t place = 2 * (number % 8);
-    Trigger twice = triggers[place];
+    recordings::Trigger twice = triggers[place];
     twice.t += 600;
     triggers.insert(triggers.begin() + static_cast<ptrdiff_t>(place) + 2, twice);
   });
@@ -176,7 +176,7 @@ TEST(CycleReader, PatternOfTriggersIsFoundAgainFromTheSignsOfTheirEvents) {
   // Half a cycle of triggers is lost with a stretch of the recording; the intervals alone fit either half.
   const auto lose = [](uint64_t number, SynthesisedCycle& cycle) {
     if (number < 5 || number > 9) return;
-    std::erase_if(cycle.batch.triggers, [](const Trigger&) { return true; });
+    std::erase_if(cycle.batch.triggers, [](const recordings::Trigger&) { return true; });
   };
   const Outcome outcome = cut(30, synthesis, by_triggers(), lose);
   EXPECT_GE(outcome.cycles.size(), 20u);
@@ -194,8 +194,8 @@ TEST(CycleReader, FirstPatternOfTriggersNeedNotBeGiven) {
   const Outcome outcome = cut(12, synthesis, options, [](uint64_t number, SynthesisedCycle& cycle) {
     if (number > 0) return;
     const int64_t begin_us = cycle.batch.triggers[6].t;
-    std::erase_if(cycle.batch.triggers, [&](const Trigger& trigger) { return trigger.t < begin_us; });
-    EventColumns rest;
+    std::erase_if(cycle.batch.triggers, [&](const recordings::Trigger& trigger) { return trigger.t < begin_us; });
+    recordings::EventColumns rest;
     for (size_t i = 0; i < cycle.batch.events.size(); ++i) {
       if (cycle.batch.events.t[i] >= begin_us) rest.push_back(cycle.batch.events[i]);
     }
@@ -239,7 +239,7 @@ TEST(CycleReader, TriggersAreTakenWhereThereAreSomeAtTheBeginning) {
   CycleOptions options;
   options.source = CycleSource::kAuto;
   const auto source_of = [&](const Change& change) {
-    RecordingInfo info;
+    recordings::RecordingInfo info;
     info.width = kWidth;
     info.height = kHeight;
     auto blocks = std::make_unique<SynthesisedBlocks>(5, synthesis, change);
@@ -250,7 +250,7 @@ TEST(CycleReader, TriggersAreTakenWhereThereAreSomeAtTheBeginning) {
   EXPECT_EQ(source_of({}), CycleSource::kTriggers);
   expect_exact(cut(20, synthesis, options), 20, synthesis);
   const auto other_channel = [](uint64_t, SynthesisedCycle& cycle) {
-    for (Trigger& trigger : cycle.batch.triggers) trigger.id = 3;
+    for (recordings::Trigger& trigger : cycle.batch.triggers) trigger.id = 3;
   };
   options.channel = 0;
   EXPECT_EQ(source_of(other_channel), CycleSource::kBursts);
@@ -268,8 +268,8 @@ TEST(CycleReader, OneTriggerForEachCycleIsEnough) {
 TEST(CycleReader, OtherChannelsAndEdgesAreIgnored) {
   SynthesisOptions synthesis;
   const auto add_others = [](uint64_t, SynthesisedCycle& cycle) {
-    std::vector<Trigger> all;
-    for (const Trigger& trigger : cycle.batch.triggers) {
+    std::vector<recordings::Trigger> all;
+    for (const recordings::Trigger& trigger : cycle.batch.triggers) {
       all.push_back(trigger);
       all.push_back({trigger.t + 100, 6, trigger.p});
     }
@@ -344,7 +344,7 @@ TEST(CycleReader, BurstsInNoiseAreFoundAndOnlyNoiseIsAdded) {
   const Outcome outcome = cut(100, synthesis, CycleOptions());
   ASSERT_EQ(outcome.cycles.size(), 100u);
   for (const Cycle& cycle : outcome.cycles) {
-    const EventImages truth = images_of(true_number(cycle, synthesis));
+    const capture::EventImages truth = images_of(true_number(cycle, synthesis));
     int difference = 0;
     for (size_t i = 0; i < truth.counts.size(); ++i) difference += std::abs(truth.counts[i] - cycle.images.counts[i]);
     // 5 events per pixel and second in 31.8 ms, and few of a burst on the wrong side.
@@ -360,9 +360,9 @@ TEST(CycleReader, MissingBurstsDropExactlyTheirCycles) {
   const Outcome outcome = cut(60, synthesis, CycleOptions(), [&](uint64_t number, SynthesisedCycle& cycle) {
     if (!affected.contains(number)) return;
     const int64_t begin_us = cycle.starts_us[number % 8], end_us = begin_us + 9600;
-    EventColumns kept;
+    recordings::EventColumns kept;
     for (size_t i = 0; i < cycle.batch.events.size(); ++i) {
-      const Event event = cycle.batch.events[i];
+      const recordings::Event event = cycle.batch.events[i];
       if (event.t < begin_us || event.t >= end_us) kept.push_back(event);
     }
     cycle.batch.events = kept;
@@ -376,7 +376,7 @@ TEST(CycleReader, RecordingThatBeginsWithinACycleLosesOnlyThat) {
   synthesis.trigger_channel.reset();
   const Outcome outcome = cut(20, synthesis, CycleOptions(), [&](uint64_t number, SynthesisedCycle& cycle) {
     if (number > 0) return;
-    EventColumns kept;
+    recordings::EventColumns kept;
     for (size_t i = 0; i < cycle.batch.events.size(); ++i) {
       if (cycle.batch.events.t[i] > cycle.starts_us[3]) kept.push_back(cycle.batch.events[i]);
     }
@@ -400,23 +400,24 @@ TEST(CycleReader, PauseLosesOnlyTheCycleItCuts) {
 TEST(CycleReader, HotAndFlickeringPixelsAreSilenced) {
   SynthesisOptions synthesis;
   const auto add_loud = [&](uint64_t, SynthesisedCycle& cycle) {
-    std::vector<Event> all;
+    std::vector<recordings::Event> all;
     for (size_t i = 0; i < cycle.batch.events.size(); ++i) all.push_back(cycle.batch.events[i]);
     for (int64_t t = cycle.starts_us[0]; t < cycle.starts_us[0] + synthesis.schedule.cycle_us(); t += 500) {
       all.push_back({7, 5, 1, t});
       all.push_back({9, 6, static_cast<uint8_t>(t / 500 % 2), t});
     }
-    std::stable_sort(all.begin(), all.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+    std::stable_sort(all.begin(), all.end(),
+                     [](const recordings::Event& a, const recordings::Event& b) { return a.t < b.t; });
     cycle.batch.events.clear();
-    for (const Event& event : all) cycle.batch.events.push_back(event);
+    for (const recordings::Event& event : all) cycle.batch.events.push_back(event);
   };
   CycleOptions options = by_triggers();
   options.filter = PixelFilterOptions();
   const Outcome outcome = cut(30, synthesis, options, add_loud);
   ASSERT_EQ(outcome.cycles.size(), 30u);
   EXPECT_EQ(outcome.report.hot_pixels, 2u);
-  const EventImages& last = outcome.cycles.back().images;
-  EventImages expected = images_of(29);
+  const capture::EventImages& last = outcome.cycles.back().images;
+  capture::EventImages expected = images_of(29);
   for (size_t k = 0; k < 3; ++k) {
     expected.image(k)[5 * kWidth + 7] = 0;
     expected.image(k)[6 * kWidth + 9] = 0;
@@ -475,4 +476,4 @@ TEST(Schedule, WrongOnesAreRefusedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

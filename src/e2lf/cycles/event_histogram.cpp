@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 /// Rises of this many standard deviations are half certain.
@@ -17,7 +17,7 @@ int64_t EventHistogram::bin_of(int64_t t_us) {
   return t_us - remainder - (remainder < 0 ? kBinUs : 0);
 }
 
-void EventHistogram::add(const EventColumns& events, size_t begin, size_t end) {
+void EventHistogram::add(const recordings::EventColumns& events, size_t begin, size_t end) {
   for (size_t i = begin; i < end;) {
     const int64_t bin_us = bin_of(events.t[i]);
     Counts& counts = bins_[bin_us];
@@ -58,4 +58,4 @@ float change_confidence(const EventRise& rise, BurstSign sign) {
   return static_cast<float>(certainty * agreement * rise.total() / rise.all);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

@@ -8,7 +8,7 @@
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 /// ON and OFF events over time, in bins of 100 us. Memory grows with the time that is not forgotten.
 class EventHistogram {
@@ -22,7 +22,7 @@ class EventHistogram {
   [[nodiscard]] static int64_t bin_of(int64_t t_us);
 
   /// Counts events [begin, end).
-  void add(const EventColumns& events, size_t begin, size_t end);
+  void add(const recordings::EventColumns& events, size_t begin, size_t end);
   /// The bins with begin_us <= start < end_us.
   [[nodiscard]] Counts count(int64_t begin_us, int64_t end_us) const;
   void forget_before(int64_t t_us);
@@ -45,4 +45,4 @@ struct EventRise {
 /// have made and what has the wrong sign.
 [[nodiscard]] float change_confidence(const EventRise& rise, BurstSign sign);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

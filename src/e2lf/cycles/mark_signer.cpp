@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cycles/mark_signer.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
-void MarkSigner::add(const EventColumns& events, const std::vector<Mark>& marks) {
+void MarkSigner::add(const recordings::EventColumns& events, const std::vector<Mark>& marks) {
   marks_.insert(marks_.end(), marks.begin(), marks.end());
   histogram_.add(events, 0, events.size());
   if (!events.empty()) last_event_us_ = std::max(last_event_us_, events.t.back());
@@ -34,4 +34,4 @@ void MarkSigner::forget() {
   histogram_.forget_before(needed_us);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

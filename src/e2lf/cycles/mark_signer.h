@@ -10,7 +10,7 @@
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 struct SignOptions {
   int64_t window_us = 1000;      ///< events this long behind a trigger are compared with those before it
@@ -25,7 +25,7 @@ class MarkSigner {
   explicit MarkSigner(const SignOptions& options) : options_(options) {}
 
   /// Takes the next events, and the triggers of their time.
-  void add(const EventColumns& events, const std::vector<Mark>& marks);
+  void add(const recordings::EventColumns& events, const std::vector<Mark>& marks);
 
   /// The oldest trigger: with its sign once the events behind it are known (or `is_end`), and at once, without, when
   /// `needs_sign` is false. Nothing when there is none yet.
@@ -46,4 +46,4 @@ class MarkSigner {
   int64_t last_event_us_ = INT64_MIN;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

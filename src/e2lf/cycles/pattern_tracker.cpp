@@ -6,7 +6,7 @@
 
 #include "e2lf/base/contract.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 /// Weight of a new interval in the expected one.
@@ -151,4 +151,4 @@ void PatternTracker::learn(size_t pattern, double interval_us) {
   interval_us_[pattern] += kLearningRate * (interval_us - interval_us_[pattern]);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

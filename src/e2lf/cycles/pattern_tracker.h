@@ -8,7 +8,7 @@
 
 #include "e2lf/cycles/schedule.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 /// A sign that the pattern on the aperture changed: a trigger, or the start of a burst of events.
 struct Mark {
@@ -92,4 +92,4 @@ class PatternTracker {
   uint64_t unassigned_ = 0;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

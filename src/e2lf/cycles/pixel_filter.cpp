@@ -3,7 +3,7 @@
 
 #include "e2lf/base/contract.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 /// Fewer quiet events than this say nothing about a pixel.
@@ -14,7 +14,7 @@ constexpr float kMinCount = 3;
 PixelFilter::PixelFilter(size_t width, size_t height, const PixelFilterOptions& options)
     : options_(options), width_(width), height_(height), counts_(width * height) {}
 
-void PixelFilter::add_quiet_events(const EventColumns& events, size_t begin, size_t end) {
+void PixelFilter::add_quiet_events(const recordings::EventColumns& events, size_t begin, size_t end) {
   for (size_t i = begin; i < end; ++i) {
     if (events.x[i] < width_ && events.y[i] < height_) counts_[events.y[i] * width_ + events.x[i]] += 1;
   }
@@ -32,11 +32,11 @@ void PixelFilter::add_quiet_time(int64_t duration_us) {
   }
 }
 
-void PixelFilter::apply(EventImages& images) const {
+void PixelFilter::apply(capture::EventImages& images) const {
   E2LF_REQUIRE(images.image_size() == counts_.size(), "images of another size than the sensor's");
   for (const size_t pixel : silenced_) {
     for (size_t k = 0; k < images.transitions; ++k) images.image(k)[pixel] = 0;
   }
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/recordings/event.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 struct PixelFilterOptions {
   int64_t settle_us = 10000;      ///< how long the events of a pattern change last
@@ -25,13 +25,13 @@ class PixelFilter {
   PixelFilter(size_t width, size_t height, const PixelFilterOptions& options);
 
   /// Counts events [begin, end), all of quiet time.
-  void add_quiet_events(const EventColumns& events, size_t begin, size_t end);
+  void add_quiet_events(const recordings::EventColumns& events, size_t begin, size_t end);
 
   /// Says that this much quiet time has passed.
   void add_quiet_time(int64_t duration_us);
 
   /// Sets the images to 0 at the pixels that are too loud.
-  void apply(EventImages& images) const;
+  void apply(capture::EventImages& images) const;
 
   [[nodiscard]] size_t num_silenced() const { return silenced_.size(); }
 
@@ -43,4 +43,4 @@ class PixelFilter {
   std::vector<size_t> silenced_;  ///< pixel numbers
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

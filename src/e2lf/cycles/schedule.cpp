@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cycles/schedule.h"
 
-#include "e2lf/files/options.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/options.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 constexpr int64_t kPaperOverheadUs = 592;
@@ -127,4 +127,4 @@ std::string schedule_text(const Schedule& schedule) {
   return Json{{"patterns", std::move(patterns)}}.dump(2) + "\n";
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

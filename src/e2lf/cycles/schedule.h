@@ -10,7 +10,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 /// Which sign the events of the change to a pattern must have, where that is known: to white is ON, to black is OFF.
 enum class BurstSign { kAny, kOn, kOff };
@@ -54,4 +54,4 @@ struct Schedule {
 [[nodiscard]] Result<Schedule> parse_schedule(const std::string& text, const std::string& name);
 [[nodiscard]] std::string schedule_text(const Schedule& schedule);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

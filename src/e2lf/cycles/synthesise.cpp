@@ -10,7 +10,7 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/base/stop.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 namespace {
 
 /// Draws one after the other from a stream of its own.
@@ -27,7 +27,7 @@ class Draws {
 
 class Cycle {
  public:
-  Cycle(const EventImages& images, uint64_t number, const SynthesisOptions& options)
+  Cycle(const capture::EventImages& images, uint64_t number, const SynthesisOptions& options)
       : images_(images),
         options_(options),
         draws_(options.seed, number),
@@ -106,22 +106,24 @@ class Cycle {
   }
 
   void sort_events() {
-    std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+    std::stable_sort(events_.begin(), events_.end(),
+                     [](const recordings::Event& a, const recordings::Event& b) { return a.t < b.t; });
     result_.batch.events.reserve(events_.size());
-    for (const Event& event : events_) result_.batch.events.push_back(event);
+    for (const recordings::Event& event : events_) result_.batch.events.push_back(event);
   }
 
-  const EventImages& images_;
+  const capture::EventImages& images_;
   const SynthesisOptions& options_;
   Draws draws_;
   int64_t begin_us_;
-  std::vector<Event> events_;
+  std::vector<recordings::Event> events_;
   SynthesisedCycle result_;
 };
 
 }  // namespace
 
-SynthesisedCycle synthesise_cycle(const EventImages& images, uint64_t number, const SynthesisOptions& options) {
+SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t number,
+                                  const SynthesisOptions& options) {
   E2LF_REQUIRE(images.transitions == options.schedule.num_images(), "one image for each used pattern");
   E2LF_REQUIRE(options.latency_us >= options.jitter_us, "events may not come before their cycle");
   for (const ScheduledPattern& pattern : options.schedule.patterns) {
@@ -130,13 +132,13 @@ SynthesisedCycle synthesise_cycle(const EventImages& images, uint64_t number, co
   return Cycle(images, number, options).make();
 }
 
-Result<void> synthesise_recording(RecordingWriter& writer, uint64_t cycles, const SynthesisOptions& options,
-                                  const std::function<Result<EventImages>(uint64_t number)>& images_of) {
+Result<void> synthesise_recording(recordings::RecordingWriter& writer, uint64_t cycles, const SynthesisOptions& options,
+                                  const std::function<Result<capture::EventImages>(uint64_t number)>& images_of) {
   for (uint64_t number = 0; number < cycles && !(number > 0 && stop_requested()); ++number) {
-    E2LF_ASSIGN_OR_RETURN(const EventImages images, images_of(number));
+    E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, images_of(number));
     E2LF_RETURN_IF_ERROR(writer.write(synthesise_cycle(images, number, options).batch));
   }
   return {};
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

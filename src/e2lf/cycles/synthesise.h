@@ -5,11 +5,11 @@
 #include <functional>
 #include <optional>
 
-#include "e2lf/cycles/schedule.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/cycles/schedule.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::cycles {
 
 struct SynthesisOptions {
   Schedule schedule = paper_schedule();
@@ -27,7 +27,7 @@ struct SynthesisOptions {
 
 /// When the patterns of a synthesised cycle began: the truth that cutting is measured against.
 struct SynthesisedCycle {
-  EventBatch batch;
+  recordings::EventBatch batch;
   std::vector<int64_t> starts_us;  ///< of each pattern
 };
 
@@ -37,13 +37,13 @@ struct SynthesisedCycle {
 /// schedule states (or mixed) at the pixels of the first image. Cycle `number` begins at
 /// begin_us + number * schedule.cycle_us(). The result depends on nothing but the arguments.
 /// Contract: images has schedule.num_images() transitions; bursts end before the shortest pattern does.
-[[nodiscard]] SynthesisedCycle synthesise_cycle(const EventImages& images, uint64_t number,
+[[nodiscard]] SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t number,
                                                 const SynthesisOptions& options);
 
 /// Writes `cycles` cycles to a recording, one in memory at a time; images_of gives the images of each, all of one size.
 /// The writer is not finished. Fails like the writer and images_of.
-[[nodiscard]] Result<void> synthesise_recording(RecordingWriter& writer, uint64_t cycles,
-                                                const SynthesisOptions& options,
-                                                const std::function<Result<EventImages>(uint64_t number)>& images_of);
+[[nodiscard]] Result<void> synthesise_recording(
+    recordings::RecordingWriter& writer, uint64_t cycles, const SynthesisOptions& options,
+    const std::function<Result<capture::EventImages>(uint64_t number)>& images_of);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::cycles

@@ -4,6 +4,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/pack.h"
 #include "e2lf/engine/tap_grid.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -12,11 +13,12 @@
 #include <hwy/highway.h>
 
 #include "e2lf/engine/amx-inl.h"
-#include "e2lf/kernels/vector-inl.h"
+#include "e2lf/engine/epilogue-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::engine {
 namespace HWY_NAMESPACE {
+
 #if E2LF_TARGET_HAS_BF16
 namespace {
 

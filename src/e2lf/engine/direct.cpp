@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/base/contract.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/pack.h"
 #include "e2lf/engine/tap_grid.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -8,11 +9,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "e2lf/kernels/vector-inl.h"
+#include "e2lf/engine/epilogue-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::engine {
 namespace HWY_NAMESPACE {
+
 namespace {
 
 // Pixels of a row that one block computes.

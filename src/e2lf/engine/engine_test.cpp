@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "e2lf/base/isa.h"
-#include "e2lf/files/npy.h"
-#include "e2lf/files/safetensors.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/reference.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/safetensors.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::engine {

@@ -6,28 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/kernels/elements.h"
+#include "e2lf/kernels/winograd_points.h"
+
 namespace e2lf::engine {
 
-/// How the elements of a tensor are stored; sums are float32 in any case.
-enum class ElementType { kFloat32, kBfloat16 };
-
-[[nodiscard]] constexpr size_t element_size(ElementType type) {
-  return type == ElementType::kFloat32 ? 4 : 2;
-}
-
-/// Pixels are stored with their channels padded to this multiple; the padding holds zeros.
-inline constexpr size_t kChannelMultiple = 16;
-
-/// Winograd tiles are 4x4 outputs, aligned to the image's corner; strips begin at multiples of it.
-inline constexpr size_t kTileSize = 4;
-
-[[nodiscard]] constexpr size_t round_up(size_t value, size_t multiple) {
-  return (value + multiple - 1) / multiple * multiple;
-}
-
-[[nodiscard]] constexpr size_t padded_channels(size_t channels) {
-  return round_up(channels, kChannelMultiple);
-}
+using kernels::element_size, kernels::ElementType, kernels::kChannelMultiple, kernels::kTileSize;
+using kernels::padded_channels, kernels::round_up;
 
 /// Rows of one tensor: row y begins (its pixel x = 0) at rows[y - first]. Pixels are [x][padded channel]. Rows outside
 /// the image are there too and hold zeros, as do the pixels to the left and right of it (as many as Reach asks for).

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 #include <functional>
 
 #include "e2lf/engine/aligned_buffer.h"
@@ -10,27 +9,7 @@
 
 namespace e2lf::engine {
 
-/// A bfloat16 number: the upper half of a float32.
-struct Bfloat16 {
-  uint16_t bits = 0;
-};
-
-/// To the nearest, ties to even; values are finite.
-[[nodiscard]] inline Bfloat16 to_bfloat16(float value) {
-  uint32_t bits = 0;
-  std::memcpy(&bits, &value, sizeof(bits));
-  return {static_cast<uint16_t>((bits + 0x7FFFU + ((bits >> 16U) & 1U)) >> 16U)};
-}
-
-[[nodiscard]] inline float to_float(Bfloat16 value) {
-  const uint32_t bits = static_cast<uint32_t>(value.bits) << 16U;
-  float result = 0.0F;
-  std::memcpy(&result, &bits, sizeof(result));
-  return result;
-}
-
-/// Output channels of a matrix are packed in panels of at most this many.
-inline constexpr size_t kPanelWidth = 64;
+using kernels::Bfloat16, kernels::kPanelWidth, kernels::to_bfloat16, kernels::to_float;
 
 /// Matrices [depth, columns] in the order in which the multiplication reads them: panel by panel of columns, in a panel
 /// row by row (bfloat16: pairs of rows, the two elements of a column beside each other). Columns are padded to

@@ -18,6 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::engine {
 namespace HWY_NAMESPACE {
+
+using namespace kernels::HWY_NAMESPACE;
 namespace {
 
 // Sums that do not wait for each other: more than latency times units of any core.

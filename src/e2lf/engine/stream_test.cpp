@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <new>
 
-#include "testing/test_networks.h"
 #include "e2lf/model/unet.h"
+#include "testing/test_networks.h"
 
 namespace e2lf::engine {
 namespace {

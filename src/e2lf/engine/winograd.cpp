@@ -11,12 +11,14 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "e2lf/kernels/winograd-inl.h"
+#include "e2lf/engine/epilogue-inl.h"
 #include "e2lf/engine/winograd.h"
+#include "e2lf/kernels/winograd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::engine {
 namespace HWY_NAMESPACE {
+
 namespace {
 
 // Up to this many channels are copied at once.

@@ -6,13 +6,8 @@
 
 namespace e2lf::engine {
 
-// Winograd's F(4, 3) with the points 0, +-a, +-b and infinity (Lavin and Gray, "Fast algorithms for convolutional
-// neural networks", CVPR 2016): y = A^T [(G g) * (B^T x)] for six samples x, three taps g, four outputs y. In two
-// dimensions the transforms apply to columns, then rows.
-inline constexpr double kWinogradA = 1.0;
-inline constexpr double kWinogradB = 2.0;
-inline constexpr size_t kWinogradPoints = 6;
-inline constexpr size_t kWinogradMatrices = kWinogradPoints * kWinogradPoints;
+// Winograd's F(4, 3), see kernels/winograd_points.h.
+using kernels::kWinogradA, kernels::kWinogradB, kernels::kWinogradMatrices, kernels::kWinogradPoints;
 
 /// Tiles that are transformed and multiplied together: with the weights they should fit the second-level cache.
 inline constexpr size_t kWinogradBlockTiles = 12;

@@ -27,7 +27,7 @@ EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions
   return statistics;
 }
 
-EventStatistics event_statistics(const events::EventImages& images, const EventRateOptions& options) {
+EventStatistics event_statistics(const capture::EventImages& images, const EventRateOptions& options) {
   E2LF_REQUIRE(images.image_size() > 0, "event images need pixels");
   std::vector<double> events_per_pixel;
   for (size_t transition = 0; transition < images.transitions; ++transition) {
@@ -40,7 +40,7 @@ EventStatistics event_statistics(const events::EventImages& images, const EventR
   return statistics;
 }
 
-double mean_event_difference(const events::EventImages& a, const events::EventImages& b) {
+double mean_event_difference(const capture::EventImages& a, const capture::EventImages& b) {
   E2LF_REQUIRE(a.transitions == b.transitions && a.height == b.height && a.width == b.width && !a.counts.empty(),
                "event images of one shape");
   uint64_t sum = 0;

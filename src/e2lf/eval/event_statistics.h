@@ -30,10 +30,11 @@ struct EventStatistics {
 /// Counts the events of one cycle. An event image holds the sum of signed events, so ON and OFF events that cancel at a
 /// pixel within one transition are not seen: the figures are lower bounds for noisy recordings. No pixels or rates
 /// that are not positive break the contract.
-[[nodiscard]] EventStatistics event_statistics(const events::EventImages& images, const EventRateOptions& options = {});
+[[nodiscard]] EventStatistics event_statistics(const capture::EventImages& images,
+                                               const EventRateOptions& options = {});
 
 /// The mean of |a - b| over pixels and transitions. Images of different shapes break the contract.
-[[nodiscard]] double mean_event_difference(const events::EventImages& a, const events::EventImages& b);
+[[nodiscard]] double mean_event_difference(const capture::EventImages& a, const capture::EventImages& b);
 
 /// Time and data rate for a known number of events per pixel; `events_per_pixel` is left empty.
 [[nodiscard]] EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions& options = {});

@@ -7,7 +7,7 @@ namespace e2lf::eval {
 namespace {
 
 TEST(EventStatistics, CountsBothSignsInEachTransition) {
-  events::EventImages images(2, 2, 2);
+  capture::EventImages images(2, 2, 2);
   images.counts = {3, -1, 0, 2, /**/ 0, 0, -2, 0};
   const EventStatistics statistics = event_statistics(images);
   EXPECT_EQ(statistics.events_per_pixel, (std::vector<double>{1.5, 0.5}));
@@ -15,7 +15,7 @@ TEST(EventStatistics, CountsBothSignsInEachTransition) {
 }
 
 TEST(EventStatistics, CountsTheExtremesOfInt16) {
-  events::EventImages images(1, 1, 2);
+  capture::EventImages images(1, 1, 2);
   images.counts = {-32768, 32767};
   EXPECT_DOUBLE_EQ(event_statistics(images).total_events_per_pixel, 32767.5);
 }
@@ -35,11 +35,11 @@ TEST(EventCost, GivesThePapersDataRate) {
 }
 
 TEST(EventStatistics, RefusesImagesWithoutPixels) {
-  EXPECT_THROW((void)event_statistics(events::EventImages()), ContractError);
+  EXPECT_THROW((void)event_statistics(capture::EventImages()), ContractError);
 }
 
 TEST(MeanEventDifference, CountsOverPixelsAndTransitions) {
-  events::EventImages a(2, 1, 2), b(2, 1, 2);
+  capture::EventImages a(2, 1, 2), b(2, 1, 2);
   a.counts = {3, -1, 0, 5};
   b.counts = {1, 1, 0, 5};
   EXPECT_DOUBLE_EQ(mean_event_difference(a, b), 1.0);

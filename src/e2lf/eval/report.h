@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "e2lf/files/options.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::eval {
 

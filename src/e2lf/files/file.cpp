@@ -8,8 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "e2lf/files/is_stream.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/is_stream.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;

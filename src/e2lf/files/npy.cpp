@@ -7,10 +7,10 @@
 #include <numeric>
 #include <type_traits>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy_header.h"
-#include "e2lf/base/text.h"
 
 namespace e2lf {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <utility>
 
-#include "e2lf/files/elements.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/elements.h"
 
 namespace e2lf {
 namespace {

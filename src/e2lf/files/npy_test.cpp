@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "testing/test_files.h"
-#include "e2lf/base/text.h"
 
 namespace e2lf {
 namespace {

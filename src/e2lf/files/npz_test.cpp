@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/files/npy.h"
-#include "testing/test_files.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/files/zip.h"
+#include "testing/test_files.h"
 
 namespace e2lf {
 namespace {

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 
 namespace e2lf {
 

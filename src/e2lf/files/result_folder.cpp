@@ -10,8 +10,8 @@
 #include <unistd.h>
 #include <vector>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
+#include "e2lf/files/options.h"
 #include "e2lf/files/workspace.h"
 
 namespace e2lf {

@@ -9,10 +9,10 @@
 #include <numeric>
 #include <set>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/base/text.h"
 
 namespace e2lf {
 namespace {

@@ -10,9 +10,9 @@
 #include <unistd.h>
 #include <vector>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "e2lf/files/file.h"
-#include "testing/test_files.h"
 #include "e2lf/hdf5/library.h"
+#include "testing/test_files.h"
 
 namespace e2lf::hdf5 {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "e2lf/files/file.h"
-#include "testing/test_files.h"
 #include "e2lf/hdf5/bytes_driver.h"
 #include "e2lf/hdf5/library.h"
+#include "testing/test_files.h"
 
 namespace e2lf::hdf5 {
 namespace {

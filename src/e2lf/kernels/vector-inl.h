@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Included once per instruction set by the kernels, after <hwy/highway.h>: vector arithmetic they share.
-#if defined(E2LF_ENGINE_VECTOR_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef E2LF_ENGINE_VECTOR_INL_H_
-#undef E2LF_ENGINE_VECTOR_INL_H_
+#if defined(E2LF_KERNELS_VECTOR_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef E2LF_KERNELS_VECTOR_INL_H_
+#undef E2LF_KERNELS_VECTOR_INL_H_
 #else
-#define E2LF_ENGINE_VECTOR_INL_H_
+#define E2LF_KERNELS_VECTOR_INL_H_
 #endif
 
 #include <cstring>
-#include <limits>
 
 #include <hwy/highway.h>
 
-#include "e2lf/engine/conv.h"
-#include "e2lf/engine/pack.h"
+#include "e2lf/kernels/elements.h"
 
 // Loops over accumulators must be unrolled for them to live in registers.
 #define E2LF_UNROLL _Pragma("GCC unroll 16")
@@ -28,7 +26,7 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::engine {
+namespace e2lf::kernels {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -153,66 +151,8 @@ HWY_INLINE void for_column_groups(size_t columns, const Visitor& visitor) {
   }
 }
 
-/// What happens to finished sums: bias, residual, ReLU, rounding to the output's type.
-template <class Products>
-class Epilogue {
-  using Element = typename Products::Element;
-
- public:
-  explicit Epilogue(const ConvSpec& spec)
-      : bias_(padded_channels(spec.out_channels) * sizeof(float)),
-        floor_(spec.relu ? 0.0F : -std::numeric_limits<float>::infinity()),
-        residual_(spec.residual),
-        wide_(spec.output == ElementType::kFloat32) {
-    std::memcpy(bias_.data(), spec.bias.data(), spec.bias.size() * sizeof(float));
-  }
-
-  /// Where the pixels of output row y and of the residual's begin.
-  struct Row {
-    const Element* residual;
-    std::byte* output;
-  };
-
-  [[nodiscard]] Row row(const Strip& strip, size_t y) const {
-    const auto index = static_cast<ptrdiff_t>(y);
-    return {residual_ ? strip.residual.row<const Element>(index) : nullptr, strip.output.row<std::byte>(index)};
-  }
-
-  /// Calls visitor.visit<whether there is a residual, the output's element type>().
-  template <class Visitor>
-  HWY_INLINE void select(const Visitor& visitor) const {
-    if (residual_ && wide_) visitor.template visit<true, float>();
-    if (residual_ && !wide_) visitor.template visit<true, Element>();
-    if (!residual_ && wide_) visitor.template visit<false, float>();
-    if (!residual_ && !wide_) visitor.template visit<false, Element>();
-  }
-
-  /// What store() needs of kLanes channels; to be kept in registers while many pixels are stored.
-  struct Channels {
-    FloatVec bias, floor;
-  };
-
-  HWY_INLINE Channels channels(size_t first) const {
-    return {hn::Load(FloatTag(), bias_.as<float>() + first), hn::Set(FloatTag(), floor_)};
-  }
-
-  /// `element` counts from the beginning of the row.
-  template <bool kResidual, class Output>
-  static HWY_INLINE void store(FloatVec sum, const Channels& channels, size_t element, const Row& row) {
-    FloatVec value = hn::Add(sum, channels.bias);
-    if constexpr (kResidual) value = hn::Add(value, load_floats(row.residual + element));
-    store_floats(hn::Max(value, channels.floor), reinterpret_cast<Output*>(row.output) + element);
-  }
-
- private:
-  AlignedBuffer bias_;
-  float floor_;  ///< zero for ReLU, else below everything
-  bool residual_;
-  bool wide_;  ///< float32 output
-};
-
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::engine
+}  // namespace e2lf::kernels
 HWY_AFTER_NAMESPACE();
 
 #endif

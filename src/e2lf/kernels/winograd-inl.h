@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Included once per instruction set by the kernels, after <hwy/highway.h>: Winograd's transforms (see winograd.h).
-#if defined(E2LF_ENGINE_WINOGRAD_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef E2LF_ENGINE_WINOGRAD_INL_H_
-#undef E2LF_ENGINE_WINOGRAD_INL_H_
+// Included once per instruction set by the kernels, after <hwy/highway.h>: Winograd's transforms (see
+// winograd_points.h).
+#if defined(E2LF_KERNELS_WINOGRAD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef E2LF_KERNELS_WINOGRAD_INL_H_
+#undef E2LF_KERNELS_WINOGRAD_INL_H_
 #else
-#define E2LF_ENGINE_WINOGRAD_INL_H_
+#define E2LF_KERNELS_WINOGRAD_INL_H_
 #endif
 
 #include "e2lf/kernels/vector-inl.h"
-#include "e2lf/engine/winograd.h"
+#include "e2lf/kernels/winograd_points.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::engine {
+namespace e2lf::kernels {
 namespace HWY_NAMESPACE {
 
 inline constexpr float kA = static_cast<float>(kWinogradA);
@@ -50,7 +51,7 @@ HWY_INLINE void transform_output(const FloatVec (&m)[kWinogradPoints], FloatVec 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::engine
+}  // namespace e2lf::kernels
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -36,17 +36,17 @@ torch::Tensor distant_point(const std::vector<torch::Tensor>& earlier) {
 
 }  // namespace
 
-SampleConstants repeat_constants(const aperture::SensorConstants& constants, int64_t batch, torch::Device device) {
+SampleConstants repeat_constants(const capture::SensorConstants& constants, int64_t batch, torch::Device device) {
   const auto repeat = [&](float value) { return torch::full({batch, 1, 1}, value, torch::device(device)); };
   return {repeat(constants.eps), repeat(constants.tau), repeat(constants.sigma_w), repeat(constants.sigma_z)};
 }
 
-SampleConstants sample_of(const aperture::Camera& camera, size_t num_patterns, size_t cycles, torch::Device device) {
+SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t cycles, torch::Device device) {
   SampleConstants sample = repeat_constants(camera.constants, 1, device);
   const auto row = [&](const std::vector<float>& values) {
     return torch::tensor(at::ArrayRef<float>(values)).unsqueeze(0).to(device);
   };
-  sample.traits = row(aperture::camera_traits(camera, num_patterns, cycles));
+  sample.traits = row(capture::camera_traits(camera, num_patterns, cycles));
   if (!camera.is_pixel()) return sample;
   std::vector<float> transmission = {1.0F};
   for (size_t n = 0; n + 1 < num_patterns; ++n) {
@@ -132,14 +132,14 @@ torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleCons
   return torch::stack(events, 1);
 }
 
-torch::Tensor to_tensor(const aperture::Codes& codes, torch::Device device) {
+torch::Tensor to_tensor(const capture::Codes& codes, torch::Device device) {
   return torch::tensor(at::ArrayRef<float>(codes.values))
       .reshape({static_cast<int64_t>(codes.num_patterns), static_cast<int64_t>(codes.pattern_size())})
       .to(device);
 }
 
-aperture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views_x) {
-  aperture::Codes result(static_cast<size_t>(codes.size(0)), views_y, views_x);
+capture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views_x) {
+  capture::Codes result(static_cast<size_t>(codes.size(0)), views_y, views_x);
   const auto values = codes.detach().to(torch::kCPU, torch::kFloat).contiguous();
   std::copy_n(values.data_ptr<float>(), result.values.size(), result.values.begin());
   return result;

@@ -18,15 +18,15 @@ enum class EventModel {
 struct SampleConstants {
   torch::Tensor eps, tau, sigma_w, sigma_z;
   PixelSamples pixel = {};    ///< for samples of physical pixels; undefined tensors: there are none
-  torch::Tensor traits = {};  ///< float32 [batch, aperture::num_traits(N)]: what the network is told
+  torch::Tensor traits = {};  ///< float32 [batch, capture::num_traits(N)]: what the network is told
 };
 
 /// The same constants for every sample; without traits.
-[[nodiscard]] SampleConstants repeat_constants(const aperture::SensorConstants& constants, int64_t batch,
+[[nodiscard]] SampleConstants repeat_constants(const capture::SensorConstants& constants, int64_t batch,
                                                torch::Device device);
 
 /// One sample of a camera at its stated values, with traits, whose counts are means over `cycles`.
-[[nodiscard]] SampleConstants sample_of(const aperture::Camera& camera, size_t num_patterns, size_t cycles,
+[[nodiscard]] SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t cycles,
                                         torch::Device device);
 
 /// What ties patterns to each other.
@@ -86,7 +86,7 @@ struct SensorNoise {
 [[nodiscard]] torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleConstants& constants,
                                             const SensorNoise& noise, EventModel event_model);
 
-[[nodiscard]] torch::Tensor to_tensor(const aperture::Codes& codes, torch::Device device);  ///< [N, views]
-[[nodiscard]] aperture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views_x);
+[[nodiscard]] torch::Tensor to_tensor(const capture::Codes& codes, torch::Device device);  ///< [N, views]
+[[nodiscard]] capture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views_x);
 
 }  // namespace e2lf::learn

@@ -23,7 +23,7 @@ uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
 }
 
 /// The camera with each constant somewhere within its uncertainty, and a transmission for every lit pattern.
-aperture::Camera draw_camera(aperture::Camera camera, const SensorConfig& sensor, size_t num_patterns, Draws& draws) {
+capture::Camera draw_camera(capture::Camera camera, const SensorConfig& sensor, size_t num_patterns, Draws& draws) {
   const double spread = draws.chance(sensor.camera_nominal_share) ? 0.0 : sensor.camera_spread;
   const auto vary = [&](float value, float uncertainty) {
     return value * static_cast<float>(std::exp(draws.uniform(-1.0, 1.0) * spread * uncertainty));
@@ -35,7 +35,7 @@ aperture::Camera draw_camera(aperture::Camera camera, const SensorConfig& sensor
   for (size_t k = 1; k < camera.transmission.size(); ++k) {
     camera.transmission[k] = vary(camera.transmission[k], camera.transmission_uncertainty);
   }
-  using enum aperture::PixelConstant;
+  using enum capture::PixelConstant;
   camera.constants.eps = camera.pixel[kEps];
   camera.constants.tau = 0.5F * (camera.pixel[kThresholdOn] + camera.pixel[kThresholdOff]);
   return camera;
@@ -62,7 +62,7 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
     }
   }
   if (!config.sensor.camera.empty()) {
-    E2LF_ASSIGN_OR_RETURN(batches.camera_, aperture::read_camera(config.sensor.camera));
+    E2LF_ASSIGN_OR_RETURN(batches.camera_, capture::read_camera(config.sensor.camera));
     if (!batches.camera_->is_pixel() || !config.patterns.black_first) {
       return Error{ErrorCode::kInvalidValue, "training takes cameras of the event model \"pixel\", with black first",
                    config.sensor.camera};
@@ -157,11 +157,10 @@ void Batches::tell_traits(Conditions& conditions) const {
   const auto value = [](const torch::Tensor& values, int64_t i) { return values.flatten()[i].item<float>(); };
   std::vector<torch::Tensor> rows;
   for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
-    const auto traits =
-        aperture::camera_traits({.constants = {value(constants.eps, i), value(constants.tau, i),
-                                               value(constants.sigma_w, i), value(constants.sigma_z, i)},
-                                 .residue = value(conditions.residue, i)},
-                                config_.patterns.num_patterns);
+    const auto traits = capture::camera_traits({.constants = {value(constants.eps, i), value(constants.tau, i),
+                                                              value(constants.sigma_w, i), value(constants.sigma_z, i)},
+                                                .residue = value(conditions.residue, i)},
+                                               config_.patterns.num_patterns);
     rows.push_back(torch::tensor(at::ArrayRef<float>(traits)));
   }
   conditions.constants.traits = torch::stack(rows).to(device_);
@@ -177,7 +176,7 @@ void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
   const auto row = [&](const std::vector<float>& values) { return torch::tensor(at::ArrayRef<float>(values)); };
   std::vector<torch::Tensor> constants, transmissions, is_pixel;
   for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
-    aperture::Camera drawn = draw_camera(*camera_, sensor, num_patterns, draws);
+    capture::Camera drawn = draw_camera(*camera_, sensor, num_patterns, draws);
     const bool chosen = draws.chance(sensor.camera_share);
     const auto gain = static_cast<float>(draws.log_uniform(sensor.camera_gain[0], sensor.camera_gain[1]));
     is_pixel.push_back(torch::tensor(chosen));
@@ -187,7 +186,7 @@ void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
     conditions.gain[i] = gain;
     conditions.constants.eps[i] = drawn.constants.eps;
     conditions.constants.tau[i] = drawn.constants.tau;
-    conditions.constants.traits[i] = row(aperture::camera_traits(drawn, num_patterns, cycles)).to(device_);
+    conditions.constants.traits[i] = row(capture::camera_traits(drawn, num_patterns, cycles)).to(device_);
   }
   conditions.constants.pixel = {torch::stack(is_pixel).to(device_), torch::stack(constants).to(device_),
                                 torch::stack(transmissions).to(device_), static_cast<int64_t>(cycles)};

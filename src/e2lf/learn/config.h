@@ -41,7 +41,7 @@ struct PatternConfig {
 
 /// What varies between samples, so that one model serves many cameras and scenes.
 struct SensorConfig {
-  aperture::SensorConstants nominal;
+  capture::SensorConstants nominal;
   double nominal_share = 0.4;      ///< share of samples with exactly the nominal tau, sigma_w, sigma_z
   double noise_free_share = 0.15;  ///< of the others: share with sigma_w = sigma_z = 0
   double residue_share = 0.0;      ///< of the not nominal: share with references a part of a threshold too high

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/dataset.h"
 
-#include "e2lf/files/safetensors.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/safetensors.h"
 
 namespace e2lf::learn {
 namespace {

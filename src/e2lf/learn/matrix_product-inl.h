@@ -14,9 +14,9 @@ namespace e2lf::learn {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-namespace en = engine::HWY_NAMESPACE;
+namespace kn = kernels::HWY_NAMESPACE;
 
-using en::FloatTag, en::FloatVec, en::kGemmRows, en::kGemmVectors, en::kLanes;
+using kn::FloatTag, kn::FloatVec, kn::kGemmRows, kn::kGemmVectors, kn::kLanes;
 
 /// A matrix read element by element: (row, column) is at data[row * row_step + column * column_step].
 struct Factor {

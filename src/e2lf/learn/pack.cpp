@@ -5,9 +5,9 @@
 #include <cmath>
 #include <string>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
-#include "e2lf/base/text.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/learn/dataset.h"
-#include "testing/test_training_data.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "testing/test_training_data.h"
 
 namespace e2lf::learn {
 namespace {

@@ -6,7 +6,7 @@
 namespace e2lf::learn {
 namespace {
 
-using enum aperture::PixelConstant;
+using enum capture::PixelConstant;
 
 constexpr double kLeastThreshold = 0.3;  // of the mean one, however unequal pixels are
 
@@ -65,7 +65,7 @@ torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torc
   const auto inverse = (full - passed(num_patterns - 1)).clamp_min(0.0) / eps + 1.0;
 
   const auto common = 1.0 + samples.at(kMismatch) * torch::randn_like(full);
-  const auto threshold = [&](aperture::PixelConstant mean) {
+  const auto threshold = [&](capture::PixelConstant mean) {
     const auto own = common + samples.at(kMismatchEach) * torch::randn_like(full);
     return samples.at(mean) * own.clamp_min(kLeastThreshold);
   };

@@ -10,12 +10,12 @@ namespace e2lf::learn {
 /// Constants of event pixels per sample, on the device of the light fields.
 struct PixelSamples {
   torch::Tensor is_pixel;      ///< bool [batch]: the others are of the paper's models
-  torch::Tensor constants;     ///< float32 [batch, aperture::kNumPixelConstants]
+  torch::Tensor constants;     ///< float32 [batch, capture::kNumPixelConstants]
   torch::Tensor transmission;  ///< float32 [batch, N]: that of black is 1
   int64_t cycles = 1;          ///< counts are means over so many cycles
 
   /// One constant, float32 [batch, 1, 1].
-  [[nodiscard]] torch::Tensor at(aperture::PixelConstant constant) const {
+  [[nodiscard]] torch::Tensor at(capture::PixelConstant constant) const {
     return constants.select(1, static_cast<int64_t>(constant)).reshape({-1, 1, 1});
   }
 };

@@ -9,11 +9,11 @@
 namespace e2lf::learn {
 namespace {
 
-using enum aperture::PixelConstant;
+using enum capture::PixelConstant;
 
 /// A camera that follows the light at once, whose pixels are equal and whose references start at black exactly.
-aperture::Camera ideal_camera(float tau = 0.3F) {
-  aperture::Camera camera;
+capture::Camera ideal_camera(float tau = 0.3F) {
+  capture::Camera camera;
   camera.event_model = "pixel";
   camera.constants = {.eps = 0.01F, .tau = tau, .sigma_w = 0.0F, .sigma_z = 0.0F};
   camera.pixel[kEps] = 0.01F;
@@ -24,7 +24,7 @@ aperture::Camera ideal_camera(float tau = 0.3F) {
   return camera;
 }
 
-torch::Tensor events_of(const aperture::Camera& camera, const torch::Tensor& intensities, const torch::Tensor& full,
+torch::Tensor events_of(const capture::Camera& camera, const torch::Tensor& intensities, const torch::Tensor& full,
                         size_t cycles = 1) {
   const auto num_patterns = static_cast<size_t>(intensities.size(1));
   return simulate_pixel_events(intensities, full, sample_of(camera, num_patterns, cycles, torch::kCPU).pixel);
@@ -96,7 +96,7 @@ TEST(PixelModel, MismatchStaysWhenCyclesAreAveragedAndNoiseGoes) {
   for (auto* camera : {&noisy, &unequal}) camera->pixel[kResetSpan] = 1.0F;
   noisy.pixel[kNoise] = 0.1F;
   unequal.pixel[kMismatch] = 0.1F;
-  const auto spread = [&](const aperture::Camera& camera, size_t cycles) {
+  const auto spread = [&](const capture::Camera& camera, size_t cycles) {
     return events_of(camera, intensities, full, cycles).std().item<double>();
   };
   EXPECT_LT(spread(noisy, 16), 0.3 * spread(noisy, 1));
@@ -115,11 +115,11 @@ TEST(PixelModel, DarkEventsComeAtTheStatedRates) {
 }
 
 TEST(PixelModel, TraitsAreOfTheSampleAndZeroForAnIdealPaperCamera) {
-  aperture::Camera paper;
+  capture::Camera paper;
   paper.constants = {.eps = 0.01F, .tau = 0.3F, .sigma_w = 0.0F, .sigma_z = 0.0F};
-  for (const float trait : aperture::camera_traits(paper, 4)) EXPECT_EQ(trait, 0.0F);
+  for (const float trait : capture::camera_traits(paper, 4)) EXPECT_EQ(trait, 0.0F);
   const auto sample = sample_of(ideal_camera(), 4, 4, torch::kCPU);
-  ASSERT_EQ(sample.traits.size(1), static_cast<int64_t>(aperture::num_traits(4)));
+  ASSERT_EQ(sample.traits.size(1), static_cast<int64_t>(capture::num_traits(4)));
   EXPECT_EQ(sample.traits[0][0].item<float>(), 1.0F);
   EXPECT_FLOAT_EQ(sample.traits[0][15].item<float>(), 0.5F);
 }

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/learn/curves.h"
 
 namespace e2lf::learn {

@@ -37,13 +37,13 @@ NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
 /// torch alone may lack.)
 Result<torch::Tensor> read_codes(const std::filesystem::path& path, const PatternConfig& patterns,
                                  torch::Device device) {
-  std::optional<aperture::Codes> codes;
+  std::optional<capture::Codes> codes;
   if (path.extension() == ".safetensors") {
     E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
     codes = model.codes;
   } else {
     E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
-    E2LF_ASSIGN_OR_RETURN(codes, aperture::codes_from_json(json, path.string()));
+    E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_json(json, path.string()));
   }
   if (!codes || codes->num_patterns != patterns.num_patterns || codes->views_y != 8 || codes->views_x != 8) {
     return Error{ErrorCode::kShape,
@@ -240,8 +240,8 @@ Result<StepReport> Trainer::train_step() {
   return report;
 }
 
-Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes,
-                                                  const aperture::Camera& camera, size_t cycles) const {
+Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes, const capture::Camera& camera,
+                                                  size_t cycles) const {
   const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
   const Pipeline pipeline{
       &network_,     &average_,     fixed_codes_.defined() ? fixed_codes_ : codes, config_.patterns.event_model,
@@ -256,8 +256,8 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
   return scores;
 }
 
-std::vector<aperture::Camera> Trainer::cameras() const {
-  std::vector<aperture::Camera> list(1);
+std::vector<capture::Camera> Trainer::cameras() const {
+  std::vector<capture::Camera> list(1);
   list.front().constants = config_.sensor.nominal;
   if (batches_.camera()) list.push_back(*batches_.camera());
   return list;
@@ -279,7 +279,7 @@ StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const 
 /// Every process evaluates, so that none waits for another longer than its patience; the first one writes.
 Result<void> Trainer::log_evaluation(const RunLog& log) const {
   const uint64_t samples = step_ * config_.train.batch;
-  for (const aperture::Camera& camera : cameras()) {
+  for (const capture::Camera& camera : cameras()) {
     E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(config_.data.validation, camera));
     if (!peers_.leads()) continue;
     for (const SceneScore& score : scores) {
@@ -342,7 +342,7 @@ model::Model Trainer::to_model() const {
   const auto codes = fixed_codes_.defined() ? fixed_codes_ : patterns_.binary_codes();
   model.codes = to_codes(codes, model.views_y, model.views_x);
   model.event_model = config_.patterns.event_model == EventModel::kQuantised ? "quantised" : "reference-aware";
-  model.black_first = aperture::is_black_first(*model.codes);  // the first may have closed without being made to
+  model.black_first = capture::is_black_first(*model.codes);  // the first may have closed without being made to
   if (!config_.patterns.in_model) model.codes.reset();
   model.constants = config_.sensor.nominal;
   model.camera = batches_.camera();

@@ -59,10 +59,10 @@ TEST(Trainer, LeavesTheCodesOutOfTheModelWhenAsked) {
 TEST(Trainer, TakesPatternsFromAFileOfPatterns) {
   const TestData data;
   auto config = data.config();
-  aperture::Codes codes(4, 8, 8);
+  capture::Codes codes(4, 8, 8);
   for (size_t i = 64; i < codes.values.size(); ++i) codes.values[i] = i % 3 == 0 ? 1.0F : 0.0F;
   config.patterns.codes = (data.folder() / "codes.json").string();
-  ASSERT_TRUE(aperture::write_codes(config.patterns.codes, codes));
+  ASSERT_TRUE(capture::write_codes(config.patterns.codes, codes));
   const auto trainer = Trainer::create(config);
   ASSERT_TRUE(trainer) << trainer.error().text();
   EXPECT_EQ(trainer->to_model().codes, codes);

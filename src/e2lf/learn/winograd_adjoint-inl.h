@@ -15,10 +15,10 @@ namespace e2lf::learn {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-namespace en = engine::HWY_NAMESPACE;
+namespace kn = kernels::HWY_NAMESPACE;
 
-using en::FloatTag, en::FloatVec, en::kA, en::kB;
-using engine::kTileSize, engine::kWinogradPoints;
+using kernels::kTileSize, kernels::kWinogradPoints;
+using kn::FloatTag, kn::FloatVec, kn::kA, kn::kB;
 
 inline constexpr size_t kTaps = 3;
 

@@ -19,7 +19,7 @@
 #define E2LF_LEARN_WINOGRAD_CONV_ONCE
 namespace e2lf::learn {
 
-using engine::kTileSize, engine::kWinogradMatrices, engine::kWinogradPoints, engine::padded_channels;
+using kernels::kTileSize, kernels::kWinogradMatrices, kernels::kWinogradPoints, kernels::padded_channels;
 
 /// Tiles that go through all steps together, so that what lies between the steps stays in the cache.
 constexpr size_t kBlockTiles = 24;
@@ -113,7 +113,7 @@ void transform_tile(const Pixels<kWinogradPoints, const float>& pixels, size_t c
       FloatVec column[kWinogradPoints], v[kWinogradPoints];
       E2LF_UNROLL
       for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_pixel(pixels.at[i][j], channel, access);
-      en::transform_input(column, v);
+      kn::transform_input(column, v);
       E2LF_UNROLL
       for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = v[i];
     }
@@ -121,7 +121,7 @@ void transform_tile(const Pixels<kWinogradPoints, const float>& pixels, size_t c
     E2LF_UNROLL
     for (size_t i = 0; i < kWinogradPoints; ++i) {
       FloatVec v[kWinogradPoints];
-      en::transform_input(half[i], v);
+      kn::transform_input(half[i], v);
       E2LF_UNROLL
       for (size_t j = 0; j < kWinogradPoints; ++j, point += step) hn::StoreU(v[j], FloatTag(), point);
     }
@@ -142,7 +142,7 @@ void finish_tile(const ConvShape& shape, const ConvForward& job, const Tile& til
       FloatVec row[kWinogradPoints], v[kTileSize];
       E2LF_UNROLL
       for (size_t j = 0; j < kWinogradPoints; ++j, point += step) row[j] = hn::LoadU(d, point);
-      en::transform_output(row, v);
+      kn::transform_output(row, v);
       E2LF_UNROLL
       for (size_t j = 0; j < kTileSize; ++j) half[j][i] = v[j];
     }
@@ -150,7 +150,7 @@ void finish_tile(const ConvShape& shape, const ConvForward& job, const Tile& til
     E2LF_UNROLL
     for (size_t j = 0; j < kTileSize; ++j) {
       FloatVec v[kTileSize];
-      en::transform_output(half[j], v);
+      kn::transform_output(half[j], v);
       E2LF_UNROLL
       for (size_t i = 0; i < kTileSize; ++i) {
         if (outputs.at[i][j] == nullptr) continue;

@@ -3,8 +3,8 @@
 
 #include <cstring>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/lightfield/formats/raw_image.h"
 
 namespace e2lf::lightfield {

@@ -10,8 +10,8 @@
 #include <zlib.h>
 
 #include "e2lf/files/file.h"
-#include "testing/test_files.h"
 #include "e2lf/lightfield/formats/raw_image.h"
+#include "testing/test_files.h"
 #include "testing/test_jpeg.h"
 
 namespace e2lf::lightfield {

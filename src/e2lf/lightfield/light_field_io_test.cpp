@@ -7,11 +7,11 @@
 #include <gtest/gtest.h>
 #include <map>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
-#include "testing/test_files.h"
-#include "e2lf/base/text.h"
 #include "e2lf/lightfield/image.h"
+#include "testing/test_files.h"
 #include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {

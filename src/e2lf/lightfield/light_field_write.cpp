@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <mutex>
 
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/result_folder.h"
-#include "e2lf/base/text.h"
-#include "e2lf/base/threads.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/hdf5_write.h"
 #include "e2lf/lightfield/formats/view_names.h"

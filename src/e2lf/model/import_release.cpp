@@ -9,7 +9,7 @@ constexpr size_t kPatterns = 4;
 constexpr size_t kViews = 64;  // 8 rows of 8, numbered row by row
 constexpr const char* kCodesTensor = "mask_4x64";
 
-Result<aperture::Codes> import_codes(const std::filesystem::path& path) {
+Result<capture::Codes> import_codes(const std::filesystem::path& path) {
   const std::string file = path.string();
   E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(kCodesTensor, file));
@@ -20,7 +20,7 @@ Result<aperture::Codes> import_codes(const std::filesystem::path& path) {
                      shape_text({kPatterns, kViews}), "; give the released file"),
                  location};
   }
-  aperture::Codes codes(kPatterns, 8, 8);
+  capture::Codes codes(kPatterns, 8, 8);
   E2LF_ASSIGN_OR_RETURN(codes.values, tensor->to_float(location));
   return codes;
 }

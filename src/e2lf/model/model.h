@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/result.h"
 #include "e2lf/capture/camera.h"
 #include "e2lf/capture/codes.h"
 #include "e2lf/capture/sensor_constants.h"
 #include "e2lf/files/options.h"
-#include "e2lf/base/result.h"
 #include "e2lf/model/network.h"
 
 namespace e2lf::model {
@@ -22,7 +22,7 @@ enum class InputKind {
   kCumulative,  ///< scale * C_k, C_k = E_1 + ... + E_k
   kIntensity,   ///< scale * min(J_k, 1), J_k = eps * (exp(tau * C_k + m) - 1) (Eq. 7), m = half a threshold with the
                 ///< sign of the last change; a coded intensity is at most 1
-  kCamera,      ///< scale * aperture::camera_traits(), each the same over the whole image
+  kCamera,      ///< scale * capture::camera_traits(), each the same over the whole image
 };
 
 struct InputGroup {
@@ -41,15 +41,15 @@ struct Model {
   std::string name;         ///< e.g. "e2lf-n4"
   size_t num_patterns = 0;  ///< N; reconstruction takes N - 1 event images
   size_t views_y = 8, views_x = 8;
-  std::optional<aperture::Codes> codes;         ///< absent when the patterns belong to somebody's camera
+  std::optional<capture::Codes> codes;          ///< absent when the patterns belong to somebody's camera
   std::string event_model = "reference-aware";  ///< what it was trained for: "quantised" or "reference-aware"
   bool black_first = true;
-  aperture::SensorConstants constants;     ///< what it was trained for
-  std::optional<aperture::Camera> camera;  ///< the one it is used with where no other is named; absent: `constants`
-  std::vector<InputGroup> input;           ///< in channel order
-  Network network;                         ///< 64 output channels = views, view number = 8 * view_y + view_x
-  Weights weights;                         ///< "<layer>.weight", "<layer>.bias"
-  Json provenance = Json::object();        ///< data, samples seen, seed, command, figures reached: free form
+  capture::SensorConstants constants;     ///< what it was trained for
+  std::optional<capture::Camera> camera;  ///< the one it is used with where no other is named; absent: `constants`
+  std::vector<InputGroup> input;          ///< in channel order
+  Network network;                        ///< 64 output channels = views, view number = 8 * view_y + view_x
+  Weights weights;                        ///< "<layer>.weight", "<layer>.bias"
+  Json provenance = Json::object();       ///< data, samples seen, seed, command, figures reached: free form
 };
 
 /// Whether the network is told the constants of the camera and the number of cycles.

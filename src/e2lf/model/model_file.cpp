@@ -17,7 +17,7 @@ Result<const Tensor*> find_float(const Safetensors& tensors, const std::string& 
                cat(file, ": ", name)};
 }
 
-Result<aperture::Codes> codes_from_tensor(const Model& model, const Safetensors& tensors, const std::string& file) {
+Result<capture::Codes> codes_from_tensor(const Model& model, const Safetensors& tensors, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find_float(tensors, kCodesTensor, file));
   const std::vector<size_t> expected = {model.num_patterns, model.views_y, model.views_x};
   const std::string location = cat(file, ": ", kCodesTensor);
@@ -27,7 +27,7 @@ Result<aperture::Codes> codes_from_tensor(const Model& model, const Safetensors&
                      "; store the patterns of this model"),
                  location};
   }
-  aperture::Codes codes(model.num_patterns, model.views_y, model.views_x);
+  capture::Codes codes(model.num_patterns, model.views_y, model.views_x);
   E2LF_ASSIGN_OR_RETURN(codes.values, tensor->to_float(location));
   return codes;
 }

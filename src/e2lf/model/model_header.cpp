@@ -41,8 +41,8 @@ Result<std::vector<InputGroup>> input_from_json(const Json& json, const std::str
   return groups;
 }
 
-Result<aperture::SensorConstants> constants_from_json(const Json& json, const std::string& location) {
-  aperture::SensorConstants constants;
+Result<capture::SensorConstants> constants_from_json(const Json& json, const std::string& location) {
+  capture::SensorConstants constants;
   OptionReader reader(json, location);
   reader.read("eps", constants.eps)
       .read("tau", constants.tau)
@@ -73,7 +73,7 @@ const char* input_kind_name(InputKind kind) {
 size_t num_input_channels(const std::vector<InputGroup>& groups, size_t num_patterns) {
   size_t channels = 0;
   for (const InputGroup& group : groups) {
-    channels += group.kind == InputKind::kCamera ? aperture::num_traits(num_patterns) : num_patterns - 1;
+    channels += group.kind == InputKind::kCamera ? capture::num_traits(num_patterns) : num_patterns - 1;
   }
   return channels;
 }
@@ -103,7 +103,7 @@ Json header_to_json(const Model& model) {
                  {"input", std::move(input)},
                  {"network", to_json(model.network)},
                  {"provenance", model.provenance}};
-  if (model.camera) header["camera"] = aperture::to_json(*model.camera);
+  if (model.camera) header["camera"] = capture::to_json(*model.camera);
   return header;
 }
 
@@ -128,7 +128,7 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   E2LF_ASSIGN_OR_RETURN(model.input, input_from_json(input, reader.child_location("input")));
   E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
   if (!camera.is_null()) {
-    E2LF_ASSIGN_OR_RETURN(model.camera, aperture::camera_from_json(camera, reader.child_location("camera")));
+    E2LF_ASSIGN_OR_RETURN(model.camera, capture::camera_from_json(camera, reader.child_location("camera")));
   }
   if (!provenance.is_null()) model.provenance = provenance;
   return model;

@@ -8,8 +8,8 @@
 
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
-#include "testing/test_files.h"
 #include "e2lf/model/summary.h"
+#include "testing/test_files.h"
 
 namespace e2lf::model {
 namespace {
@@ -23,7 +23,7 @@ Model small_model() {
   Model model;
   model.name = "small";
   model.num_patterns = 4;
-  model.codes = aperture::default_codes();
+  model.codes = capture::default_codes();
   model.constants = {0.02F, 0.3F, 0.1F, 0.0F};
   model.input = {{InputKind::kCounts, 0.125F}, {InputKind::kIntensity, 4.0F}};
   model.network.input_channels = 6;
@@ -257,7 +257,7 @@ TEST(ModelValidate, NamesTheFieldThatDoesNotFit) {
       {"network.input_channels", ErrorCode::kShape, [](Model& m) { m.num_patterns = 5; }},
       {"network", ErrorCode::kShape, [](Model& m) { m.network.layers.pop_back(); }},
       {"network: layer \"b\"", ErrorCode::kInvalidValue, [](Model& m) { m.network.layers[1].kernel = 2; }},
-      {"aperture.codes", ErrorCode::kShape, [](Model& m) { m.codes = aperture::Codes(4, 4, 16); }},
+      {"aperture.codes", ErrorCode::kShape, [](Model& m) { m.codes = capture::Codes(4, 4, 16); }},
       {"aperture.codes", ErrorCode::kInvalidValue, [](Model& m) { m.codes->values[70] = 2.0F; }},
       {"black_first", ErrorCode::kInvalidValue, [](Model& m) { m.black_first = false; }},
       {"a.bias", ErrorCode::kNotFound, [](Model& m) { m.weights.erase("a.bias"); }},
@@ -309,12 +309,12 @@ TEST(ImportRelease, GivesAModelThatRoundTrips) {
   ASSERT_TRUE(model.ok()) << model.error().text();
   EXPECT_EQ(model->num_patterns, 4U);
   EXPECT_THAT(model->input, ElementsAre(InputGroup{InputKind::kCounts, 0.125F}));
-  EXPECT_EQ(model->constants, aperture::SensorConstants());
+  EXPECT_EQ(model->constants, capture::SensorConstants());
   EXPECT_EQ(model->network, recnet(3));
   ASSERT_TRUE(model->codes.has_value());
-  EXPECT_TRUE(aperture::is_binary(*model->codes));
+  EXPECT_TRUE(capture::is_binary(*model->codes));
   // Blobs of 9, 12 and 11 open cells after the black pattern.
-  EXPECT_THAT(aperture::light_efficiency(*model->codes), ElementsAre(0.0F, 9.0F / 64, 12.0F / 64, 11.0F / 64));
+  EXPECT_THAT(capture::light_efficiency(*model->codes), ElementsAre(0.0F, 9.0F / 64, 12.0F / 64, 11.0F / 64));
   EXPECT_THAT(model->provenance.dump(), HasSubstr("released weights"));
   EXPECT_THAT(summary_text(*model), HasSubstr("948,352 parameters"));
   ASSERT_TRUE(write_model(folder / "m.safetensors", *model).ok());

@@ -50,7 +50,7 @@ class ModelCheck {
     if (model_.event_model != "quantised" && model_.event_model != "reference-aware") {
       return refuse("event_model", cat("\"", model_.event_model, "\" is not known; use quantised or reference-aware"));
     }
-    const aperture::SensorConstants& constants = model_.constants;
+    const capture::SensorConstants& constants = model_.constants;
     const auto positive = [](float value) { return std::isfinite(value) && value > 0.0F; };
     if (!positive(constants.eps)) return refuse("constants.eps", cat(constants.eps, " is not above zero; correct it"));
     if (!positive(constants.tau)) return refuse("constants.tau", cat(constants.tau, " is not above zero; correct it"));
@@ -97,8 +97,8 @@ class ModelCheck {
 
   [[nodiscard]] Result<void> check_codes() const {
     if (!model_.codes) return {};
-    const aperture::Codes& codes = *model_.codes;
-    E2LF_RETURN_IF_ERROR(aperture::validate(codes, cat(location_, ": aperture.codes")));
+    const capture::Codes& codes = *model_.codes;
+    E2LF_RETURN_IF_ERROR(capture::validate(codes, cat(location_, ": aperture.codes")));
     const std::vector<size_t> found = {codes.num_patterns, codes.views_y, codes.views_x};
     const std::vector<size_t> expected = {model_.num_patterns, model_.views_y, model_.views_x};
     if (found != expected) {
@@ -107,7 +107,7 @@ class ModelCheck {
                         "; give the patterns of this model"),
                     ErrorCode::kShape);
     }
-    if (model_.black_first != aperture::is_black_first(codes)) {
+    if (model_.black_first != capture::is_black_first(codes)) {
       return refuse("black_first", cat("it says ", model_.black_first ? "true" : "false", ", the first pattern is ",
                                        model_.black_first ? "not " : "", "black; make them agree"));
     }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/files/options.h"
 #include "e2lf/base/result.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::model {
 

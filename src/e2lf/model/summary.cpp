@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/summary.h"
 
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
@@ -21,10 +21,10 @@ Json network_summary(const Network& network) {
           {"size_multiple_px", size_multiple(network)}};
 }
 
-Json codes_summary(const aperture::Codes& codes) {
+Json codes_summary(const capture::Codes& codes) {
   Json efficiency = Json::array();
-  for (const float share : aperture::light_efficiency(codes)) efficiency.push_back(json_number(share));
-  return {{"binary", aperture::is_binary(codes)}, {"light_efficiency", std::move(efficiency)}};
+  for (const float share : capture::light_efficiency(codes)) efficiency.push_back(json_number(share));
+  return {{"binary", capture::is_binary(codes)}, {"light_efficiency", std::move(efficiency)}};
 }
 
 /// "948,352".
@@ -60,7 +60,7 @@ Json summary_json(const Model& model) {
 
 std::string summary_text(const Model& model) {
   const Network& network = model.network;
-  const aperture::SensorConstants& constants = model.constants;
+  const capture::SensorConstants& constants = model.constants;
   std::vector<std::string> inputs;
   for (const InputGroup& group : model.input) inputs.push_back(cat(group.scale, " * ", input_kind_name(group.kind)));
   const size_t field_px = receptive_field_px(network);
@@ -81,7 +81,7 @@ std::string summary_text(const Model& model) {
   append_field(text, "provenance", model.provenance.empty() ? "none" : "as follows");
   append_provenance(text, model.provenance);
   append_field(text, "codes", model.codes ? "as follows, each with its light efficiency" : "none");
-  if (model.codes) text += '\n' + aperture::codes_text(*model.codes);
+  if (model.codes) text += '\n' + capture::codes_text(*model.codes);
   return text;
 }
 

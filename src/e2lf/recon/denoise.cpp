@@ -24,8 +24,8 @@ void line_sums(const float* in, float* out, size_t count, size_t stride, size_t 
   }
 }
 
-void denoise_image(std::span<float> image, std::span<const int16_t> counts, const events::EventImages& images,
-                   const aperture::SensorConstants& constants, size_t radius) {
+void denoise_image(std::span<float> image, std::span<const int16_t> counts, const capture::EventImages& images,
+                   const capture::SensorConstants& constants, size_t radius) {
   const auto& [eps, tau, sigma_w, sigma_z] = constants;
   const float fixed = sigma_w * sigma_w + tau * tau / 12;
   std::vector<float> value(image.size()), square(image.size()), noise(image.size());
@@ -59,8 +59,8 @@ std::vector<float> box_sums(std::span<const float> values, size_t height, size_t
   return sums;
 }
 
-void denoise_intensities(aperture::CodedIntensities& intensities, const events::EventImages& images,
-                         const aperture::SensorConstants& constants, size_t radius) {
+void denoise_intensities(capture::CodedIntensities& intensities, const capture::EventImages& images,
+                         const capture::SensorConstants& constants, size_t radius) {
   E2LF_REQUIRE(intensities.num_patterns == images.transitions + 1 && intensities.image_size() == images.image_size(),
                "coded intensities and event images must belong together");
   for (size_t k = 0; k < images.transitions; ++k) {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "e2lf/capture/coded_intensities.h"
-#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/sensor_constants.h"
 
 namespace e2lf::recon {
 
@@ -18,7 +18,7 @@ namespace e2lf::recon {
 /// over a window of `radius`: mean + max(0, variance - noise) / variance * (value - mean). The noise follows from the
 /// event model: sigma_w^2 + tau^2 / 12 (quantisation) + (E_k sigma_z)^2 (the threshold's, once per event). Flat parts
 /// are averaged, edges that stand out of the noise are kept.
-void denoise_intensities(aperture::CodedIntensities& intensities, const events::EventImages& images,
-                         const aperture::SensorConstants& constants, size_t radius);
+void denoise_intensities(capture::CodedIntensities& intensities, const capture::EventImages& images,
+                         const capture::SensorConstants& constants, size_t radius);
 
 }  // namespace e2lf::recon

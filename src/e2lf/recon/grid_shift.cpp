@@ -25,9 +25,9 @@ std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple) {
   return shifts;
 }
 
-events::EventImages extend(const events::EventImages& images, const GridShift& shift) {
+capture::EventImages extend(const capture::EventImages& images, const GridShift& shift) {
   E2LF_REQUIRE(images.image_size() > 0, "event images must not be empty");
-  events::EventImages extended(images.transitions, images.height + shift.y, images.width + shift.x);
+  capture::EventImages extended(images.transitions, images.height + shift.y, images.width + shift.x);
   for (size_t transition = 0; transition < images.transitions; ++transition) {
     for (size_t y = 0; y < extended.height; ++y) {
       const auto from = images.image(transition).subspan((y - std::min(y, shift.y)) * images.width, images.width);

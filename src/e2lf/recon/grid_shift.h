@@ -20,6 +20,6 @@ struct GridShift {
 [[nodiscard]] std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple);
 
 /// Images extended at the top and on the left by repeating their first rows and columns; they must not be empty.
-[[nodiscard]] events::EventImages extend(const events::EventImages& images, const GridShift& shift);
+[[nodiscard]] capture::EventImages extend(const capture::EventImages& images, const GridShift& shift);
 
 }  // namespace e2lf::recon

@@ -66,7 +66,7 @@ void fill_traits(std::span<const float> traits, float scale, size_t first_channe
 
 }  // namespace
 
-Result<InputPlanes> network_input(const events::EventImages& images, std::span<const model::InputGroup> groups,
+Result<InputPlanes> network_input(const capture::EventImages& images, std::span<const model::InputGroup> groups,
                                   const InputConditions& conditions, size_t size_multiple) {
   E2LF_REQUIRE(conditions.cycles >= 1, "counts are of one cycle at least");
   E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::recon {
@@ -20,9 +20,9 @@ struct InputPlanes {
 
 /// How the counts of event images came about.
 struct InputConditions {
-  aperture::SensorConstants constants = {};  ///< eps and tau, for intensities
-  std::vector<float> traits = {};            ///< what the network is told of the camera: aperture::camera_traits()
-  size_t cycles = 1;                         ///< counts are sums over so many cycles of a scene that stands still
+  capture::SensorConstants constants = {};  ///< eps and tau, for intensities
+  std::vector<float> traits = {};           ///< what the network is told of the camera: capture::camera_traits()
+  size_t cycles = 1;                        ///< counts are sums over so many cycles of a scene that stands still
 };
 
 /// The input channels of `groups` one after another (see model::InputKind; C_k, m and J_k as in invert_events() with
@@ -30,7 +30,7 @@ struct InputConditions {
 /// rounded up to multiples of `size_multiple`. The extra rows and columns at the bottom and right repeat the last ones:
 /// no events at all would look like a black frame to a network. Fails with kInvalidValue when a group needs constants
 /// that are not positive.
-[[nodiscard]] Result<InputPlanes> network_input(const events::EventImages& images,
+[[nodiscard]] Result<InputPlanes> network_input(const capture::EventImages& images,
                                                 std::span<const model::InputGroup> groups,
                                                 const InputConditions& conditions, size_t size_multiple = 1);
 

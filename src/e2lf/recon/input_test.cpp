@@ -14,14 +14,14 @@ namespace {
 using model::InputKind;
 
 /// One pixel with the given counts.
-events::EventImages pixel(const std::vector<int16_t>& counts) {
-  events::EventImages images(counts.size(), 1, 1);
+capture::EventImages pixel(const std::vector<int16_t>& counts) {
+  capture::EventImages images(counts.size(), 1, 1);
   images.counts = counts;
   return images;
 }
 
-std::vector<float> values(const events::EventImages& images, const std::vector<model::InputGroup>& groups,
-                          const aperture::SensorConstants& constants = {}) {
+std::vector<float> values(const capture::EventImages& images, const std::vector<model::InputGroup>& groups,
+                          const capture::SensorConstants& constants = {}) {
   const auto planes = network_input(images, groups, {.constants = constants});
   EXPECT_TRUE(planes);
   return planes ? planes->values : std::vector<float>();
@@ -34,7 +34,7 @@ TEST(NetworkInput, GroupsFollowOneAnother) {
 }
 
 TEST(NetworkInput, IntensityAddsHalfAThresholdTowardTheLastChangeAndEndsAtOne) {
-  const aperture::SensorConstants constants{.eps = 1.0F / 64, .tau = 0.25F};
+  const capture::SensorConstants constants{.eps = 1.0F / 64, .tau = 0.25F};
   const auto intensity = [](double level) {
     return static_cast<float>(4 * std::min(std::expm1(0.25 * level) / 64, 1.0));
   };
@@ -52,7 +52,7 @@ TEST(NetworkInput, DamagedCountsStayFinite) {
 }
 
 TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
-  events::EventImages images(2, 3, 2);
+  capture::EventImages images(2, 3, 2);
   images.counts[0] = 5;
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1.0F}, {InputKind::kCamera, 2.0F}, {InputKind::kCumulative, 1.0F}};
@@ -69,7 +69,7 @@ TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
 }
 
 TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
-  events::EventImages sums(1, 1, 1);
+  capture::EventImages sums(1, 1, 1);
   sums.counts[0] = 5;
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1.0F}, {InputKind::kCumulative, 2.0F}, {InputKind::kIntensity, 1.0F}};
@@ -81,7 +81,7 @@ TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
 }
 
 TEST(NetworkInput, PaddingRepeatsTheLastRowAndColumn) {
-  events::EventImages images(1, 2, 3);
+  capture::EventImages images(1, 2, 3);
   images.counts = {1, 2, 3, 4, 5, 6};
   const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, 4);
   ASSERT_TRUE(planes);
@@ -91,7 +91,7 @@ TEST(NetworkInput, PaddingRepeatsTheLastRowAndColumn) {
 }
 
 TEST(NetworkInput, IsTheSameForAnyThreadCount) {
-  events::EventImages images(3, 37, 29);
+  capture::EventImages images(3, 37, 29);
   for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i * 7 % 19) - 9;
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1}, {InputKind::kCumulative, 1}, {InputKind::kIntensity, 1}};
@@ -103,7 +103,7 @@ TEST(NetworkInput, IsTheSameForAnyThreadCount) {
 }
 
 TEST(NetworkInput, IntensityNeedsPositiveConstants) {
-  const aperture::SensorConstants no_threshold{.tau = 0};
+  const capture::SensorConstants no_threshold{.tau = 0};
   const auto planes = network_input(pixel({1}), std::vector<model::InputGroup>{{InputKind::kIntensity, 1}},
                                     {.constants = no_threshold});
   ASSERT_FALSE(planes);

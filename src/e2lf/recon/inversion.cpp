@@ -18,7 +18,7 @@ int sign(int value) {
   return (value > 0) - (value < 0);
 }
 
-Result<void> check(const events::EventImages& images, const InversionOptions& options) {
+Result<void> check(const capture::EventImages& images, const InversionOptions& options) {
   E2LF_RETURN_IF_ERROR(IntensityTable::check(options.constants));
   if (options.black <= images.transitions) return {};
   return Error{ErrorCode::kInvalidValue,
@@ -64,11 +64,11 @@ void pixel_intervals(std::span<const int> counts, size_t black, Counting countin
 
 }  // namespace
 
-Result<aperture::CodedIntensities> invert_events(const events::EventImages& images, const InversionOptions& options) {
+Result<capture::CodedIntensities> invert_events(const capture::EventImages& images, const InversionOptions& options) {
   E2LF_RETURN_IF_ERROR(check(images, options));
   const IntensityTable table(options.constants);
   const size_t num_patterns = images.transitions + 1;
-  aperture::CodedIntensities intensities(num_patterns, images.height, images.width);
+  capture::CodedIntensities intensities(num_patterns, images.height, images.width);
   parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
     std::vector<int> levels(num_patterns);  // in half thresholds, from the first pattern
     for (size_t pixel = begin; pixel < end; ++pixel) {
@@ -87,13 +87,13 @@ Result<aperture::CodedIntensities> invert_events(const events::EventImages& imag
   return intensities;
 }
 
-Result<IntensityBounds> intensity_bounds(const events::EventImages& images, const InversionOptions& options,
+Result<IntensityBounds> intensity_bounds(const capture::EventImages& images, const InversionOptions& options,
                                          Counting counting) {
   E2LF_RETURN_IF_ERROR(check(images, options));
   const IntensityTable table(options.constants);
   const size_t num_patterns = images.transitions + 1;
   IntensityBounds bounds;
-  bounds.lower = bounds.upper = aperture::CodedIntensities(num_patterns, images.height, images.width);
+  bounds.lower = bounds.upper = capture::CodedIntensities(num_patterns, images.height, images.width);
   parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
     std::vector<int> counts(images.transitions);
     std::vector<Interval> intervals(num_patterns);
@@ -109,13 +109,13 @@ Result<IntensityBounds> intensity_bounds(const events::EventImages& images, cons
   return bounds;
 }
 
-events::EventImages permute_events(const events::EventImages& images, std::span<const size_t> order) {
+capture::EventImages permute_events(const capture::EventImages& images, std::span<const size_t> order) {
   std::vector<size_t> sorted(order.begin(), order.end());
   std::sort(sorted.begin(), sorted.end());
   E2LF_REQUIRE(sorted.size() == images.transitions + 1, "an order must hold every pattern");
   for (size_t n = 0; n < sorted.size(); ++n) E2LF_REQUIRE(sorted[n] == n, "an order must hold every pattern once");
 
-  events::EventImages permuted(images.transitions, images.height, images.width);
+  capture::EventImages permuted(images.transitions, images.height, images.width);
   parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
     std::vector<int> levels(order.size());
     for (size_t pixel = begin; pixel < end; ++pixel) {

@@ -4,16 +4,16 @@
 #include <cstddef>
 #include <span>
 
-#include "e2lf/capture/coded_intensities.h"
-#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
+#include "e2lf/capture/coded_intensities.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/sensor_constants.h"
 
 namespace e2lf::recon {
 
 struct InversionOptions {
   size_t black = 0;  ///< number n_B of the black pattern, from 0
-  aperture::SensorConstants constants = {};
+  capture::SensorConstants constants = {};
   bool centred = false;  ///< see invert_events()
 };
 
@@ -26,12 +26,12 @@ struct InversionOptions {
 /// s_k is the sign of the last nonzero count up to pattern k, 0 before the first.
 ///
 /// Fails with kInvalidValue (eps or tau not positive, no such pattern n_B).
-[[nodiscard]] Result<aperture::CodedIntensities> invert_events(const events::EventImages& images,
-                                                               const InversionOptions& options);
+[[nodiscard]] Result<capture::CodedIntensities> invert_events(const capture::EventImages& images,
+                                                              const InversionOptions& options);
 
 /// For each coded intensity the closed interval that its counts allow.
 struct IntensityBounds {
-  aperture::CodedIntensities lower, upper;
+  capture::CodedIntensities lower, upper;
 };
 
 enum class Counting { kQuantised, kReferenceAware };  ///< Eq. 8; Eq. 9 and 10
@@ -43,12 +43,12 @@ enum class Counting { kQuantised, kReferenceAware };  ///< Eq. 8; Eq. 9 and 10
 ///   quantised:       (l_n - l_B) / tau in the sum of E_k + R(E_k) over the transitions k between n_B and n, with the
 ///                    opposite sign when n < n_B.
 /// Intensities are never negative, which cuts the intervals at 0. Fails as invert_events() does.
-[[nodiscard]] Result<IntensityBounds> intensity_bounds(const events::EventImages& images,
+[[nodiscard]] Result<IntensityBounds> intensity_bounds(const capture::EventImages& images,
                                                        const InversionOptions& options, Counting counting);
 
 /// The virtual event images of the same patterns shown in another order (Eq. 11): image i leads from pattern order[i]
 /// to pattern order[i + 1]. `order` holds each of 0 .. N - 1 once; else the contract is broken. Sums beyond int16 are
 /// saturated.
-[[nodiscard]] events::EventImages permute_events(const events::EventImages& images, std::span<const size_t> order);
+[[nodiscard]] capture::EventImages permute_events(const capture::EventImages& images, std::span<const size_t> order);
 
 }  // namespace e2lf::recon

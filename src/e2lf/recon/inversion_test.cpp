@@ -12,8 +12,8 @@ namespace {
 constexpr double kEps = 0.01, kTau = 0.30;
 
 /// Noise-free events straight from Eq. 8 to 10, in double precision.
-events::EventImages count_events(const aperture::CodedIntensities& intensities, Counting counting) {
-  events::EventImages images(intensities.num_patterns - 1, intensities.height, intensities.width);
+capture::EventImages count_events(const capture::CodedIntensities& intensities, Counting counting) {
+  capture::EventImages images(intensities.num_patterns - 1, intensities.height, intensities.width);
   for (size_t pixel = 0; pixel < images.image_size(); ++pixel) {
     double reference = std::log(double{intensities.image(0)[pixel]} + kEps);
     for (size_t k = 0; k < images.transitions; ++k) {
@@ -27,8 +27,8 @@ events::EventImages count_events(const aperture::CodedIntensities& intensities, 
 }
 
 /// Dark to bright noise; pattern `black` sees nothing.
-aperture::CodedIntensities random_intensities(size_t black) {
-  aperture::CodedIntensities intensities(5, 40, 50);
+capture::CodedIntensities random_intensities(size_t black) {
+  capture::CodedIntensities intensities(5, 40, 50);
   const CounterRng rng(4, black);
   for (size_t i = 0; i < intensities.values.size(); ++i) intensities.values[i] = std::exp(-6.0F * rng.uniform(i));
   for (float& value : intensities.image(black)) value = 0;
@@ -42,7 +42,7 @@ double violation(float intensity, float lower, float upper) {
 }
 
 TEST(Inversion, ClosedFormHoldsOnBothSidesOfTheBlackPattern) {
-  events::EventImages images(3, 1, 1);
+  capture::EventImages images(3, 1, 1);
   images.counts = {-4, 7, -2};
   const auto intensities = invert_events(images, {.black = 1});
   ASSERT_TRUE(intensities);
@@ -54,7 +54,7 @@ TEST(Inversion, ClosedFormHoldsOnBothSidesOfTheBlackPattern) {
 }
 
 TEST(Inversion, CentringAddsHalfAThresholdTowardTheLastChange) {
-  events::EventImages images(4, 1, 1);
+  capture::EventImages images(4, 1, 1);
   images.counts = {0, 3, 0, -1};
   const auto intensities = invert_events(images, {.black = 0, .centred = true});
   ASSERT_TRUE(intensities);
@@ -92,7 +92,7 @@ TEST(Inversion, ReferenceAwareBoundsAfterAFirstBlackPatternAreOneThresholdWide) 
 }
 
 TEST(Inversion, WrongInputsAreRefused) {
-  const events::EventImages images(3, 1, 1);
+  const capture::EventImages images(3, 1, 1);
   for (const InversionOptions& options : {InversionOptions{.black = 4}, InversionOptions{.constants = {.eps = 0}},
                                           InversionOptions{.constants = {.tau = -1}}}) {
     const auto intensities = invert_events(images, options);
@@ -102,7 +102,7 @@ TEST(Inversion, WrongInputsAreRefused) {
 }
 
 TEST(PermutedEvents, AreSumsAlongTheWayBetweenPatterns) {
-  events::EventImages images(3, 1, 1);
+  capture::EventImages images(3, 1, 1);
   images.counts = {-4, 7, -2};
   const std::vector<size_t> order = {1, 0, 3, 2};
   const auto permuted = permute_events(images, order);
@@ -117,7 +117,7 @@ TEST(PermutedEvents, InverseOrderBringsThemBack) {
 }
 
 TEST(PermutedEvents, OrderMustHoldEveryPatternOnce) {
-  const events::EventImages images(2, 1, 1);
+  const capture::EventImages images(2, 1, 1);
   EXPECT_THROW(std::ignore = permute_events(images, std::vector<size_t>{0, 1}), ContractError);
   EXPECT_THROW(std::ignore = permute_events(images, std::vector<size_t>{0, 1, 1}), ContractError);
 }

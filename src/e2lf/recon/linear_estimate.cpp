@@ -16,7 +16,7 @@ double centre(size_t views) {
 }
 
 /// Coded image n as a picture from its pattern's centre of light; a black pattern gives no pixels.
-PlacedImage place_image(const aperture::CodedIntensities& intensities, const aperture::Codes& codes, size_t n) {
+PlacedImage place_image(const capture::CodedIntensities& intensities, const capture::Codes& codes, size_t n) {
   PlacedImage image;
   double open = 0;
   const auto pattern = codes.pattern(n);
@@ -68,8 +68,8 @@ Result<void> check_not_empty(const Images& images) {
 
 }  // namespace
 
-Result<lightfield::LightField> linear_estimate(const aperture::CodedIntensities& intensities,
-                                               const aperture::Codes& codes, const LinearEstimateOptions& options) {
+Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& intensities,
+                                               const capture::Codes& codes, const LinearEstimateOptions& options) {
   if (intensities.num_patterns != codes.num_patterns) {
     return Error{ErrorCode::kShape,
                  cat("there are ", intensities.num_patterns, " coded images but ", codes.num_patterns,
@@ -104,8 +104,8 @@ Result<lightfield::LightField> linear_estimate(const aperture::CodedIntensities&
   return light_field;
 }
 
-Result<lightfield::LightField> reconstruct_by_inversion(const events::EventImages& images, const aperture::Codes& codes,
-                                                        const aperture::SensorConstants& constants,
+Result<lightfield::LightField> reconstruct_by_inversion(const capture::EventImages& images, const capture::Codes& codes,
+                                                        const capture::SensorConstants& constants,
                                                         const LinearEstimateOptions& options) {
   InversionOptions inversion;
   inversion.constants = constants;
@@ -125,7 +125,7 @@ Result<lightfield::LightField> reconstruct_by_inversion(const events::EventImage
                  ""};
   }
   E2LF_RETURN_IF_ERROR(check_not_empty(images));
-  E2LF_ASSIGN_OR_RETURN(aperture::CodedIntensities intensities, invert_events(images, inversion));
+  E2LF_ASSIGN_OR_RETURN(capture::CodedIntensities intensities, invert_events(images, inversion));
   denoise_intensities(intensities, images, constants, options.denoise_radius);
   return linear_estimate(intensities, codes, options);
 }

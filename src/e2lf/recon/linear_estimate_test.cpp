@@ -30,15 +30,15 @@ lightfield::LightField plane(double disparity, size_t height = 48, size_t width 
 }
 
 /// Black, then one open cell each at three corners.
-aperture::Codes corner_codes() {
-  aperture::Codes codes(4, 8, 8);
+capture::Codes corner_codes() {
+  capture::Codes codes(4, 8, 8);
   codes.pattern(1)[1 * 8 + 1] = codes.pattern(2)[6 * 8 + 3] = codes.pattern(3)[2 * 8 + 6] = 1;
   return codes;
 }
 
-aperture::CodedIntensities code(const aperture::Codes& codes, const lightfield::LightField& light_field) {
+capture::CodedIntensities code(const capture::Codes& codes, const lightfield::LightField& light_field) {
   const auto& shape = light_field.shape();
-  aperture::CodedIntensities intensities(codes.num_patterns, shape.height, shape.width);
+  capture::CodedIntensities intensities(codes.num_patterns, shape.height, shape.width);
   for (size_t n = 0; n < codes.num_patterns; ++n) {
     for (size_t v = 0; v < shape.num_views(); ++v) {
       for (size_t i = 0; i < shape.view_size(); ++i) {
@@ -81,7 +81,7 @@ TEST(ViewWeights, WithoutNoiseAnOpenCellIsItsOwnView) {
 }
 
 TEST(CodedDisparity, FindsThePlane) {
-  const aperture::Codes codes = corner_codes();
+  const capture::Codes codes = corner_codes();
   for (const float disparity : {-1.5F, 0.0F, 0.75F}) {
     const auto light_field = plane(disparity);
     std::vector<PlacedImage> images;
@@ -107,7 +107,7 @@ TEST(LinearEstimate, RecoversAPlaneFromThreeSingleViews) {
 }
 
 TEST(LinearEstimate, OfOnePatternEveryViewIsItsPicture) {
-  aperture::Codes codes(2, 8, 8);
+  capture::Codes codes(2, 8, 8);
   for (float& value : codes.pattern(1)) value = 1;
   const auto intensities = code(codes, plane(0));
   const auto estimate = linear_estimate(intensities, codes);
@@ -120,29 +120,30 @@ TEST(LinearEstimate, OfOnePatternEveryViewIsItsPicture) {
 }
 
 TEST(LinearEstimate, WrongInputsAreRefused) {
-  const aperture::CodedIntensities intensities(3, 4, 4);
+  const capture::CodedIntensities intensities(3, 4, 4);
   EXPECT_EQ(linear_estimate(intensities, corner_codes()).error().code, ErrorCode::kShape);
-  EXPECT_EQ(linear_estimate(intensities, aperture::Codes(3, 8, 8)).error().code, ErrorCode::kInvalidValue);
-  aperture::Codes no_black(3, 8, 8);
+  EXPECT_EQ(linear_estimate(intensities, capture::Codes(3, 8, 8)).error().code, ErrorCode::kInvalidValue);
+  capture::Codes no_black(3, 8, 8);
   for (float& value : no_black.values) value = 1;
-  EXPECT_EQ(reconstruct_by_inversion(events::EventImages(2, 4, 4), no_black, {}).error().code,
+  EXPECT_EQ(reconstruct_by_inversion(capture::EventImages(2, 4, 4), no_black, {}).error().code,
             ErrorCode::kInvalidValue);
-  EXPECT_EQ(reconstruct_by_inversion(events::EventImages(2, 4, 4), corner_codes(), {}).error().code, ErrorCode::kShape);
+  EXPECT_EQ(reconstruct_by_inversion(capture::EventImages(2, 4, 4), corner_codes(), {}).error().code,
+            ErrorCode::kShape);
 }
 
 TEST(LinearEstimate, EmptyImagesAreRefused) {
   for (const auto& [height, width] : {std::pair<size_t, size_t>{0, 4}, {4, 0}, {0, 0}}) {
-    const auto inversion = reconstruct_by_inversion(events::EventImages(3, height, width), corner_codes(), {});
+    const auto inversion = reconstruct_by_inversion(capture::EventImages(3, height, width), corner_codes(), {});
     EXPECT_EQ(inversion.error().code, ErrorCode::kShape) << height << "x" << width;
-    const auto estimate = linear_estimate(aperture::CodedIntensities(4, height, width), corner_codes());
+    const auto estimate = linear_estimate(capture::CodedIntensities(4, height, width), corner_codes());
     EXPECT_EQ(estimate.error().code, ErrorCode::kShape) << height << "x" << width;
   }
 }
 
 TEST(Denoise, AveragesFlatPartsAndKeepsEdges) {
   // A step far above the noise, and a deviating pixel within it.
-  events::EventImages images(1, 20, 20);
-  aperture::CodedIntensities intensities(2, 20, 20);
+  capture::EventImages images(1, 20, 20);
+  capture::CodedIntensities intensities(2, 20, 20);
   for (size_t i = 0; i < 400; ++i) intensities.image(1)[i] = i % 20 < 10 ? 0.02F : 0.8F;
   intensities.image(1)[10 * 20 + 3] = 0.023F;
   const auto before = intensities;
@@ -153,12 +154,12 @@ TEST(Denoise, AveragesFlatPartsAndKeepsEdges) {
 }
 
 TEST(Inversion, EventsOfAPlaneGiveItsLightFieldWithinQuantisation) {
-  const aperture::Codes codes = corner_codes();
+  const capture::Codes codes = corner_codes();
   const auto truth = plane(0.5);
   auto intensities = code(codes, truth);
   for (float& value : intensities.values) value *= 20;  // single cells are dark: more light, a finer logarithm
-  const aperture::SensorConstants constants{.eps = 0.01F, .tau = 0.05F, .sigma_w = 0, .sigma_z = 0};
-  events::EventImages images(3, intensities.height, intensities.width);
+  const capture::SensorConstants constants{.eps = 0.01F, .tau = 0.05F, .sigma_w = 0, .sigma_z = 0};
+  capture::EventImages images(3, intensities.height, intensities.width);
   for (size_t i = 0; i < images.image_size(); ++i) {
     double reference = std::log(0.01);
     for (size_t k = 0; k < 3; ++k) {

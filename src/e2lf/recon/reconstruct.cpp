@@ -44,10 +44,10 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
   return Reconstructor(std::move(model), std::move(engine));
 }
 
-Result<Reconstructor::Planes> Reconstructor::run(const events::EventImages& images, size_t cycles,
+Result<Reconstructor::Planes> Reconstructor::run(const capture::EventImages& images, size_t cycles,
                                                  const ProgressFn& progress) const {
   const InputConditions conditions{model_.camera->constants,
-                                   aperture::camera_traits(*model_.camera, model_.num_patterns, cycles), cycles};
+                                   capture::camera_traits(*model_.camera, model_.num_patterns, cycles), cycles};
 
   E2LF_ASSIGN_OR_RETURN(const InputPlanes input,
                         network_input(images, model_.input, conditions, model::size_multiple(model_.network)));
@@ -62,8 +62,9 @@ size_t Reconstructor::num_passes(size_t wanted) const {
   return std::clamp<size_t>(wanted, 1, side * side);
 }
 
-Result<lightfield::LightField> Reconstructor::reconstruct(const events::EventImages& images, const ProgressFn& progress,
-                                                          size_t passes, size_t cycles) const {
+Result<lightfield::LightField> Reconstructor::reconstruct(const capture::EventImages& images,
+                                                          const ProgressFn& progress, size_t passes,
+                                                          size_t cycles) const {
   E2LF_REQUIRE(cycles == 1 || model::is_told_the_camera(model_), "the network must know of several cycles");
   if (images.transitions + 1 != model_.num_patterns || images.image_size() == 0) {
     return Error{ErrorCode::kShape,
@@ -76,7 +77,7 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const events::EventIma
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
-    const events::EventImages extended = extend(images, shifts[pass]);
+    const capture::EventImages extended = extend(images, shifts[pass]);
     E2LF_ASSIGN_OR_RETURN(Planes planes, run(extended, cycles, part_of(progress, pass, shifts.size())));
     if (shifts.size() == 1 && planes.height == images.height && planes.width == images.width) {
       return lightfield::LightField(shape, std::move(planes.values));

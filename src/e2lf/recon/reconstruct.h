@@ -5,8 +5,8 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/engine/engine.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/engine/engine.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/gain.h"
@@ -26,7 +26,7 @@ class Reconstructor {
   /// cropped, a second light field needs room. The images may be sums over several `cycles` of a
   /// scene that stands still, where model::is_told_the_camera(). Fails with kShape when the number of event images is
   /// not N - 1 or they are empty, and as Engine::run does.
-  [[nodiscard]] Result<lightfield::LightField> reconstruct(const events::EventImages& images,
+  [[nodiscard]] Result<lightfield::LightField> reconstruct(const capture::EventImages& images,
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;
 
@@ -39,7 +39,7 @@ class Reconstructor {
  private:
   struct Planes;
   /// The network's output, not cropped.
-  [[nodiscard]] Result<Planes> run(const events::EventImages& images, size_t cycles, const ProgressFn& progress) const;
+  [[nodiscard]] Result<Planes> run(const capture::EventImages& images, size_t cycles, const ProgressFn& progress) const;
 
   Reconstructor(model::Model model, engine::Engine engine) : model_(std::move(model)), engine_(std::move(engine)) {}
   model::Model model_;

@@ -30,8 +30,8 @@ model::Model toy_model() {
 }
 
 /// One image of 5x7 whose counts are -9, -8, ...
-events::EventImages numbered_images() {
-  events::EventImages images(1, 5, 7);
+capture::EventImages numbered_images() {
+  capture::EventImages images(1, 5, 7);
   std::iota(images.counts.begin(), images.counts.end(), int16_t{-9});
   return images;
 }
@@ -39,7 +39,7 @@ events::EventImages numbered_images() {
 TEST(Reconstructor, OddSizesAreExtendedAndCropped) {
   const auto reconstructor = Reconstructor::create(toy_model(), {engine::Precision::kFloat32});
   ASSERT_TRUE(reconstructor) << reconstructor.error().text();
-  const events::EventImages images = numbered_images();
+  const capture::EventImages images = numbered_images();
   const auto light_field = reconstructor->reconstruct(images);
   ASSERT_TRUE(light_field) << light_field.error().text();
   ASSERT_EQ(light_field->shape(), (lightfield::Shape{8, 8, 5, 7}));
@@ -67,12 +67,12 @@ model::Model told_model() {
 
 TEST(Reconstructor, TellsTheNetworkTheCameraAndTheCycles) {
   model::Model model = told_model();
-  aperture::Camera& camera = model.camera.emplace();
+  capture::Camera& camera = model.camera.emplace();
   camera.event_model = "pixel";
   camera.constants = {.eps = 0.02F, .tau = 0.4F};
   const auto reconstructor = Reconstructor::create(model, {engine::Precision::kFloat32});
   ASSERT_TRUE(reconstructor) << reconstructor.error().text();
-  events::EventImages images(1, 2, 2);
+  capture::EventImages images(1, 2, 2);
   images.counts.assign(4, 2);
   const auto once = reconstructor->reconstruct(images).value();
   EXPECT_NEAR(once.view(0, 0)[0], 0.02 * std::expm1(0.4 * 2.5), 1e-6);
@@ -99,7 +99,7 @@ model::Model uneven_model() {
 TEST(Reconstructor, PassesAverageOverTheGrid) {
   const auto reconstructor = Reconstructor::create(uneven_model(), {engine::Precision::kFloat32});
   ASSERT_TRUE(reconstructor) << reconstructor.error().text();
-  const events::EventImages images = numbered_images();
+  const capture::EventImages images = numbered_images();
   const auto once = reconstructor->reconstruct(images);
   EXPECT_EQ(reconstructor->num_passes(9), 4U);
   EXPECT_EQ(reconstructor->num_passes(3), 3U);
@@ -143,8 +143,8 @@ TEST(GridShifts, FourCoverTheFinestGrid) {
 TEST(Reconstructor, EventImagesMustFitTheModel) {
   const auto reconstructor = Reconstructor::create(toy_model());
   ASSERT_TRUE(reconstructor);
-  EXPECT_EQ(reconstructor->reconstruct(events::EventImages(3, 4, 4)).error().code, ErrorCode::kShape);
-  EXPECT_EQ(reconstructor->reconstruct(events::EventImages(1, 0, 4)).error().code, ErrorCode::kShape);
+  EXPECT_EQ(reconstructor->reconstruct(capture::EventImages(3, 4, 4)).error().code, ErrorCode::kShape);
+  EXPECT_EQ(reconstructor->reconstruct(capture::EventImages(1, 0, 4)).error().code, ErrorCode::kShape);
 }
 
 TEST(Reconstructor, BrokenModelIsRefused) {

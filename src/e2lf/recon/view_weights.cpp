@@ -34,7 +34,7 @@ void solve(Matrix matrix, Matrix& right) {
 }
 
 /// B K: the prior correlation of each view with each normalised coded image, [pattern][view].
-Matrix correlations(const aperture::Codes& codes, const std::vector<size_t>& lit, double length) {
+Matrix correlations(const capture::Codes& codes, const std::vector<size_t>& lit, double length) {
   Matrix result(lit.size(), std::vector<double>(codes.pattern_size()));
   for (size_t i = 0; i < lit.size(); ++i) {
     const auto pattern = codes.pattern(lit[i]);
@@ -53,7 +53,7 @@ Matrix correlations(const aperture::Codes& codes, const std::vector<size_t>& lit
 
 }  // namespace
 
-std::vector<std::vector<double>> view_weights(const aperture::Codes& codes, const ViewPrior& prior) {
+std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const ViewPrior& prior) {
   std::vector<size_t> lit;
   for (size_t n = 0; n < codes.num_patterns; ++n) {
     double open = 0;

@@ -20,6 +20,6 @@ struct ViewPrior {
 /// views and B the patterns scaled to sum 1: the solution w of
 ///   (B K B^T + noise) w + m = B K e_v,  sum(w) = 1
 /// (kriging with unknown mean m). At least one pattern must let light through; else the contract is broken.
-[[nodiscard]] std::vector<std::vector<double>> view_weights(const aperture::Codes& codes, const ViewPrior& prior);
+[[nodiscard]] std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const ViewPrior& prior);
 
 }  // namespace e2lf::recon

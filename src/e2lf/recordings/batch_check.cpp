@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -49,11 +49,11 @@ bool is_good(const EventColumns& events, uint32_t width, uint32_t height) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 HWY_EXPORT(is_good);
 
@@ -116,5 +116,5 @@ Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, 
   return apply(options.height, info.height, "height");
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings
 #endif

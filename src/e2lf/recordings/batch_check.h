@@ -6,7 +6,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// What RecordingWriter::write promises to refuse, for every format alike.
 class BatchCheck {
@@ -32,4 +32,4 @@ class BatchCheck {
 /// differ; `name` is the location.
 [[nodiscard]] Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, const std::string& name);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

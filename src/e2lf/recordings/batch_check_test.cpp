@@ -6,7 +6,7 @@
 #include "e2lf/base/isa.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 bool is_taken(const EventBatch& batch) {
@@ -53,4 +53,4 @@ TEST(BatchCheck, TimeMayNotRunBackBetweenBatches) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -5,7 +5,7 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/event_gate.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 class BlockReader final : public RecordingReader {
@@ -84,4 +84,4 @@ std::unique_ptr<RecordingReader> make_block_reader(std::unique_ptr<EventBlocks> 
   return std::make_unique<BlockReader>(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -4,15 +4,15 @@
 #include <numeric>
 
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 #include "e2lf/recordings/convert.h"
 #include "e2lf/recordings/io/hdf5_file.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
-#include "testing/chunked_source.h"
 #include "e2lf/recordings/recording.h"
+#include "testing/chunked_source.h"
 #include "testing/test_streams.h"
 
 /// The containers among the data at hand against their known counts.
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 EventBatch read_file_of(const std::filesystem::path& path, const OpenOptions& options = {}) {
@@ -48,13 +48,14 @@ TEST(ContainerData, EcfFileAndDatFileOfOneRecordingAreEqual) {
 std::pair<std::vector<std::pair<uint64_t, int64_t>>, std::string> read_index(const std::filesystem::path& path,
                                                                              const std::string& name) {
   auto source = open_file_source(path);
-  auto file = hdf5::open_file(**source);
-  auto shape = hdf5::open_dataset(file->get(), name, "");
-  std::vector<hdf5::IndexRecord> records(shape->length);
-  EXPECT_TRUE(hdf5::read_elements(*shape, hdf5::index_type().get(), 0, records.size(), records.data(), "").ok());
+  auto file = hdf5_events::open_file(**source);
+  auto shape = hdf5_events::open_dataset(file->get(), name, "");
+  std::vector<hdf5_events::IndexRecord> records(shape->length);
+  EXPECT_TRUE(
+      hdf5_events::read_elements(*shape, hdf5_events::index_type().get(), 0, records.size(), records.data(), "").ok());
   std::vector<std::pair<uint64_t, int64_t>> entries;
-  for (const hdf5::IndexRecord& record : records) entries.emplace_back(record.id, record.ts);
-  return {entries, hdf5::read_text_attribute(shape->dataset.get(), "offset")};
+  for (const hdf5_events::IndexRecord& record : records) entries.emplace_back(record.id, record.ts);
+  return {entries, hdf5_events::read_text_attribute(shape->dataset.get(), "offset")};
 }
 
 TEST(ContainerData, WrittenIndexesAreThoseOfTheVendorsFile) {
@@ -126,4 +127,4 @@ TEST(ContainerData, SeekingGivesTheRest) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -5,12 +5,12 @@
 #include <random>
 
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/open/registry.h"
 #include "testing/chunked_source.h"
-#include "e2lf/recordings/registry.h"
 #include "testing/test_streams.h"
 
 /// What every container format that we read and write must do.
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 struct Format {
@@ -273,4 +273,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, Container,
                          [](const auto& format) { return format.param.name; });
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/convert.h"
 
-#include "e2lf/files/is_stream.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/is_stream.h"
 #include "e2lf/recordings/read_ahead.h"
 #include "e2lf/recordings/side_triggers.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 void warn(ConvertReport& report, const std::string& message) {
@@ -68,4 +68,4 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
   return report;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

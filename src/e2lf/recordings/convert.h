@@ -9,7 +9,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 struct ConvertOptions {
   std::string format = {};   ///< of the output; empty = by its extension
@@ -32,4 +32,4 @@ struct ConvertReport {
 [[nodiscard]] Result<ConvertReport> convert_recording(RecordingReader& reader, const std::filesystem::path& output,
                                                       const ConvertOptions& options = {});
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -9,7 +9,7 @@
 #include "e2lf/recordings/event_rate.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 Result<EventBatch> read(const std::filesystem::path& path) {
@@ -166,4 +166,4 @@ TEST(EventRate, BinsHoldEveryEventOfAnyLength) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -9,7 +9,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -31,11 +31,11 @@ uint64_t sum(const uint8_t* bytes, size_t count) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 HWY_EXPORT(sum);
 
@@ -43,5 +43,5 @@ uint64_t count_on(std::span<const uint8_t> p) {
   return HWY_DYNAMIC_DISPATCH(sum)(p.data(), p.size());
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings
 #endif

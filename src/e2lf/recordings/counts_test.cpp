@@ -8,7 +8,7 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/recordings/count_on.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kLengths[] = {0, 1, 15, 16, 63, 64, 65, 127, 128, 129, 1000, 100'003};
@@ -33,4 +33,4 @@ TEST_F(Counts, OnEventsAreCountedWhateverTheLength) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

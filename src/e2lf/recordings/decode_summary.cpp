@@ -3,7 +3,7 @@
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 struct ViolationText {
@@ -105,4 +105,4 @@ Error violation_error(const DecodeSummary& summary, const std::string& name) {
           cat(name, ": byte ", summary.of(first).first_byte)};
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -9,7 +9,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// What to do with data that breaks its format. The damaged part is dropped in any case, never guessed.
 enum class DecodePolicy {
@@ -100,4 +100,4 @@ struct Loss {
 /// The Error that the strict policy returns for the first violation in a summary (location "name: byte N").
 [[nodiscard]] Error violation_error(const DecodeSummary& summary, const std::string& name);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Times beyond +-this (36,000 years) are damage: readers drop them, so that differences of times never overflow.
 inline constexpr int64_t kTimeLimitUs = int64_t{1} << 60;
@@ -113,4 +113,4 @@ struct EventBatch {
   bool operator==(const EventBatch&) const = default;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -7,7 +7,7 @@
 #include "e2lf/recordings/recording.h"
 #include "e2lf/recordings/trigger_feed.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// A source of events in blocks of a size it chooses: what a container format implements.
 class EventBlocks {
@@ -28,4 +28,4 @@ class EventBlocks {
                                                                  RecordingInfo info, const std::string& name,
                                                                  const OpenOptions& options, TriggerFeed triggers = {});
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

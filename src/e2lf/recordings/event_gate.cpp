@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 void EventGate::release(EventColumns& events) {
   events.append(waiting_);
   waiting_.clear();
@@ -64,4 +64,4 @@ void EventGate::filter(EventColumns& events, size_t begin, bool is_end, uint64_t
   events.resize(kept);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -7,7 +7,7 @@
 #include "e2lf/recordings/decode_summary.h"
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 inline constexpr size_t kTimeLookAhead = 16;
 
@@ -59,4 +59,4 @@ class EventGate {
   EventColumns waiting_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

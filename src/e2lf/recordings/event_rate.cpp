@@ -5,7 +5,7 @@
 
 #include "e2lf/base/contract.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 /// Adds up neighbours; half as many bins are left.
@@ -59,4 +59,4 @@ Result<EventRate> measure_event_rate(RecordingReader& reader, size_t max_bins) {
   }
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -8,7 +8,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// How many events fell into each stretch of time.
 struct EventRate {
@@ -39,4 +39,4 @@ class EventRateCounter {
   EventRate rate_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -7,12 +7,12 @@
 
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
-#include "testing/chunked_source.h"
 #include "e2lf/recordings/recording.h"
+#include "testing/chunked_source.h"
 #include "testing/test_streams.h"
 
 /// Files that lie about themselves, and streams that a format cannot hold: what fuzzing found, and what it looks for.
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 template <typename T>
@@ -238,4 +238,4 @@ TEST(HostileEvt21, EmptyVectorDoesNotMoveLaterEvents) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

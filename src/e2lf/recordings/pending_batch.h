@@ -7,7 +7,7 @@
 
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// A batch that is handed out bit by bit, in an order that keeps what was handed out sorted.
 class PendingBatch {
@@ -75,4 +75,4 @@ class PendingBatch {
   size_t trigger_ = 0;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -5,7 +5,7 @@
 
 #include "e2lf/base/threads.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 ReadAhead::ReadAhead(RecordingReader& reader) : reader_(reader) {
   const int threads = num_threads();
@@ -64,4 +64,4 @@ Result<bool> ReadAhead::read(EventBatch& batch) {
   return more_;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -8,7 +8,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Reads the next batch of a recording on a thread of its own while the caller works on the one before. With one thread
 /// allowed (num_threads()), reads when asked. Nobody else may use the reader until this is gone.
@@ -36,4 +36,4 @@ class ReadAhead {
   std::thread thread_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -10,10 +10,8 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/count_on.h"
 
-namespace e2lf::events {
-namespace {
-
-}  // namespace
+namespace e2lf::recordings {
+namespace {}  // namespace
 
 std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   for (const auto& [name, value] : header) {
@@ -181,4 +179,4 @@ Result<EventBatch> read_all(RecordingReader& reader) {
   }
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/recordings/io/byte_sink.h"
-#include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/recordings/decode_summary.h"
 #include "e2lf/recordings/event.h"
+#include "e2lf/recordings/io/byte_sink.h"
+#include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/recordings/pending_batch.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// What a recording says of itself.
 struct RecordingInfo {
@@ -62,12 +62,6 @@ struct OpenOptions {
   int64_t from_us = INT64_MIN;
   int64_t to_us = INT64_MAX;
   TimeOrigin range = TimeOrigin::kAbsolute;
-};
-
-/// Times t with begin_us <= t < end_us.
-struct TimeSlice {
-  int64_t begin_us = 0;
-  int64_t end_us = 0;
 };
 
 /// Reads a recording from front to back in bounded memory. Made by open_recording(). The public functions are the same
@@ -172,4 +166,4 @@ class RecordingWriter {
 /// The whole recording in one batch, for tests and small files.
 [[nodiscard]] Result<EventBatch> read_all(RecordingReader& reader);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -8,7 +8,7 @@
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kLongestLine = 256;
@@ -119,4 +119,4 @@ Result<void> SideTriggerWriter::finish() {
   return sink_ == nullptr ? Result<void>{} : sink_->commit();
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

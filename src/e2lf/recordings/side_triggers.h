@@ -7,12 +7,12 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/byte_sink.h"
 #include "e2lf/recordings/io/byte_source.h"
-#include "e2lf/recordings/event.h"
 #include "e2lf/recordings/trigger_feed.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Triggers of a recording whose format has no place for them: <name>_triggers.csv beside <name>.<extension>, a line
 /// "p,id,t" each (t in microseconds) under a line that says so. They are read in any order, and held in memory.
@@ -40,4 +40,4 @@ class SideTriggerWriter {
   std::unique_ptr<ByteSink> sink_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -12,7 +12,7 @@
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kBufferedEvents = size_t{1} << 22;  // of all runs together while they are merged
@@ -139,4 +139,4 @@ Result<bool> SortedRuns::next(EventColumns& events, size_t max_events) {
   return !events.empty();
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -8,7 +8,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Puts events in order of time; events of one time keep their order.
 void sort_by_time(EventColumns& events);
@@ -58,4 +58,4 @@ class SortedRuns {
   bool is_merging_ = false;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

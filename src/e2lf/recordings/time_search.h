@@ -8,7 +8,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// How many neighbouring times are looked at for one: one that is damaged then leads nowhere.
 inline constexpr size_t kTimesPerProbe = 5;
@@ -34,4 +34,4 @@ template <typename TimeAt>
   return low - std::min<uint64_t>(low, kTimesPerProbe);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

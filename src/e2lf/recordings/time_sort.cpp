@@ -7,7 +7,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/sorted_runs.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
@@ -185,4 +185,4 @@ std::unique_ptr<EventBlocks> make_time_sorted(std::unique_ptr<EventBlocks> block
   return std::make_unique<SortedPipe>(std::move(blocks), std::move(name), options.pipe_events);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

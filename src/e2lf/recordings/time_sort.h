@@ -7,7 +7,7 @@
 
 #include "e2lf/recordings/event_blocks.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 struct TimeSortOptions {
   size_t memory_events = size_t{1} << 22;  ///< so many are sorted in memory, 13 bytes each; more go through a file
@@ -22,4 +22,4 @@ struct TimeSortOptions {
 [[nodiscard]] std::unique_ptr<EventBlocks> make_time_sorted(std::unique_ptr<EventBlocks> blocks, bool is_seekable,
                                                             std::string name, const TimeSortOptions& options = {});
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

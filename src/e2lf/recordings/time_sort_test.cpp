@@ -6,12 +6,12 @@
 #include <numeric>
 #include <random>
 
-#include "e2lf/files/npy.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/npy.h"
 #include "testing/chunked_source.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 /// Events in blocks of 50, as they are.
@@ -174,4 +174,4 @@ TEST(TimeSort, ShuffledTextFromAPipeIsSorted) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

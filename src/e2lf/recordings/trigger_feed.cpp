@@ -3,7 +3,7 @@
 
 #include "e2lf/recordings/event_gate.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 Result<void> TriggerFeed::refill(DecodeSummary& summary) {
   while (!ended_ && block_.size() - next_ <= kTimeLookAhead) {
@@ -56,4 +56,4 @@ Result<void> TriggerFeed::rewind() {
   return source_ == nullptr ? Result<void>{} : source_->rewind();
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

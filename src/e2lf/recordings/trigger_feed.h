@@ -9,7 +9,7 @@
 #include "e2lf/recordings/decode_summary.h"
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Triggers that lie apart from the events (a second file or data set), in order of time.
 class TriggerSource {
@@ -55,4 +55,4 @@ class TriggerFeed {
   int64_t last_us_ = -kTimeLimitUs;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -23,7 +23,7 @@ void add_scaled(const float* values, float weight, float* sum, size_t count);
 
 /// Coded intensities of the pixels [first, first + count) of `light_field`, which the codes must fit:
 /// sums[n * stride + i], i < count.
-void code_block(const aperture::Codes& codes, const lightfield::LightField& light_field, size_t first, size_t count,
+void code_block(const capture::Codes& codes, const lightfield::LightField& light_field, size_t first, size_t count,
                 float* sums, size_t stride);
 
 /// Consecutive pixels of an image, numbered from first_pixel. intensities: [num_patterns][kBlockPixels],

@@ -8,7 +8,7 @@
 
 namespace e2lf::sensor {
 
-Result<void> check_fit(const aperture::Codes& codes, const lightfield::LightField& light_field) {
+Result<void> check_fit(const capture::Codes& codes, const lightfield::LightField& light_field) {
   const lightfield::Shape& shape = light_field.shape();
   if (shape.channels != 1) {
     return Error{ErrorCode::kShape, cat("the light field has ", shape.channels, " channels; turn it to grey first"),
@@ -23,7 +23,7 @@ Result<void> check_fit(const aperture::Codes& codes, const lightfield::LightFiel
   return {};
 }
 
-void code_block(const aperture::Codes& codes, const lightfield::LightField& light_field, size_t first, size_t count,
+void code_block(const capture::Codes& codes, const lightfield::LightField& light_field, size_t first, size_t count,
                 float* sums, size_t stride) {
   const lightfield::Shape& shape = light_field.shape();
   for (size_t n = 0; n < codes.num_patterns; ++n) std::fill_n(sums + n * stride, count, 0.0F);
@@ -37,7 +37,7 @@ void code_block(const aperture::Codes& codes, const lightfield::LightField& ligh
   }
 }
 
-Result<CodedIntensities> coded_intensities(const aperture::Codes& codes, const lightfield::LightField& light_field) {
+Result<CodedIntensities> coded_intensities(const capture::Codes& codes, const lightfield::LightField& light_field) {
   E2LF_RETURN_IF_ERROR(check_fit(codes, light_field));
   const lightfield::Shape& shape = light_field.shape();
   CodedIntensities intensities(codes.num_patterns, shape.height, shape.width);

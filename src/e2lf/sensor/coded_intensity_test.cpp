@@ -19,8 +19,8 @@ lightfield::LightField random_light_field(const lightfield::Shape& shape = {4, 3
   return light_field;
 }
 
-aperture::Codes random_codes(size_t num_patterns, size_t views_y, size_t views_x) {
-  aperture::Codes codes(num_patterns, views_y, views_x);
+capture::Codes random_codes(size_t num_patterns, size_t views_y, size_t views_x) {
+  capture::Codes codes(num_patterns, views_y, views_x);
   const CounterRng rng(2, 0);
   for (size_t i = 0; i < codes.values.size(); ++i) codes.values[i] = rng.uniform(i);
   return codes;
@@ -28,7 +28,7 @@ aperture::Codes random_codes(size_t num_patterns, size_t views_y, size_t views_x
 
 TEST(CodedIntensity, OpenApertureIsTheMeanOfTheViews) {
   const auto light_field = random_light_field();
-  aperture::Codes open(1, 4, 3);
+  capture::Codes open(1, 4, 3);
   for (float& value : open.values) value = 1;
   const auto intensities = coded_intensities(open, light_field);
   ASSERT_TRUE(intensities);
@@ -40,7 +40,7 @@ TEST(CodedIntensity, OpenApertureIsTheMeanOfTheViews) {
 }
 
 TEST(CodedIntensity, PatternAndComplementAddUpToTheOpenAperture) {
-  aperture::Codes codes = random_codes(3, 4, 3);
+  capture::Codes codes = random_codes(3, 4, 3);
   for (size_t v = 0; v < 12; ++v) {
     codes.pattern(1)[v] = 1 - codes.pattern(0)[v];
     codes.pattern(2)[v] = 1;
@@ -53,14 +53,14 @@ TEST(CodedIntensity, PatternAndComplementAddUpToTheOpenAperture) {
 }
 
 TEST(CodedIntensity, BlackPatternSeesNothing) {
-  const auto intensities = coded_intensities(aperture::Codes(1, 4, 3), random_light_field());
+  const auto intensities = coded_intensities(capture::Codes(1, 4, 3), random_light_field());
   ASSERT_TRUE(intensities);
   for (const float value : intensities->values) ASSERT_EQ(value, 0);
 }
 
 TEST(CodedIntensity, EveryInstructionSetAndThreadCountGivesTheReference) {
   const auto light_field = random_light_field();
-  const aperture::Codes codes = random_codes(5, 4, 3);
+  const capture::Codes codes = random_codes(5, 4, 3);
   const auto expected = reference_coded_intensities(codes, light_field);
   ASSERT_TRUE(expected);
   for (const std::string& isa : available_isas()) {

@@ -32,8 +32,8 @@ Result<void> check_size(const ImageSize& size) {
 
 /// Event images of an image whose coded intensities load(first, count, sums) puts into sums[n * kBlockPixels + i].
 template <typename Load>
-events::EventImages simulate_blocks(const ImageSize& size, const EventModelOptions& options, const Load& load) {
-  events::EventImages images(size.num_patterns - 1, size.height, size.width);
+capture::EventImages simulate_blocks(const ImageSize& size, const EventModelOptions& options, const Load& load) {
+  capture::EventImages images(size.num_patterns - 1, size.height, size.width);
   const size_t num_pixels = images.image_size();
   std::atomic<bool> saturated = false;
   for_block_ranges(num_pixels, [&](size_t begin, size_t end) {
@@ -83,7 +83,7 @@ Result<void> validate(const EventModelOptions& options) {
   return Error{ErrorCode::kInvalidValue, cat("residue is ", options.residue, "; use a number from 0 to 1"), ""};
 }
 
-Result<events::EventImages> simulate_events(const CodedIntensities& intensities, const EventModelOptions& options) {
+Result<capture::EventImages> simulate_events(const CodedIntensities& intensities, const EventModelOptions& options) {
   const ImageSize size = {intensities.num_patterns, intensities.height, intensities.width};
   E2LF_RETURN_IF_ERROR(validate(options));
   E2LF_RETURN_IF_ERROR(check_size(size));
@@ -94,8 +94,8 @@ Result<events::EventImages> simulate_events(const CodedIntensities& intensities,
   });
 }
 
-Result<events::EventImages> simulate_events(const aperture::Codes& codes, const lightfield::LightField& light_field,
-                                            const EventModelOptions& options) {
+Result<capture::EventImages> simulate_events(const capture::Codes& codes, const lightfield::LightField& light_field,
+                                             const EventModelOptions& options) {
   const ImageSize size = {codes.num_patterns, light_field.shape().height, light_field.shape().width};
   E2LF_RETURN_IF_ERROR(validate(options));
   E2LF_RETURN_IF_ERROR(check_size(size));

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <string>
 
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
+#include "e2lf/capture/codes.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/coded_intensity.h"
 
@@ -25,7 +25,7 @@ enum class EventModel {
 
 struct EventModelOptions {
   EventModel model = EventModel::kReferenceAware;
-  aperture::SensorConstants constants = {};
+  capture::SensorConstants constants = {};
   float gain = 1.0F;  ///< scene brightness: multiplies every intensity
   /// Each pixel's reference starts up to this many thresholds, 0 to 1, above the first log intensity, where the last
   /// event on the way down to it leaves it. The paper's model has none.
@@ -53,13 +53,13 @@ inline constexpr uint64_t kResidueStream = uint64_t{1} << 32;
 /// Fails with kInvalidValue (a constant that is not finite, eps or tau not positive, a negative sigma or gain, a
 /// residue outside 0..1) and kShape (fewer than two patterns, 2^32 pixels or more, codes that do not fit the light
 /// field).
-[[nodiscard]] Result<events::EventImages> simulate_events(const CodedIntensities& intensities,
-                                                          const EventModelOptions& options);
+[[nodiscard]] Result<capture::EventImages> simulate_events(const CodedIntensities& intensities,
+                                                           const EventModelOptions& options);
 
 /// The same straight from a light field; the coded intensities never leave the cache.
-[[nodiscard]] Result<events::EventImages> simulate_events(const aperture::Codes& codes,
-                                                          const lightfield::LightField& light_field,
-                                                          const EventModelOptions& options);
+[[nodiscard]] Result<capture::EventImages> simulate_events(const capture::Codes& codes,
+                                                           const lightfield::LightField& light_field,
+                                                           const EventModelOptions& options);
 
 /// Success when the options are usable: the checks of simulate_events().
 [[nodiscard]] Result<void> validate(const EventModelOptions& options);

@@ -15,7 +15,7 @@
 namespace e2lf::sensor {
 namespace {
 
-constexpr aperture::SensorConstants kNoiseFree = {.eps = 0.01F, .tau = 0.30F, .sigma_w = 0, .sigma_z = 0};
+constexpr capture::SensorConstants kNoiseFree = {.eps = 0.01F, .tau = 0.30F, .sigma_w = 0, .sigma_z = 0};
 
 EventModelOptions noise_free(EventModel model = EventModel::kReferenceAware) {
   return {.model = model, .constants = kNoiseFree};
@@ -46,10 +46,10 @@ CodedIntensities random_intensities(size_t num_patterns, size_t height, size_t w
   return intensities;
 }
 
-events::EventImages simulate(const CodedIntensities& intensities, const EventModelOptions& options) {
+capture::EventImages simulate(const CodedIntensities& intensities, const EventModelOptions& options) {
   auto images = simulate_events(intensities, options);
   EXPECT_TRUE(images) << (images ? "" : images.error().text());
-  return images ? *std::move(images) : events::EventImages();
+  return images ? *std::move(images) : capture::EventImages();
 }
 
 struct Moments {
@@ -241,7 +241,7 @@ TEST(EventModel, AgreesWithTheReference) {
 
 TEST(EventModel, LightFieldAndItsCodedIntensitiesGiveTheSameEvents) {
   lightfield::LightField light_field({2, 3, 50, 61});
-  aperture::Codes codes(4, 2, 3);
+  capture::Codes codes(4, 2, 3);
   const CounterRng rng(9, 0);
   for (size_t i = 0; i < light_field.data().size(); ++i) light_field.data()[i] = rng.uniform(i);
   for (size_t i = 6; i < codes.values.size(); ++i) codes.values[i] = static_cast<float>(rng.below(i, 2));

@@ -26,14 +26,14 @@ class OfficialSoftware : public testing::Test {
     light_field_ = *std::move(light_field);
     const auto file = read_safetensors(folder_ / "AcqNet.safetensors");
     ASSERT_TRUE(file) << file.error().text();
-    codes_ = aperture::Codes(4, 8, 8);
+    codes_ = capture::Codes(4, 8, 8);
     codes_.values = file->find("mask_4x64", "AcqNet").value()->to_float("mask_4x64").value();
     ASSERT_EQ(codes_.values.size(), 4U * 64);
   }
 
   fs::path folder_;
   lightfield::LightField light_field_;
-  aperture::Codes codes_;
+  capture::Codes codes_;
 };
 
 TEST_F(OfficialSoftware, CodedIntensitiesAgree) {

@@ -15,7 +15,7 @@
 namespace e2lf::sensor {
 namespace {
 
-using enum aperture::PixelConstant;
+using enum capture::PixelConstant;
 
 constexpr uint64_t kThresholdStream = uint64_t{1} << 33;
 constexpr float kLeastThreshold = 0.3F;  // of the mean one, however unequal pixels are
@@ -45,7 +45,7 @@ struct Exposure {
 /// One pixel from the inverse of the last pattern to the end of the cycle.
 class Pixel {
  public:
-  Pixel(const aperture::PixelConstants& constants, Thresholds thresholds, float intensity)
+  Pixel(const capture::PixelConstants& constants, Thresholds thresholds, float intensity)
       : constants_(constants), thresholds_(thresholds), inverse_level_(1.0F / intensity), level_(std::log(intensity)) {}
 
   void follow(float intensity, float seconds) {
@@ -81,12 +81,12 @@ class Pixel {
   }
 
  private:
-  const aperture::PixelConstants& constants_;
+  const capture::PixelConstants& constants_;
   Thresholds thresholds_;
   float inverse_level_, level_, reference_ = 0.0F;
 };
 
-Thresholds draw_thresholds(const aperture::PixelConstants& constants, uint64_t map_seed, uint64_t pixel) {
+Thresholds draw_thresholds(const capture::PixelConstants& constants, uint64_t map_seed, uint64_t pixel) {
   const auto words = CounterRng(map_seed, kThresholdStream).bits(pixel);
   const auto [both, on] = box_muller(words[0], words[1]);
   const float off = box_muller(words[2], words[3])[0];
@@ -99,18 +99,18 @@ Thresholds draw_thresholds(const aperture::PixelConstants& constants, uint64_t m
 /// What the lit patterns pass at each place of the picture, a factor of its column times one of its row.
 class TransmissionMap {
  public:
-  TransmissionMap(const aperture::Camera& camera, size_t num_lit, size_t height, size_t width) : width_(width) {
+  TransmissionMap(const capture::Camera& camera, size_t num_lit, size_t height, size_t width) : width_(width) {
     const float middle_x = 0.5F * static_cast<float>(width), middle_y = 0.5F * static_cast<float>(height);
     for (size_t n = 0; n < num_lit; ++n) {
-      const float middle = aperture::transmission_at(camera, n, 0.0F, 0.0F);
+      const float middle = capture::transmission_at(camera, n, 0.0F, 0.0F);
       auto& column = columns_.emplace_back(width);
       auto& row = rows_.emplace_back(height);
       for (size_t x = 0; x < width; ++x) {
-        column[x] = aperture::transmission_at(camera, n, (static_cast<float>(x) + 0.5F) / middle_x - 1.0F, 0.0F);
+        column[x] = capture::transmission_at(camera, n, (static_cast<float>(x) + 0.5F) / middle_x - 1.0F, 0.0F);
       }
       for (size_t y = 0; y < height; ++y) {
         const float place = (static_cast<float>(y) + 0.5F - middle_y) / middle_x;
-        row[y] = aperture::transmission_at(camera, n, 0.0F, place) / middle;
+        row[y] = capture::transmission_at(camera, n, 0.0F, place) / middle;
       }
     }
   }
@@ -128,7 +128,7 @@ class TransmissionMap {
 class ExposureOf {
  public:
   /// `intensities` holds one more image than there are patterns: that with all cells open.
-  ExposureOf(const aperture::Camera& camera, const CodedIntensities& intensities, float gain)
+  ExposureOf(const capture::Camera& camera, const CodedIntensities& intensities, float gain)
       : intensities_(intensities),
         transmission_(camera, intensities.num_patterns - 2, intensities.height, intensities.width),
         gain_over_eps_(gain / camera.pixel[kEps]),
@@ -157,7 +157,7 @@ class ExposureOf {
   float gain_over_eps_, leak_;
 };
 
-Result<void> check(const aperture::Codes& codes, const aperture::Camera& camera, const PixelModelOptions& options) {
+Result<void> check(const capture::Codes& codes, const capture::Camera& camera, const PixelModelOptions& options) {
   if (!camera.is_pixel()) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the camera \"", camera.name, "\" is of the event model ", camera.event_model,
@@ -167,15 +167,15 @@ Result<void> check(const aperture::Codes& codes, const aperture::Camera& camera,
   if (!(options.gain >= 0.0F) || !std::isfinite(options.gain)) {
     return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is no brightness; use zero or more"), ""};
   }
-  if (codes.num_patterns < 2 || !aperture::is_black_first(codes)) {
+  if (codes.num_patterns < 2 || !capture::is_black_first(codes)) {
     return Error{ErrorCode::kShape, "the event model pixel needs patterns that begin with black; use others", ""};
   }
   return {};
 }
 
 /// The patterns, and behind them one with all cells open.
-aperture::Codes with_open_aperture(const aperture::Codes& codes) {
-  aperture::Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
+capture::Codes with_open_aperture(const capture::Codes& codes) {
+  capture::Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
   std::fill(extended.values.begin(), extended.values.end(), 1.0F);
   std::copy(codes.values.begin(), codes.values.end(), extended.values.begin());
   return extended;
@@ -183,14 +183,14 @@ aperture::Codes with_open_aperture(const aperture::Codes& codes) {
 
 }  // namespace
 
-Result<events::EventImages> simulate_pixel_events(const aperture::Codes& codes,
-                                                  const lightfield::LightField& light_field,
-                                                  const aperture::Camera& camera, const PixelModelOptions& options) {
+Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
+                                                   const lightfield::LightField& light_field,
+                                                   const capture::Camera& camera, const PixelModelOptions& options) {
   E2LF_RETURN_IF_ERROR(check(codes, camera, options));
   E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities, coded_intensities(with_open_aperture(codes), light_field));
-  const aperture::PixelConstants& constants = camera.pixel;
+  const capture::PixelConstants& constants = camera.pixel;
   const ExposureOf exposure_of(camera, intensities, options.gain);
-  events::EventImages images(codes.num_patterns - 1, intensities.height, intensities.width);
+  capture::EventImages images(codes.num_patterns - 1, intensities.height, intensities.width);
   parallel_for(images.image_size(), kRowPixels, [&](size_t begin, size_t end) {
     Exposure exposure;
     for (size_t p = begin; p < end; ++p) {

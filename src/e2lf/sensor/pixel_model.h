@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
+#include "e2lf/base/result.h"
 #include "e2lf/capture/camera.h"
 #include "e2lf/capture/codes.h"
-#include "e2lf/base/result.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/lightfield/light_field.h"
 
@@ -29,9 +29,9 @@ struct PixelModelOptions {
 ///
 /// Fails with kInvalidValue (a camera of another event model, a gain that is negative or not finite) and kShape (codes
 /// that do not fit the light field, or whose first pattern is not black).
-[[nodiscard]] Result<events::EventImages> simulate_pixel_events(const aperture::Codes& codes,
-                                                                const lightfield::LightField& light_field,
-                                                                const aperture::Camera& camera,
-                                                                const PixelModelOptions& options);
+[[nodiscard]] Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
+                                                                 const lightfield::LightField& light_field,
+                                                                 const capture::Camera& camera,
+                                                                 const PixelModelOptions& options);
 
 }  // namespace e2lf::sensor

@@ -10,11 +10,11 @@
 namespace e2lf::sensor {
 namespace {
 
-using enum aperture::PixelConstant;
+using enum capture::PixelConstant;
 
 /// Follows the light at once; pixels are equal and start at black exactly.
-aperture::Camera ideal_camera(float tau = 0.3F) {
-  aperture::Camera camera;
+capture::Camera ideal_camera(float tau = 0.3F) {
+  capture::Camera camera;
   camera.event_model = "pixel";
   camera.pixel[kEps] = 0.01F;
   camera.pixel[kReceptorRate] = camera.pixel[kAmplifierRate] = 1e9F;
@@ -25,8 +25,8 @@ aperture::Camera ideal_camera(float tau = 0.3F) {
 }
 
 /// Black, the left half, the right half of 8x8 cells.
-aperture::Codes half_codes() {
-  aperture::Codes codes(3, 8, 8);
+capture::Codes half_codes() {
+  capture::Codes codes(3, 8, 8);
   for (size_t cell = 0; cell < 64; ++cell) codes.values[(cell % 8 < 4 ? 1 : 2) * 64 + cell] = 1.0F;
   return codes;
 }

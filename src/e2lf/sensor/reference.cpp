@@ -25,7 +25,7 @@ std::array<float, 2> box_muller(uint32_t word0, uint32_t word1) {
 
 }  // namespace
 
-Result<CodedIntensities> reference_coded_intensities(const aperture::Codes& codes,
+Result<CodedIntensities> reference_coded_intensities(const capture::Codes& codes,
                                                      const lightfield::LightField& light_field) {
   E2LF_RETURN_IF_ERROR(check_fit(codes, light_field));
   const lightfield::Shape& shape = light_field.shape();
@@ -41,12 +41,12 @@ Result<CodedIntensities> reference_coded_intensities(const aperture::Codes& code
   return intensities;
 }
 
-Result<events::EventImages> reference_simulate_events(const CodedIntensities& intensities,
-                                                      const EventModelOptions& options) {
+Result<capture::EventImages> reference_simulate_events(const CodedIntensities& intensities,
+                                                       const EventModelOptions& options) {
   E2LF_RETURN_IF_ERROR(validate(options));
   E2LF_REQUIRE(intensities.num_patterns >= 2, "events need at least two patterns");
   const auto& [eps, tau, sigma_w, sigma_z] = options.constants;
-  events::EventImages images(intensities.num_patterns - 1, intensities.height, intensities.width);
+  capture::EventImages images(intensities.num_patterns - 1, intensities.height, intensities.width);
   for (size_t pixel = 0; pixel < intensities.image_size(); ++pixel) {
     const auto log_intensity = [&, eps = eps](size_t n) {
       return std::log(std::max(0.0F, intensities.image(n)[pixel] * options.gain) + eps);

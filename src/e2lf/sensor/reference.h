@@ -9,9 +9,9 @@ namespace e2lf::sensor {
 /// trigonometry: what the fast ones are tested against and compared with in benchmarks. Coded intensities are equal bit
 /// for bit. Event counts are equal but where a quotient falls within rounding of a whole number (about one in a
 /// million).
-[[nodiscard]] Result<CodedIntensities> reference_coded_intensities(const aperture::Codes& codes,
+[[nodiscard]] Result<CodedIntensities> reference_coded_intensities(const capture::Codes& codes,
                                                                    const lightfield::LightField& light_field);
-[[nodiscard]] Result<events::EventImages> reference_simulate_events(const CodedIntensities& intensities,
-                                                                    const EventModelOptions& options);
+[[nodiscard]] Result<capture::EventImages> reference_simulate_events(const CodedIntensities& intensities,
+                                                                     const EventModelOptions& options);
 
 }  // namespace e2lf::sensor

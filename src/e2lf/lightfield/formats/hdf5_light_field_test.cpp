@@ -4,8 +4,8 @@
 #include <zlib.h>
 
 #include "e2lf/files/file.h"
-#include "testing/test_files.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "testing/test_files.h"
 #include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/lightfield/formats/hdf5_write.h"
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/hdf5/library.h"
 
 namespace e2lf::lightfield {

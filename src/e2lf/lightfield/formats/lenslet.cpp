@@ -3,8 +3,8 @@
 #include <optional>
 #include <string_view>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/raw_image.h"
 #include "e2lf/lightfield/formats/readers.h"

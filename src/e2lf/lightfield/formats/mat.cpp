@@ -2,8 +2,8 @@
 #include <cstring>
 #include <vector>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/mat5.h"
 #include "e2lf/lightfield/formats/readers.h"

@@ -5,9 +5,9 @@
 #include <matio.h>
 
 #include "e2lf/files/file.h"
-#include "testing/test_files.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "testing/test_files.h"
 #include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {

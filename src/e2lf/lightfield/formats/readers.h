@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "e2lf/files/npy.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/lightfield/light_field_io.h"
 
 // One reader for each kind of storage; read_light_field says how they fail.

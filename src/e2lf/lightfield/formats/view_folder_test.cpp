@@ -4,11 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/files/file.h"
-#include "testing/test_files.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "testing/test_files.h"
 #include "testing/test_jpeg.h"
 
 namespace e2lf::lightfield {

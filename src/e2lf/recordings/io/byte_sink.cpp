@@ -7,11 +7,11 @@
 #include <optional>
 #include <unistd.h>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/is_stream.h"
-#include "e2lf/base/text.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 Error write_error(const std::string& name, int error_number) {
@@ -95,4 +95,4 @@ std::unique_ptr<ByteSink> make_descriptor_sink(int descriptor, bool owned, std::
   return std::make_unique<DescriptorSink>(descriptor, owned, std::move(name), std::nullopt);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

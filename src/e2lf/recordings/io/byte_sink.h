@@ -11,7 +11,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Where a writer puts its bytes, front to back.
 class ByteSink {
@@ -37,4 +37,4 @@ class ByteSink {
 /// An open descriptor (pipe, socket), closed with the sink when `owned`.
 [[nodiscard]] std::unique_ptr<ByteSink> make_descriptor_sink(int descriptor, bool owned, std::string name);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -13,7 +13,7 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 /// Small enough to stay in the second-level cache while it is decoded.
@@ -178,4 +178,4 @@ Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit) {
   }
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

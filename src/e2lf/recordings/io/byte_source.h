@@ -13,7 +13,10 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
+
+/// The first bytes of a source, by which its format is told.
+inline constexpr size_t kDetectBytes = 4096;
 
 /// Bytes read from front to back: a file, memory, a pipe or a socket. Memory use is bounded by what is asked for.
 class ByteSource {
@@ -62,4 +65,4 @@ class ByteSource {
 /// Everything from here to the end. Fails with kUnsupported beyond `limit` bytes.
 [[nodiscard]] Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit = size_t{1} << 32);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

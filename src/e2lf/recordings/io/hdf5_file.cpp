@@ -6,7 +6,7 @@
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 namespace {
 
 Error write_error(const std::string& name) {
@@ -200,4 +200,4 @@ Result<void> GrowingDataset::append_chunk(const std::vector<uint8_t>& bytes, siz
   return {};
 }
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/hdf5/storage.h"
+#include "e2lf/recordings/io/byte_source.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 
 using e2lf::hdf5::Handle;
 using e2lf::hdf5::LibraryLock;
@@ -76,4 +76,4 @@ class GrowingDataset {
   uint64_t length_ = 0;
 };
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

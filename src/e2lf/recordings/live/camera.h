@@ -9,7 +9,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// A source of live events: what a camera plugin implements. The bytes of all reads one after the other are a
 /// recording, for a camera one in Prophesee's RAW format: a header ("% evt 3.0", "% geometry 1280x720", "% end"), then
@@ -53,4 +53,4 @@ void add_camera_plugin(const CameraPlugin& plugin);
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name,
                                                                    const OpenOptions& options = {});
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

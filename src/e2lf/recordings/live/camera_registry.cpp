@@ -7,7 +7,7 @@
 #include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr std::string_view kScheme = "camera://", kReplay = "replay:", kTcp = "tcp://";
@@ -81,4 +81,4 @@ Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name, co
   return open_recording(std::move(source), options);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

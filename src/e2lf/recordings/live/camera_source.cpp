@@ -9,7 +9,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/stop.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -129,4 +129,4 @@ Result<std::unique_ptr<ByteSource>> start_camera_source(std::unique_ptr<Camera> 
   return source;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -7,7 +7,7 @@
 #include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/recordings/live/camera.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Bytes that may wait between a camera and its reader; when there are more the camera is not read, and loses events as
 /// its driver does.
@@ -17,4 +17,4 @@ inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 /// destroyed. Fails as Camera::start() does.
 [[nodiscard]] Result<std::unique_ptr<ByteSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -9,7 +9,7 @@
 #include "e2lf/cycles/synthesise.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -92,12 +92,12 @@ TEST(Camera, NamesThatAreNoneSayWhatThereIs) {
 }
 
 /// A recording of `cycles` pattern cycles in `path`; its events.
-EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, const SynthesisOptions& synthesis) {
+EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, const cycles::SynthesisOptions& synthesis) {
   EventBatch all;
   for (uint64_t number = 0; number < cycles; ++number) {
-    EventImages images(synthesis.schedule.num_images(), 48, 64);
+    capture::EventImages images(synthesis.schedule.num_images(), 48, 64);
     for (int16_t& count : images.counts) count = 2;
-    const SynthesisedCycle cycle = synthesise_cycle(images, number, synthesis);
+    const cycles::SynthesisedCycle cycle = synthesise_cycle(images, number, synthesis);
     all.events.append(cycle.batch.events);
     all.triggers.insert(all.triggers.end(), cycle.batch.triggers.begin(), cycle.batch.triggers.end());
   }
@@ -108,8 +108,8 @@ EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, cons
 
 TEST(ReplayCamera, GivesTheSameEventsAtRecordedSpeed) {
   const TestFolder folder;
-  SynthesisOptions synthesis;
-  synthesis.schedule = plain_schedule(4, 10000);
+  cycles::SynthesisOptions synthesis;
+  synthesis.schedule = cycles::plain_schedule(4, 10000);
   const EventBatch all = write_cycles(folder / "a.hdf5", 3, synthesis);
   const auto begin = Clock::now();
   auto reader = open_camera("replay:" + (folder / "a.hdf5").string()).value();
@@ -122,15 +122,16 @@ TEST(ReplayCamera, GivesTheSameEventsAtRecordedSpeed) {
 
 TEST(ReplayCamera, CyclesCarryTheirArrival) {
   const TestFolder folder;
-  SynthesisOptions synthesis;
-  synthesis.schedule = plain_schedule(4, 10000);
+  cycles::SynthesisOptions synthesis;
+  synthesis.schedule = cycles::plain_schedule(4, 10000);
   write_cycles(folder / "a.hdf5", 3, synthesis);
-  CycleOptions options;
-  options.source = CycleSource::kTriggers;
+  cycles::CycleOptions options;
+  options.source = cycles::CycleSource::kTriggers;
   options.schedule = synthesis.schedule;
   options.tracker.first_pattern = 0;
   const auto begin = Clock::now();
-  auto cycles = CycleReader::open(open_camera("replay:" + (folder / "a.hdf5").string()).value(), options).value();
+  auto cycles =
+      cycles::CycleReader::open(open_camera("replay:" + (folder / "a.hdf5").string()).value(), options).value();
   for (int i = 0; i < 3; ++i) {
     const auto cycle = cycles.next().value();
     ASSERT_TRUE(cycle.has_value());
@@ -144,4 +145,4 @@ TEST(ReplayCamera, CyclesCarryTheirArrival) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

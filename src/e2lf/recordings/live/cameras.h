@@ -7,7 +7,7 @@
 #include "e2lf/recordings/live/camera.h"
 
 // The plugins that come with the library; see the table in camera_registry.cpp.
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// A recording of any format that we read, delivered as EVT3 words when its events are due: what a camera would do.
 /// Fails as open_recording() does, and with kInvalidValue for a sensor that EVT3 cannot hold.
@@ -23,4 +23,4 @@ namespace e2lf::events {
 /// found it. It compiles against the HAL's headers and has not been run with a camera.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& serial);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -11,7 +11,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/live/cameras.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 /// "EVT3" or "EVT3;height=720;..." as the version number of a RAW header.
@@ -106,4 +106,4 @@ Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& serial
   return Error{ErrorCode::kIo, cat("the camera cannot be opened (", error.what(), "); check its connection"), serial};
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -8,7 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/live/cameras.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -105,4 +105,4 @@ Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path) {
   return camera;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -6,10 +6,10 @@
 #include <unistd.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/tcp.h"
 #include "e2lf/recordings/live/cameras.h"
-#include "e2lf/recordings/open_named_recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kReadBytes = size_t{1} << 16;
@@ -69,4 +69,4 @@ Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address) {
   return camera;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -6,7 +6,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 
 /// iniVation AEDAT 4: a version line, a FlatBuffer header, then packets (i32 stream, i32 size, compressed FlatBuffer).
 /// Events of the lowest event stream and triggers of all trigger streams are read; frames and inertial data are passed
@@ -21,4 +21,4 @@ namespace e2lf::events::aedat4 {
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source,
                                                             const OpenOptions& options);
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

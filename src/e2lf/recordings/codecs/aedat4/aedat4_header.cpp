@@ -6,7 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/codecs/aedat4/flatbuffer.h"
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 namespace {
 
 constexpr size_t kCompressionField = 0, kTableField = 1, kInfoField = 2;
@@ -96,4 +96,4 @@ Result<Header> parse_header(std::span<const uint8_t> bytes, const std::string& n
   return header;
 }
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

@@ -8,7 +8,7 @@
 
 #include "e2lf/recordings/codecs/aedat4/decompress.h"
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 
 struct Stream {
   int32_t id = 0;
@@ -38,4 +38,4 @@ inline constexpr size_t kMaxHeaderBytes = size_t{1} << 22;
 /// The streams in the header's XML: nodes /mainloop/.../outInfo/<id>/ with typeIdentifier, sizeX, sizeY and source.
 [[nodiscard]] std::vector<Stream> parse_streams(std::string_view xml);
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

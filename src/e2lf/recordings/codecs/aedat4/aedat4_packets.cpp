@@ -3,7 +3,7 @@
 
 #include "e2lf/recordings/codecs/aedat4/flatbuffer.h"
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 namespace {
 
 constexpr size_t kSizePrefix = 4;
@@ -61,4 +61,4 @@ bool append_triggers(std::span<const uint8_t> packet, std::vector<Trigger>& trig
   return true;
 }
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

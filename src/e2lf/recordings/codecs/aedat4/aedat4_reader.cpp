@@ -3,16 +3,16 @@
 #include <iterator>
 #include <optional>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_header.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_packets.h"
-#include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/time_search.h"
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 namespace {
 
 constexpr size_t kPacketHeader = 8;
@@ -218,4 +218,4 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   return make_block_reader(std::move(blocks), std::move(info), name, options);
 }
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

@@ -4,11 +4,11 @@
 #include <random>
 
 #include "e2lf/files/file.h"
-#include "testing/test_aedat4.h"
 #include "e2lf/recordings/recording.h"
+#include "testing/test_aedat4.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 namespace {
 
 /// A file of three event packets with triggers between them, and what it holds.
@@ -211,4 +211,4 @@ TEST(Aedat4, DamagedRealFilesAreSurvived) {
 }
 
 }  // namespace
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

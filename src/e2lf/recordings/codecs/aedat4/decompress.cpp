@@ -9,7 +9,7 @@
 #include <zstd.h>
 #endif
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 namespace {
 
 constexpr size_t kFirstRoom = size_t{1} << 16;
@@ -134,4 +134,4 @@ Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression)
                cat("compression ", static_cast<int32_t>(compression), " is unknown; is the file damaged?"), ""};
 }
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

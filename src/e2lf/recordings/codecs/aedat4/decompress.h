@@ -8,7 +8,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 
 /// The header's codes.
 enum class Compression : int32_t { kNone = 0, kLz4 = 1, kLz4High = 2, kZstd = 3, kZstdHigh = 4 };
@@ -28,4 +28,4 @@ class Decompressor {
 /// Fails with kUnsupported (unknown code) and kMissingDependency (Zstd in a build without it).
 [[nodiscard]] Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression);
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

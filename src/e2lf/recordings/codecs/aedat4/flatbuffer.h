@@ -8,7 +8,7 @@
 
 #include "e2lf/base/little_endian.h"
 
-namespace e2lf::events::aedat4 {
+namespace e2lf::recordings::aedat4 {
 
 /// Reads a FlatBuffer field by field; every offset is checked against the buffer, so that damage gives nothing instead
 /// of a wrong place. (A table begins with the distance back to its vtable, which lists the fields' places; strings,
@@ -79,4 +79,4 @@ class FlatBuffer {
   std::span<const uint8_t> bytes_;
 };
 
-}  // namespace e2lf::events::aedat4
+}  // namespace e2lf::recordings::aedat4

@@ -8,7 +8,7 @@
 #include "e2lf/recordings/codecs/dat/dat_header.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 
 /// Prophesee DAT: a text header, a byte each for record type and size, then 8-byte records: u32 time in us, u32 place.
 /// Times wrap after 71.6 minutes; the reader unwraps them, so gaps between records must stay below 17 minutes there.
@@ -29,4 +29,4 @@ namespace e2lf::events::dat {
 /// name_trigger.dat for name_cd.dat or name.dat.
 [[nodiscard]] std::filesystem::path trigger_path(const std::filesystem::path& path);
 
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 namespace {
 
 size_t number_or_zero(const std::optional<std::string>& text) {
@@ -60,4 +60,4 @@ std::string make_header(const RecordingInfo& info, uint8_t type) {
   return text;
 }
 
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

@@ -9,7 +9,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 
 inline constexpr size_t kRecordBytes = 8;
 inline constexpr uint8_t kTypeEvent2d = 0x00;
@@ -30,4 +30,4 @@ struct Header {
 /// The header of a version 2 file.
 [[nodiscard]] std::string make_header(const RecordingInfo& info, uint8_t type);
 
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/codecs/dat/dat_seek.h"
 #include "e2lf/recordings/event_gate.h"
-#include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/registry.h"
 #include "e2lf/recordings/trigger_feed.h"
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 namespace {
 
 constexpr size_t kTriggerBlock = 4096;
@@ -186,4 +185,4 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   return reader;
 }
 
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "e2lf/recordings/codecs/dat/dat_header.h"
 #include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/codecs/dat/dat_header.h"
 #include "e2lf/recordings/time_search.h"
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 namespace {
 
 constexpr uint64_t kMaxProbes = 256;
@@ -87,4 +87,4 @@ Result<Place> find_place_before(ByteSource& source, uint64_t header_bytes, int64
   return Search(source, header_bytes, num_records).run(t_us);
 }
 
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

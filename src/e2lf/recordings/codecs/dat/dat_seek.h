@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-#include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/recordings/codecs/dat/time_unwrapper.h"
+#include "e2lf/recordings/io/byte_source.h"
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 
 /// Where reading goes on, and the clock there.
 struct Place {
@@ -24,4 +24,4 @@ struct Place {
 inline constexpr int64_t kMaxStepUs = int64_t{1} << 28;
 inline constexpr uint64_t kMinStride = uint64_t{1} << 16;
 
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

@@ -8,7 +8,7 @@
 #include "e2lf/recordings/recording.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 namespace {
 
 constexpr size_t kRecordBytes = 8;
@@ -125,4 +125,4 @@ TEST(DatSeek, BeginsAtTheStartWhereWrapsCannotBeTold) {
 }
 
 }  // namespace
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <vector>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/codecs/dat/time_unwrapper.h"
-#include "e2lf/base/little_endian.h"
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 namespace {
 
 constexpr uint16_t kMaxCoordinate = 0x3FFF;
@@ -118,4 +118,4 @@ Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path
   return start(std::move(sink), info, trigger_path(path));
 }
 
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

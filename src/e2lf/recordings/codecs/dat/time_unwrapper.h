@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace e2lf::events::dat {
+namespace e2lf::recordings::dat {
 
 /// Full times from the 32 low bits that records hold. A step of less than a quarter of the circle (17 minutes) forwards
 /// may wrap the clock; one backwards is a straggler and may lie before the wrap; a longer one is damage. Where kMaxOdd
@@ -43,4 +43,4 @@ class TimeUnwrapper {
   bool has_begun_ = false;
 };
 
-}  // namespace e2lf::events::dat
+}  // namespace e2lf::recordings::dat

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <array>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
-#include "e2lf/base/text.h"
+#include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/numpy/column_convert.h"
 #include "e2lf/recordings/time_search.h"
-#include "e2lf/hdf5/checked_file.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 using e2lf::hdf5::CheckedFile;
 
 namespace {
@@ -23,7 +23,7 @@ constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
 /// One column of events: a data set, read in its own kind of numbers.
 struct NumberColumn {
   DatasetShape shape;
-  npy_events::NumberField field;  ///< of the numbers once read
+  numpy::NumberField field;  ///< of the numbers once read
 };
 
 struct KnownNumber {
@@ -101,7 +101,7 @@ class RowBlocks : public EventBlocks {
       int64_t& t_us = block.events.t[i];
       t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
     }
-    const size_t num_bad = npy_events::remove_bad(block.events, 0, bad);
+    const size_t num_bad = numpy::remove_bad(block.events, 0, bad);
     summary.add(Violation::kBadRecord, 0, num_bad);
     summary.dropped_words += num_bad;
     next_ += count;
@@ -170,7 +170,7 @@ class ColumnBlocks final : public RowBlocks {
       }
     }
     E2LF_RETURN_IF_ERROR(read_offset(file, location, blocks->offset_us_));
-    const auto assumed = npy_events::time_assumption(blocks->columns_[3].field.type, options.time_unit);
+    const auto assumed = numpy::time_assumption(blocks->columns_[3].field.type, options.time_unit);
     if (assumed) info.assumptions.push_back(*assumed);
     return std::unique_ptr<EventBlocks>(std::move(blocks));
   }
@@ -179,7 +179,7 @@ class ColumnBlocks final : public RowBlocks {
   template <typename T>
   Result<void> read(const NumberColumn& column, uint64_t begin, uint64_t count, T* out, uint8_t* bad) {
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, begin, count));
-    npy_events::to_column(numbers, column.field, count, out, bad);
+    numpy::to_column(numbers, column.field, count, out, bad);
     return {};
   }
 
@@ -193,7 +193,7 @@ class ColumnBlocks final : public RowBlocks {
   Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
     const NumberColumn& column = columns_[3];
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, begin, count));
-    npy_events::to_times(numbers, column.field, unit_, count, times_us, bad);
+    numpy::to_times(numbers, column.field, unit_, count, times_us, bad);
     return {};
   }
 
@@ -217,12 +217,12 @@ class MatrixBlocks final : public RowBlocks {
     blocks->is_cut_ = blocks->shape_.is_cut;
     const uint64_t count = std::min<uint64_t>(blocks->length_, kSampledRows);
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, blocks->read_numbers(blocks->shape_, blocks->type_, 0, count));
-    const auto rows = npy_events::sample_rows(numbers, blocks->type_, element_size(blocks->type_), count);
-    E2LF_ASSIGN_OR_RETURN(const std::string order, npy_events::find_column_order(rows, options.columns, location));
-    if (options.columns.empty()) info.assumptions.push_back(npy_events::column_assumption(order));
+    const auto rows = numpy::sample_rows(numbers, blocks->type_, element_size(blocks->type_), count);
+    E2LF_ASSIGN_OR_RETURN(const std::string order, numpy::find_column_order(rows, options.columns, location));
+    if (options.columns.empty()) info.assumptions.push_back(numpy::column_assumption(order));
     blocks->unit_ = options.time_unit;
-    blocks->fields_ = npy_events::fields_of_rows(order, blocks->type_, element_size(blocks->type_));
-    const auto assumed = npy_events::time_assumption(blocks->type_, options.time_unit);
+    blocks->fields_ = numpy::fields_of_rows(order, blocks->type_, element_size(blocks->type_));
+    const auto assumed = numpy::time_assumption(blocks->type_, options.time_unit);
     if (assumed) info.assumptions.push_back(*assumed);
     return std::unique_ptr<EventBlocks>(std::move(blocks));
   }
@@ -232,22 +232,22 @@ class MatrixBlocks final : public RowBlocks {
 
   Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) override {
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
-    npy_events::to_column(numbers, fields_.x, count, events.x.data(), bad.data());
-    npy_events::to_column(numbers, fields_.y, count, events.y.data(), bad.data());
-    npy_events::to_column(numbers, fields_.p, count, events.p.data(), bad.data());
-    npy_events::to_times(numbers, fields_.t, unit_, count, events.t.data(), bad.data());
+    numpy::to_column(numbers, fields_.x, count, events.x.data(), bad.data());
+    numpy::to_column(numbers, fields_.y, count, events.y.data(), bad.data());
+    numpy::to_column(numbers, fields_.p, count, events.p.data(), bad.data());
+    numpy::to_times(numbers, fields_.t, unit_, count, events.t.data(), bad.data());
     return {};
   }
 
   Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
-    npy_events::to_times(numbers, fields_.t, unit_, count, times_us, bad);
+    numpy::to_times(numbers, fields_.t, unit_, count, times_us, bad);
     return {};
   }
 
   DatasetShape shape_;
   std::string type_;
-  npy_events::RecordFields fields_;
+  numpy::RecordFields fields_;
 };
 
 bool is_there(hid_t file, const std::string& name) {
@@ -372,4 +372,4 @@ Result<std::unique_ptr<RecordingWriter>> create_dsec_file(const std::filesystem:
   return result;
 }
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

@@ -8,7 +8,7 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/hdf5_file.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 
 /// The HDF5 layout of the DSEC data set: columns events/x, y (u2), p (u1), t (u4, us after t_offset), ms_to_idx (u8:
 /// index of the first event at or after each millisecond after t_offset) and t_offset (i8, us). It has no place for
@@ -24,4 +24,4 @@ namespace e2lf::events::hdf5 {
 [[nodiscard]] Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options,
                                                                 const std::string& location, RecordingInfo& info);
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

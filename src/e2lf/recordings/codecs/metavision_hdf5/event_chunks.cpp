@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
-#include "e2lf/base/little_endian.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 namespace {
 
 constexpr uint64_t kBlockEvents = 8 * kChunkEvents;
@@ -212,4 +212,4 @@ Result<void> EventChunks::seek_before(int64_t t_us) {
   return {};
 }
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

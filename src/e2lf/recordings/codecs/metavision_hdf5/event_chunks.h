@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
+#include "e2lf/recordings/event_blocks.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 
 /// Reads /CD/events block by block. ECF chunks are fetched as stored and decoded here, several at once; anything else
 /// goes through the HDF5 library.
@@ -54,4 +54,4 @@ class EventChunks final : public EventBlocks {
   std::vector<EventRecord> records_;
 };
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

@@ -7,7 +7,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 
 /// Metavision HDF5: /CD/events as records {x u2, y u2, p i2, t i8} in chunks of 16384 under the ECF filter, which is
 /// applied here and needs no plugin; /EXT_TRIGGER/events; /CD/indexes and /EXT_TRIGGER/indexes (one entry per 2 ms);
@@ -24,4 +24,4 @@ namespace e2lf::events::hdf5 {
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path,
                                                                    const RecordingInfo& info);
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

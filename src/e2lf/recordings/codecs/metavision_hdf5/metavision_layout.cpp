@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 
 Handle event_type() {
   const LibraryLock lock;
@@ -42,4 +42,4 @@ void columns_from_records(const EventRecord* records, size_t count, EventColumns
   }
 }
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

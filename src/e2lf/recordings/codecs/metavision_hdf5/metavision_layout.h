@@ -6,7 +6,7 @@
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/hdf5_file.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 
 inline constexpr H5Z_filter_t kEcfFilter = 0x8ECF;
 inline constexpr uint64_t kChunkEvents = 16384;
@@ -37,4 +37,4 @@ static_assert(sizeof(EventRecord) == 16 && sizeof(TriggerRecord) == 24 && sizeof
 /// Sets events [begin, begin + count) of `events`, which must have room, from records.
 void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin);
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

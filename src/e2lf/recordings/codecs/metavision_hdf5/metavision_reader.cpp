@@ -11,7 +11,7 @@
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/time_sort.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 namespace {
 
 constexpr uint64_t kTriggerBlock = 4096;
@@ -95,4 +95,4 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

@@ -2,16 +2,16 @@
 #include <algorithm>
 #include <optional>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/files/file.h"
+#include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
-#include "e2lf/hdf5/checked_file.h"
 
-namespace e2lf::events::hdf5 {
+namespace e2lf::recordings::hdf5_events {
 using e2lf::hdf5::CheckedFile;
 
 namespace {
@@ -239,4 +239,4 @@ Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path
   return result;
 }
 
-}  // namespace e2lf::events::hdf5
+}  // namespace e2lf::recordings::hdf5_events

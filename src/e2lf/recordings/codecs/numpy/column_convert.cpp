@@ -8,10 +8,10 @@
 #include <type_traits>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/text.h"
 #include "e2lf/base/little_endian.h"
+#include "e2lf/base/text.h"
 
-namespace e2lf::events::npy_events {
+namespace e2lf::recordings::numpy {
 namespace {
 
 /// Calls visit(T{}) with the type of the code; false for a code that is none.
@@ -212,4 +212,4 @@ RecordFields fields_of_rows(const std::string& order, const std::string& type, s
   return {field('x'), field('y'), field('p'), field('t')};
 }
 
-}  // namespace e2lf::events::npy_events
+}  // namespace e2lf::recordings::numpy

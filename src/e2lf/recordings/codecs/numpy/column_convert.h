@@ -12,7 +12,7 @@
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events::npy_events {
+namespace e2lf::recordings::numpy {
 
 /// Where one number of an event is within records `stride` bytes apart; a plain column has offset 0.
 struct NumberField {
@@ -65,4 +65,4 @@ size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad
 /// The fields of the rows of an array [events, 4] with columns in that order.
 [[nodiscard]] RecordFields fields_of_rows(const std::string& order, const std::string& type, size_t item_size);
 
-}  // namespace e2lf::events::npy_events
+}  // namespace e2lf::recordings::numpy

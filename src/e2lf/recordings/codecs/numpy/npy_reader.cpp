@@ -2,18 +2,17 @@
 #include <algorithm>
 #include <array>
 
-#include "e2lf/files/npy_header.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/npy_header.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/codecs/numpy/column_convert.h"
-#include "e2lf/recordings/codecs/numpy/npy_events.h"
-#include "e2lf/recordings/registry.h"
+#include "e2lf/recordings/codecs/numpy/numpy.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/time_search.h"
 #include "e2lf/recordings/time_sort.h"
 
-namespace e2lf::events::npy_events {
+namespace e2lf::recordings::numpy {
 namespace {
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
@@ -196,4 +195,4 @@ Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> so
                            std::move(triggers));
 }
 
-}  // namespace e2lf::events::npy_events
+}  // namespace e2lf::recordings::numpy

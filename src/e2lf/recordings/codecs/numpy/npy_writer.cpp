@@ -5,9 +5,9 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy_header.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/npy_events.h"
+#include "e2lf/recordings/codecs/numpy/numpy.h"
 
-namespace e2lf::events::npy_events {
+namespace e2lf::recordings::numpy {
 namespace {
 
 /// OpenEB's event.
@@ -100,4 +100,4 @@ Result<std::unique_ptr<RecordingWriter>> create_npy_file(const std::filesystem::
   return result;
 }
 
-}  // namespace e2lf::events::npy_events
+}  // namespace e2lf::recordings::numpy

@@ -2,17 +2,17 @@
 #include <algorithm>
 #include <string_view>
 
-#include "e2lf/files/npy.h"
-#include "e2lf/base/text.h"
-#include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/base/little_endian.h"
+#include "e2lf/base/text.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/numpy/column_convert.h"
-#include "e2lf/recordings/codecs/numpy/npy_events.h"
+#include "e2lf/recordings/codecs/numpy/numpy.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/time_search.h"
 #include "e2lf/recordings/time_sort.h"
 
-namespace e2lf::events::npy_events {
+namespace e2lf::recordings::numpy {
 namespace {
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
@@ -261,4 +261,4 @@ Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> si
   return writer;
 }
 
-}  // namespace e2lf::events::npy_events
+}  // namespace e2lf::recordings::numpy

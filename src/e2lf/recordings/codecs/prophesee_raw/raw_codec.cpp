@@ -2,15 +2,18 @@
 #include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_encoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_encoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_reader.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
-template <typename Codec>
+template <WordCodec Codec>
 std::unique_ptr<RecordingReader> make_reader(std::unique_ptr<ByteSource> source, RawHeader header,
                                              const OpenOptions& options) {
   return std::make_unique<RawReader<Codec>>(std::move(source), std::move(header), options);
@@ -36,9 +39,9 @@ Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> so
 }
 
 Result<std::unique_ptr<RecordingWriter>> create_raw(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
-  if (info.format == "evt2") return create_evt2(std::move(sink), info);
-  if (info.format == "evt2.1") return create_evt21(std::move(sink), info);
-  return create_evt3(std::move(sink), info);
+  if (info.format == "evt2") return evt2::create(std::move(sink), info);
+  if (info.format == "evt2.1") return evt21::create(std::move(sink), info);
+  return evt3::create(std::move(sink), info);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

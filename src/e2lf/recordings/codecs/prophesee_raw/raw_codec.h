@@ -5,7 +5,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Opens a Prophesee RAW recording: EVT2, EVT2.1 (either byte order) or EVT3, as its header or options.format says.
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> source,
@@ -15,11 +15,4 @@ namespace e2lf::events {
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_raw(std::unique_ptr<ByteSink> sink,
                                                                   const RecordingInfo& info);
 
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_evt2(std::unique_ptr<ByteSink> sink,
-                                                                   const RecordingInfo& info);
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_evt21(std::unique_ptr<ByteSink> sink,
-                                                                    const RecordingInfo& info);
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_evt3(std::unique_ptr<ByteSink> sink,
-                                                                   const RecordingInfo& info);
-
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/isa.h"
-#include "testing/chunked_source.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "testing/chunked_source.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 std::vector<uint8_t> bytes_of(const std::string& text) {
@@ -324,4 +324,4 @@ TEST(RawFiles, AppearWholeOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

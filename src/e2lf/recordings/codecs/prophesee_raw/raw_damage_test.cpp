@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/isa.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "testing/chunked_source.h"
 #include "testing/damage.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr int64_t kMaxLossUs = 1000;
@@ -169,4 +169,4 @@ TEST(ClockSetAnew, GoesOnAfterAWhile) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -6,13 +6,13 @@
 #include <thread>
 #include <unistd.h>
 
-#include "e2lf/files/file.h"
 #include "e2lf/base/isa.h"
+#include "e2lf/files/file.h"
 #include "e2lf/recordings/convert.h"
 #include "testing/chunked_source.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 /// The true counts and sums of a recording.
@@ -331,4 +331,4 @@ TEST(FaultyFiles, WithoutHeaderOpenWhenTold) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

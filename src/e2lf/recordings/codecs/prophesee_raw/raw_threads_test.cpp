@@ -2,15 +2,15 @@
 // Decoding on several threads gives exactly what one thread gives: events, triggers, summary, images, seeks.
 #include <gtest/gtest.h>
 
-#include "e2lf/files/file.h"
-#include "e2lf/base/isa.h"
 #include "bench/decode/benchmark_streams.h"
+#include "e2lf/base/isa.h"
+#include "e2lf/files/file.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "testing/chunked_source.h"
 #include "testing/damage.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 struct Decoded {
@@ -77,9 +77,9 @@ void expect_same(const Decoded& found, const Decoded& expected, const std::strin
 }
 
 /// As many events of a shape as make about so many bytes.
-BenchmarkStream stream_of(StreamShape shape, uint64_t bytes) {
+bench::BenchmarkStream stream_of(bench::StreamShape shape, uint64_t bytes) {
   constexpr double kBytesPerEvent[] = {2.7, 8.2, 0.9, 4, 0.5};
-  return synthesise_stream(
+  return bench::synthesise_stream(
       shape, static_cast<uint64_t>(static_cast<double>(bytes) / kBytesPerEvent[static_cast<size_t>(shape)]));
 }
 
@@ -144,15 +144,15 @@ TEST(RawThreads, EveryRecordingGivesWhatTheScalarReferenceGives) {
   }
 }
 
-class Shapes : public testing::TestWithParam<StreamShape> {};
+class Shapes : public testing::TestWithParam<bench::StreamShape> {};
 
 TEST_P(Shapes, LongStreamsGiveWhatTheScalarReferenceGives) {
-  const BenchmarkStream stream = stream_of(GetParam(), 2'000'000);
+  const bench::BenchmarkStream stream = stream_of(GetParam(), 2'000'000);
   expect_threads_equal(stream.bytes, with_threads(1));
 }
 
 TEST_P(Shapes, DamagedStreamsGiveWhatTheScalarReferenceGives) {
-  const BenchmarkStream stream = stream_of(GetParam(), 800'000);
+  const bench::BenchmarkStream stream = stream_of(GetParam(), 800'000);
   const size_t header = parse_raw_header(stream.bytes, true, "").value().num_bytes;
   std::mt19937 random(static_cast<uint32_t>(GetParam()));
   uint64_t violations = 0;
@@ -177,7 +177,7 @@ TEST_P(Shapes, DamagedStreamsGiveWhatTheScalarReferenceGives) {
 }
 
 TEST_P(Shapes, WrongSensorSizeIsReportedAlike) {
-  const BenchmarkStream stream = stream_of(GetParam(), 800'000);
+  const bench::BenchmarkStream stream = stream_of(GetParam(), 800'000);
   const size_t header = parse_raw_header(stream.bytes, true, "").value().num_bytes;
   OpenOptions options = with_threads(1);
   options.format = parse_raw_header(stream.bytes, true, "").value().info.format;
@@ -193,7 +193,7 @@ TEST_P(Shapes, WrongSensorSizeIsReportedAlike) {
 }
 
 TEST_P(Shapes, SeeksFindTheSameEvent) {
-  const BenchmarkStream stream = stream_of(GetParam(), 5'000'000);
+  const bench::BenchmarkStream stream = stream_of(GetParam(), 5'000'000);
   const Decoded whole = reference(stream.bytes, with_threads(1));
   const EventColumns& events = whole.batch.events;
   for (const int threads : {1, 3}) {
@@ -217,7 +217,7 @@ TEST_P(Shapes, SeeksFindTheSameEvent) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Raw, Shapes, testing::ValuesIn(kStreamShapes),
+INSTANTIATE_TEST_SUITE_P(Raw, Shapes, testing::ValuesIn(bench::kStreamShapes),
                          [](const auto& test) { return "n" + std::to_string(test.index); });
 
 TEST(RawThreads, ClockThatWrapsAndStopsGoesOn) {
@@ -246,7 +246,7 @@ TEST(RawThreads, ClockThatWrapsAndStopsGoesOn) {
 }
 
 TEST(RawThreads, StrictPolicyFailsAtTheSameByte) {
-  BenchmarkStream stream = synthesise_stream(StreamShape::kEvt3Dense, 1'000'000);
+  bench::BenchmarkStream stream = bench::synthesise_stream(bench::StreamShape::kEvt3Dense, 1'000'000);
   stream.bytes[stream.bytes.size() / 2] ^= 0x40;
   stream.bytes.erase(stream.bytes.begin() + static_cast<ptrdiff_t>(stream.bytes.size() * 2 / 3));
   std::vector<std::string> errors;
@@ -263,4 +263,4 @@ TEST(RawThreads, StrictPolicyFailsAtTheSameByte) {
 }
 
 }  // namespace
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

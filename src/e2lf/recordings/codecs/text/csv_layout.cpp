@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace e2lf::events::csv {
+namespace e2lf::recordings::text {
 namespace {
 
 constexpr int64_t kTimeLimitUs = int64_t{1} << 62;
@@ -163,4 +163,4 @@ std::optional<Layout> find_layout(std::span<const uint8_t> head) {
   return layout;
 }
 
-}  // namespace e2lf::events::csv
+}  // namespace e2lf::recordings::text

@@ -9,7 +9,7 @@
 
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events::csv {
+namespace e2lf::recordings::text {
 
 enum class Field { kX, kY, kP, kT };
 
@@ -34,4 +34,4 @@ inline constexpr std::array<Field, 4> kTxtOrder = {Field::kT, Field::kX, Field::
 /// Reads one line, without its end, as an event. False when it is not one.
 [[nodiscard]] bool parse_line(std::string_view line, const Layout& layout, Event& event);
 
-}  // namespace e2lf::events::csv
+}  // namespace e2lf::recordings::text

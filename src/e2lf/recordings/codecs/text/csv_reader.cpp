@@ -5,15 +5,14 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/text/csv.h"
 #include "e2lf/recordings/codecs/text/csv_layout.h"
+#include "e2lf/recordings/codecs/text/text.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/registry.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/time_search.h"
 #include "e2lf/recordings/time_sort.h"
 
-namespace e2lf::events::csv {
+namespace e2lf::recordings::text {
 namespace {
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
@@ -220,4 +219,4 @@ Result<std::unique_ptr<RecordingReader>> open_txt(std::unique_ptr<ByteSource> so
   return open(std::move(source), options, "txt", fallback);
 }
 
-}  // namespace e2lf::events::csv
+}  // namespace e2lf::recordings::text

@@ -9,9 +9,9 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/text/csv.h"
+#include "e2lf/recordings/codecs/text/text.h"
 
-namespace e2lf::events::csv {
+namespace e2lf::recordings::text {
 namespace {
 
 /// Two coordinates, a polarity and a time with their separators, and room for stores of four bytes at the end.
@@ -204,4 +204,4 @@ Result<std::unique_ptr<RecordingWriter>> create_txt(std::unique_ptr<ByteSink> si
   return create(std::move(sink), info, /*is_seconds=*/true);
 }
 
-}  // namespace e2lf::events::csv
+}  // namespace e2lf::recordings::text

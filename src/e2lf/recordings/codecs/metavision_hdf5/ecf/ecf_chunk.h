@@ -7,7 +7,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events::ecf {
+namespace e2lf::recordings::ecf {
 
 /// The ECF compression of one chunk of events, as Metavision HDF5 files store it (HDF5 filter 36559 = 0x8ECF).
 /// A chunk is little-endian:
@@ -54,4 +54,4 @@ struct MutableChunkColumns {
 /// early and with kFormat when a run exceeds the chunk or a time exceeds 2^62; the columns are then unspecified.
 [[nodiscard]] Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& events);
 
-}  // namespace e2lf::events::ecf
+}  // namespace e2lf::recordings::ecf

@@ -5,7 +5,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
 
-namespace e2lf::events::ecf {
+namespace e2lf::recordings::ecf {
 namespace {
 
 constexpr uint64_t kTimeLimit = uint64_t{1} << 62;
@@ -187,4 +187,4 @@ Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& e
   return read_p_runs(in, e.p);
 }
 
-}  // namespace e2lf::events::ecf
+}  // namespace e2lf::recordings::ecf

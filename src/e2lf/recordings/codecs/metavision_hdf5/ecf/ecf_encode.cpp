@@ -6,7 +6,7 @@
 
 #include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
 
-namespace e2lf::events::ecf {
+namespace e2lf::recordings::ecf {
 namespace {
 
 constexpr size_t kTimeBytesPerEvent = 17;  // 16 digits of a gap and the run
@@ -184,4 +184,4 @@ size_t encode(const ChunkColumns& e, std::span<uint8_t> out) {
   return static_cast<size_t>(end - out.data());
 }
 
-}  // namespace e2lf::events::ecf
+}  // namespace e2lf::recordings::ecf

@@ -6,7 +6,7 @@
 #include "e2lf/recordings/event.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::events::ecf {
+namespace e2lf::recordings::ecf {
 namespace {
 
 std::vector<uint8_t> encode(const EventColumns& events) {
@@ -209,4 +209,4 @@ TEST(Ecf, DamagedChunksNeverBreakTheColumns) {
 }
 
 }  // namespace
-}  // namespace e2lf::events::ecf
+}  // namespace e2lf::recordings::ecf

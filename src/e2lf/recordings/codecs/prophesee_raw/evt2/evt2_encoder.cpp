@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_encoder.h"
 
-#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
-
-namespace e2lf::events {
-namespace evt2 {
+namespace e2lf::recordings::evt2 {
 
 void Encoder::put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out) {
   for (size_t i = begin; i < end; ++i) {
@@ -18,12 +15,10 @@ void Encoder::put_trigger(const Trigger& trigger, WordBuffer& out) {
   out.put(timed::trigger_head(trigger));
 }
 
-}  // namespace evt2
-
-Result<std::unique_ptr<RecordingWriter>> create_evt2(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
   RecordingInfo raw = info;
   raw.format = "evt2";
-  return create_raw_writer<evt2::Encoder>(std::move(sink), raw);
+  return create_raw_writer<Encoder>(std::move(sink), raw);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings::evt2

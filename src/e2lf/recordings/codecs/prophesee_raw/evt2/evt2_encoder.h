@@ -4,7 +4,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_writer.h"
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_clock.h"
 
-namespace e2lf::events::evt2 {
+namespace e2lf::recordings::evt2 {
 
 /// Makes EVT2 words of events and triggers (the Encoder of RawWriter).
 class Encoder {
@@ -21,4 +21,8 @@ class Encoder {
   timed::Clock clock_;
 };
 
-}  // namespace e2lf::events::evt2
+/// Writes a RAW recording of EVT2 words.
+[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
+                                                              const RecordingInfo& info);
+
+}  // namespace e2lf::recordings::evt2

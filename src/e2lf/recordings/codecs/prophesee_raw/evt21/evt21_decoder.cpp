@@ -3,7 +3,7 @@
 
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_kernels.h"
 
-namespace e2lf::events::evt21 {
+namespace e2lf::recordings::evt21 {
 namespace {
 
 template <ByteOrder kOrder>
@@ -61,4 +61,4 @@ ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hin
   return little > legacy ? ByteOrder::kLittle : ByteOrder::kLegacy;
 }
 
-}  // namespace e2lf::events::evt21
+}  // namespace e2lf::recordings::evt21

@@ -4,24 +4,12 @@
 #include <span>
 #include <string>
 
+#include "e2lf/recordings/codecs/prophesee_raw/timed/layouts.h"
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
 
-/// EVT2.1: 64-bit words of a head (as in EVT2) and 32 validity bits, bit i = an event at x + i.
-namespace e2lf::events::evt21 {
+namespace e2lf::recordings::evt21 {
 
-/// The order of the two halves: plain little-endian words have the head last, older sensors send it first ("legacy").
-enum class ByteOrder { kLittle, kLegacy };
-
-template <ByteOrder kOrder>
-struct Layout {
-  static constexpr size_t kWordBytes = 8;
-  static constexpr size_t kMaxEventsPerWord = 32;
-  static constexpr size_t kHeadOffset = kOrder == ByteOrder::kLittle ? 4 : 0;
-  static uint32_t head(const uint8_t* word) { return load_le<uint32_t>(word + kHeadOffset); }
-  static uint32_t mask(const uint8_t* word) { return load_le<uint32_t>(word + 4 - kHeadOffset); }
-};
-
-/// EVT2.1 for RawStream, see word_checks.h. check() and decode() are the vector versions where the CPU has one.
+/// EVT2.1 for RawStream, see word_codec.h. check() and decode() are the vector versions where the CPU has one.
 template <ByteOrder kOrder>
 struct Codec : timed::Words<Layout<kOrder>> {
   using State = timed::State;
@@ -35,4 +23,4 @@ struct Codec : timed::Words<Layout<kOrder>> {
 /// decides when both do. `words`: the first few kilobytes.
 [[nodiscard]] ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint);
 
-}  // namespace e2lf::events::evt21
+}  // namespace e2lf::recordings::evt21

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_encoder.h"
 
-#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
-
-namespace e2lf::events {
-namespace evt21 {
+namespace e2lf::recordings::evt21 {
 
 void Encoder::put(uint32_t head, uint32_t mask, WordBuffer& out) const {
   out.put(legacy_ ? head : mask);
@@ -34,12 +31,10 @@ void Encoder::put_trigger(const Trigger& trigger, WordBuffer& out) {
   put(timed::trigger_head(trigger), 0, out);
 }
 
-}  // namespace evt21
-
-Result<std::unique_ptr<RecordingWriter>> create_evt21(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
   RecordingInfo raw = info;
   raw.format = "evt2.1";
-  return create_raw_writer<evt21::Encoder>(std::move(sink), raw);
+  return create_raw_writer<Encoder>(std::move(sink), raw);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings::evt21

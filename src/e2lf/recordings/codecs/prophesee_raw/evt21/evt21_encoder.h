@@ -4,7 +4,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_writer.h"
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_clock.h"
 
-namespace e2lf::events::evt21 {
+namespace e2lf::recordings::evt21 {
 
 /// Makes EVT2.1 words of events and triggers (the Encoder of RawWriter): one word for a run of events of one time, row,
 /// polarity and block of 32 pixels. Plain little-endian words, or halves in "legacy" order where info says so by the
@@ -26,4 +26,8 @@ class Encoder {
   timed::Clock clock_;
 };
 
-}  // namespace e2lf::events::evt21
+/// Writes a RAW recording of EVT2.1 words.
+[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
+                                                              const RecordingInfo& info);
+
+}  // namespace e2lf::recordings::evt21

@@ -16,7 +16,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_groups-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -180,7 +180,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -3,7 +3,7 @@
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace {
 
 uint32_t type_of(uint16_t word) {
@@ -132,14 +132,14 @@ size_t Codec::count_bad(const uint8_t* words, size_t count, size_t enough) {
   return bad;
 }
 
-Suspicion Codec::suspicion(const uint8_t* word, const Check& check, const SensorLimits& limits) {
+WordFault Codec::classify(const uint8_t* word, const Check& check, const SensorLimits& limits) {
   const auto value = load_le<uint16_t>(word);
-  if (!is_known(value) || value == 0) return Suspicion::kUnknown;
-  if (is_outside(value, limits)) return Suspicion::kRange;
+  if (!is_known(value) || value == 0) return WordFault::kUnknown;
+  if (is_outside(value, limits)) return WordFault::kRange;
   const bool is_back = type_of(value) == kTimeHigh
                            ? check.time_high != 0xFFFF && steps(check.time_high, value) >= kHalfCircle
                            : (value & static_cast<int>(kPayloadMask)) < check.low;
-  return is_back ? Suspicion::kTimeBack : Suspicion::kTimeAhead;
+  return is_back ? WordFault::kTimeBack : WordFault::kTimeAhead;
 }
 
 int64_t Codec::step_us(const uint8_t* word, const Check& check) {
@@ -199,4 +199,4 @@ void Codec::drop_word(const uint8_t* word, State& state) {
   }
 }
 
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3

@@ -3,7 +3,7 @@
 
 #include <bit>
 
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace {
 
 constexpr uint16_t kNone = 0xFFFF;
@@ -90,9 +90,9 @@ size_t decode_scalar(const uint8_t* words, size_t count, State& state, const Sen
   return count;
 }
 
-size_t Codec::settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
+size_t Codec::resynchronise(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
   size_t i = 0;
-  for (; i < count && !settled(state); ++i) {
+  for (; i < count && !is_synchronised(state); ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
     uint64_t dropped = 0;
     switch (word >> 12) {
@@ -133,7 +133,7 @@ size_t Codec::settle(const uint8_t* words, size_t count, State& state, DecodeSum
   return i;
 }
 
-void Codec::go_on_from(State& state, const State& before) {
+void Codec::extrapolate(State& state, const State& before) {
   // Up to 14 s ahead, or 2 s back.
   constexpr uint32_t kBack = 512;
   const uint32_t ahead = (static_cast<uint32_t>(state.time_high) - before.time_high + kBack) & kPayloadMask;
@@ -144,4 +144,4 @@ void Codec::go_on_from(State& state, const State& before) {
   }
 }
 
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3

@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_checks.h"
+#include "e2lf/recordings/decode_summary.h"
 
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 
 /// What words depend on that came before them.
 struct State {
@@ -44,7 +46,7 @@ inline bool is_plausible_low(int last, int next) {
   return last < 0 || (next + kJitterUs >= last && next <= last + kLongStepUs);
 }
 
-/// EVT3 for RawStream, see word_checks.h for what each function means.
+/// EVT3 for RawStream, see word_codec.h for what each function means.
 struct Codec {
   using State = evt3::State;
   using Check = evt3::Check;
@@ -54,16 +56,16 @@ struct Codec {
 
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
   static size_t count_bad(const uint8_t* words, size_t count, size_t enough);
-  static Suspicion suspicion(const uint8_t* word, const Check& check, const SensorLimits& limits);
+  static WordFault classify(const uint8_t* word, const Check& check, const SensorLimits& limits);
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check);
   static void accept_time(const uint8_t* word, Check& check);
   static void reject_time(const uint8_t* word, Check& check);
   static int64_t step_us(const uint8_t* word, const Check& check);
   static void forget(State& state, Check& check);
   static void drop_word(const uint8_t* word, State& state);
-  static size_t settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
-  static bool settled(const State& state) { return !state.need_time_high && !state.need_low && !state.need_y; }
-  static void go_on_from(State& state, const State& before);
+  static size_t resynchronise(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
+  static bool is_synchronised(const State& state) { return !state.need_time_high && !state.need_low && !state.need_y; }
+  static void extrapolate(State& state, const State& before);
   static int64_t time(const State& state) { return state.high_us | state.low; }
   static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us / kLoopUs); }
 
@@ -71,10 +73,11 @@ struct Codec {
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
 };
 
-/// The scalar reference: decodes checked words one by one. Returns `count`. Vector events outside the sensor are dropped.
+/// The scalar reference: decodes checked words one by one. Returns `count`. Vector events outside the sensor are
+/// dropped.
 size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
 
 /// The scalar reference of Codec::check().
 size_t check_scalar(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
 
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3

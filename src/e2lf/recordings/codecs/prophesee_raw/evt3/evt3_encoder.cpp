@@ -4,10 +4,8 @@
 #include <algorithm>
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
-#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
 
-namespace e2lf::events {
-namespace evt3 {
+namespace e2lf::recordings::evt3 {
 namespace {
 
 constexpr int64_t kHeartbeatUs = 16;
@@ -90,12 +88,10 @@ void Encoder::put_trigger(const Trigger& trigger, WordBuffer& out) {
   out.put(make_word(kTrigger, (static_cast<uint32_t>(trigger.id & 0xF) << 8) | (trigger.p & 1u)));
 }
 
-}  // namespace evt3
-
-Result<std::unique_ptr<RecordingWriter>> create_evt3(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
   RecordingInfo raw = info;
   raw.format = "evt3";
-  return create_raw_writer<evt3::Encoder>(std::move(sink), raw);
+  return create_raw_writer<Encoder>(std::move(sink), raw);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings::evt3

@@ -6,7 +6,7 @@
 
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_writer.h"
 
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 
 /// Makes EVT3 words of events and triggers (the Encoder of RawWriter). Runs of events in one row and of one polarity
 /// become vectors (always as base, 12, 12, 8 pixels, which every reader takes) where that is shorter. TIME_HIGH comes
@@ -37,4 +37,8 @@ class Encoder {
   uint32_t y_ = 0xFFFF;
 };
 
-}  // namespace e2lf::events::evt3
+/// Writes a RAW recording of EVT3 words.
+[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
+                                                              const RecordingInfo& info);
+
+}  // namespace e2lf::recordings::evt3

@@ -12,7 +12,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/plain_words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
@@ -33,11 +33,11 @@ size_t decode_columns(const uint8_t* words, size_t count, State& state, const Se
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 
 HWY_EXPORT(check_words);
 HWY_EXPORT(decode_columns);
@@ -50,5 +50,5 @@ size_t Codec::decode(const uint8_t* words, size_t count, State& state, const Sen
   return HWY_DYNAMIC_DISPATCH(decode_columns)(words, count, state, limits, sink);
 }
 
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3
 #endif

@@ -5,7 +5,7 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace {
 
 constexpr uint32_t kWidth = 200, kHeight = 60;
@@ -71,7 +71,7 @@ class WordMaker {
   std::vector<uint8_t> words_;
 };
 
-State settled_state() {
+State known_state() {
   State state;
   state.high_us = int64_t{77} << 12;
   state.time_high = static_cast<uint16_t>(kTimeHigh << 12 | 77);
@@ -88,7 +88,7 @@ struct Decoded {
 template <typename Decode>
 Decoded decode_columns(const std::vector<uint8_t>& words, const Decode& decode) {
   Decoded decoded;
-  decoded.state = settled_state();
+  decoded.state = known_state();
   EventColumns& events = decoded.batch.events;
   const size_t count = words.size() / 2;
   events.resize(count * 12 + kSinkSlack);
@@ -126,7 +126,7 @@ TEST(Evt3Kernels, CheckStopsWhereTheScalarReferenceStops) {
     for (const std::string& isa : available_isas()) {
       ASSERT_TRUE(set_max_isa(isa));
       Check check, expected;
-      if (seed % 7 != 0) check.time_high = expected.time_high = settled_state().time_high;
+      if (seed % 7 != 0) check.time_high = expected.time_high = known_state().time_high;
       for (size_t at = 0; at < words.size() / 2;) {
         const SensorLimits limits{kWidth, kHeight};
         const size_t count = words.size() / 2 - at;
@@ -156,7 +156,7 @@ TEST(Evt3Kernels, CheckSeesTimesThatStepBackFromOneGroupToTheNext) {
   for (const std::string& isa : available_isas()) {
     ASSERT_TRUE(set_max_isa(isa));
     Check check, expected;
-    check.time_high = expected.time_high = settled_state().time_high;
+    check.time_high = expected.time_high = known_state().time_high;
     check.low = expected.low = 1000;
     const SensorLimits limits{kWidth, kHeight};
     const size_t good = Codec::check(words.data(), 64, check, limits);
@@ -168,4 +168,4 @@ TEST(Evt3Kernels, CheckSeesTimesThatStepBackFromOneGroupToTheNext) {
 }
 
 }  // namespace
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3

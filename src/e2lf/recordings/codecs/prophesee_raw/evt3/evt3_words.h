@@ -4,7 +4,7 @@
 #include <cstdint>
 
 /// EVT3: 16-bit little-endian words, the type in bits 15..12.
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 
 enum Type : uint32_t {
   kAddrY = 0x0,        ///< y in bits 10..0 of what follows
@@ -36,4 +36,4 @@ inline constexpr int64_t kLoopUs = int64_t{1} << 24;
 /// Times may step back by this much without being damaged: real sensors do by some microseconds.
 inline constexpr int kJitterUs = 64;
 
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3

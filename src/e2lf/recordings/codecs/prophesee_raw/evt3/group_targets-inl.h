@@ -17,14 +17,14 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_AVX3_DL
 
-using events::HWY_NAMESPACE::Columns;
-using events::HWY_NAMESPACE::expand_mask;
+using recordings::HWY_NAMESPACE::Columns;
+using recordings::HWY_NAMESPACE::expand_mask;
 
 /// Stores four times `low` with `high` as 64-bit values.
 template <typename D64>
@@ -88,7 +88,7 @@ class ToColumns {
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3
 HWY_AFTER_NAMESPACE();
 
 #endif

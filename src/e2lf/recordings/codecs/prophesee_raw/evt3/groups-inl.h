@@ -17,7 +17,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_groups-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -106,7 +106,8 @@ HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds&
 
 /// Decodes words up to the first that needs a closer look, brings a time before the last one, or is
 /// among the last few. No branch depends on the order of plain words. Returns how many words were used.
-HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor, ToColumns& target) {
+HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor,
+                             ToColumns& target) {
   const Group d;
   const SignedGroup di;
   const auto not_plain = hn::Load(GroupBytes(), kNotPlain);
@@ -180,7 +181,7 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -15,7 +15,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_tables.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -79,7 +79,7 @@ HWY_INLINE __m512i move_up(__m512i values, int first) {
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 
 /// For every set of eight 16-bit lanes (a byte) the byte positions that a shuffle takes its lanes from; 0x80 = none.
 struct LaneTables {
@@ -33,4 +33,4 @@ inline constexpr LaneTables kLaneTables = [] {
   return tables;
 }();
 
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3

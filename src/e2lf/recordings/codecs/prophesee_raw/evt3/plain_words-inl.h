@@ -18,14 +18,14 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/expand-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events::evt3 {
+namespace e2lf::recordings::evt3 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_AVX3_DL
 
-using events::HWY_NAMESPACE::Columns;
-using events::HWY_NAMESPACE::expand_mask;
+using recordings::HWY_NAMESPACE::Columns;
+using recordings::HWY_NAMESPACE::expand_mask;
 
 /// What plain words change: events and everything that leaves the loops out of them.
 struct Cursor {
@@ -234,7 +234,7 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events::evt3
+}  // namespace e2lf::recordings::evt3
 HWY_AFTER_NAMESPACE();
 
 #endif

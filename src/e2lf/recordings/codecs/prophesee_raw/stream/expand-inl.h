@@ -15,7 +15,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -108,7 +108,7 @@ HWY_INLINE void expand_mask(uint32_t mask, uint32_t base_x, uint32_t y, uint32_t
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings
 HWY_AFTER_NAMESPACE();
 
 #endif

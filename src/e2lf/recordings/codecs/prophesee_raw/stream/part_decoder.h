@@ -5,15 +5,15 @@
 #include <vector>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/recordings/pending_batch.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_stream.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/stream_guess.h"
+#include "e2lf/recordings/pending_batch.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Decodes consecutive parts of a RAW stream at once. What a part depends on is guessed from the words before it; the
 /// part counts only when the one in front of it has come to just that state, so the result is that of one thread.
-template <typename Codec>
+template <WordCodec Codec>
 class PartDecoder {
  public:
   using Stream = RawStream<Codec>;
@@ -112,4 +112,4 @@ class PartDecoder {
   size_t part_bytes_ = 2 * kMinPartBytes;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -9,7 +9,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kMaxLine = 4096;
@@ -258,4 +258,4 @@ std::string raw_header_text(const RecordingInfo& info) {
   return text + "% end\n";
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -11,7 +11,7 @@
 #include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// The text in front of a RAW file's event words: lines "% key value", ended by "% end" or by the first line that is
 /// not one of them. Keys that name the encoding: `format EVT3;height=720;width=1280`, `evt 3.0`, `geometry 1280x720`.
@@ -38,4 +38,4 @@ struct RawHeader {
 /// encoding and size, which are made anew; keys that the vendor's software needs to open a file are added.
 [[nodiscard]] std::string raw_header_text(const RecordingInfo& info);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

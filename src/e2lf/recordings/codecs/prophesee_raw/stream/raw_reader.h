@@ -12,12 +12,12 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_stream.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Reads a RAW recording of one encoding: bytes from a source through a RawStream, or where the source is a file and
 /// there may be several threads, read() goes through a PartDecoder that is some parts ahead. Every kCheckpointBytes
 /// the stream is copied, so that seeking needs no index file: it goes on from the last copy before the time.
-template <typename Codec>
+template <WordCodec Codec>
 class RawReader final : public RecordingReader {
  public:
   /// `source` stands behind the header.
@@ -139,4 +139,4 @@ class RawReader final : public RecordingReader {
   size_t next_part_ = 0;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

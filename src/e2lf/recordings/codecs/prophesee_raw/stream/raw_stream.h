@@ -8,17 +8,17 @@
 #include <span>
 #include <utility>
 
-#include "e2lf/recordings/decode_summary.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/word_checks.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
+#include "e2lf/recordings/decode_summary.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Decodes one RAW encoding from bytes as they come: any cut between two calls gives the same events. Words are checked
 /// first, and what has been checked is decoded kHoldWords later without further checks. Where a check fails, the words
 /// behind it tell whether one word is damaged (it is dropped) or bytes are missing (the stream is taken up again where
 /// words make sense). Copies are checkpoints: decoding goes on from them.
-template <typename Codec>
+template <WordCodec Codec>
 class RawStream {
  public:
   explicit RawStream(const SensorLimits& limits) : limits_(limits) {}
@@ -50,13 +50,13 @@ class RawStream {
         continue;
       }
       ready = std::min({ready, kBlockWords, input.num_words_to_stop()});
-      if (Codec::settled(state_)) {
+      if (Codec::is_synchronised(state_)) {
         ready = std::min(ready, sink.room(Codec::kMaxEventsPerWord));
         if (ready == 0) return {input.position, 0};
         const size_t used = decode(input, ready, sink);
         if (used < ready) return {input.position, 0};
       } else {
-        settle(input, ready);
+        resynchronise(input, ready);
       }
     }
   }
@@ -71,13 +71,13 @@ class RawStream {
 
   /// Whether decoding goes on here as it does within undamaged data.
   [[nodiscard]] bool is_steady() const {
-    return started_ && !lost_ && problem_ != Problem::kBreak && Codec::settled(state_);
+    return started_ && !lost_ && problem_ != Problem::kBreak && Codec::is_synchronised(state_);
   }
 
   /// Makes a stream that has come up to some place from shortly before it a guess at what `before`, which is further
   /// back, will be there: clock, counts and what else has not shown are taken from it.
-  void go_on_from(const RawStream& before) {
-    Codec::go_on_from(state_, before.state_);
+  void extrapolate(const RawStream& before) {
+    Codec::extrapolate(state_, before.state_);
     check_.heartbeat = before.check_.heartbeat;
     asked_ = {};
   }
@@ -187,9 +187,9 @@ class RawStream {
     return (i - 1) * kWordBytes;
   }
 
-  void settle(Input& input, size_t count) {
-    advance(input, Codec::settle(input.data(), count, state_, *input.summary));
-    if (Codec::settled(state_) && gap_open_) {
+  void resynchronise(Input& input, size_t count) {
+    advance(input, Codec::resynchronise(input.data(), count, state_, *input.summary));
+    if (Codec::is_synchronised(state_) && gap_open_) {
       gap_open_ = false;
       const TimeGap gap = std::exchange(gap_, {});
       input.summary->add_gap({gap.begin_us, std::max(gap.begin_us, time_us()), gap.byte});
@@ -236,8 +236,8 @@ class RawStream {
     if (bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1)) {
       return begin_break(input);
     }
-    const Suspicion suspicion = Codec::suspicion(word, check_, limits_);
-    if (suspicion == Suspicion::kTimeBack || suspicion == Suspicion::kTimeAhead) {
+    const WordFault classify = Codec::classify(word, check_, limits_);
+    if (classify == WordFault::kTimeBack || classify == WordFault::kTimeAhead) {
       const Verdict verdict = Codec::judge_time(word, behind + 1, input.ended, check_);
       if (verdict == Verdict::kNeedMore) return Step::kNeedMore;
       if (verdict == Verdict::kAccept) {
@@ -248,7 +248,7 @@ class RawStream {
     }
     constexpr Violation kKinds[] = {Violation::kUnknownWord, Violation::kOutOfRange, Violation::kTimeBackwards,
                                     Violation::kTimeJump};
-    input.summary->add(kKinds[static_cast<size_t>(suspicion)], input.byte(checked_ * kWordBytes));
+    input.summary->add(kKinds[static_cast<size_t>(classify)], input.byte(checked_ * kWordBytes));
     ++input.summary->dropped_words;
     problem_ = Problem::kSkipWord;
     return Step::kGoOn;
@@ -368,4 +368,4 @@ class RawStream {
   Asked asked_;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -11,7 +11,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Bytes that an encoder appends little-endian words to.
 class WordBuffer {
@@ -132,4 +132,4 @@ Result<std::unique_ptr<RecordingWriter>> create_raw_writer(std::unique_ptr<ByteS
   return writer;
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -9,7 +9,7 @@
 
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// Room behind the last event that kernels may overwrite.
 inline constexpr size_t kSinkSlack = 64;
@@ -22,7 +22,8 @@ struct SensorLimits {
 
 /// Where decoders put events as columns: pointers into EventColumns that have kSinkSlack more elements than they may
 /// fill.
-///   set_time(t)  the time of what follows. A time before that of the last event (sensors jitter by some microseconds) is
+///   set_time(t)  the time of what follows. A time before that of the last event (sensors jitter by some microseconds)
+///   is
 ///                raised to it: what is given out is sorted.
 ///   room()       how many words may be decoded before the sink is full
 ///   add(x, y, p) one event; add_mask(x, y, p, mask) one event at x + i for each set bit i, all inside the sensor
@@ -89,4 +90,4 @@ class ColumnSink {
   int64_t latest_ = INT64_MIN;
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

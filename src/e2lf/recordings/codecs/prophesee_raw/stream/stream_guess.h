@@ -9,14 +9,14 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_stream.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// What a part that is decoded at the same time as those before it may look at behind its end.
-template <typename Codec>
+template <WordCodec Codec>
 inline constexpr size_t kBytesBehindPart = 2 * kJudgeWords* Codec::kWordBytes;
 
 /// Guesses the state of a stream somewhere ahead from the words in front of that place.
-template <typename Codec>
+template <WordCodec Codec>
 class StreamGuess {
  public:
   using Stream = RawStream<Codec>;
@@ -29,7 +29,7 @@ class StreamGuess {
       const size_t from = begin - std::min(begin, words * Codec::kWordBytes);
       guess = Stream(limits);
       if (!warm_up(bytes.subspan(from), begin - from, sink, guess) || !guess.is_steady()) continue;
-      guess.go_on_from(stream);
+      guess.extrapolate(stream);
       return true;
     }
     return false;
@@ -54,4 +54,4 @@ class StreamGuess {
   }
 };
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -6,7 +6,7 @@
 
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
 
-namespace e2lf::events::timed {
+namespace e2lf::recordings::timed {
 
 /// The TIME_HIGH words of EVT2 and EVT2.1: at every step of it, and again when 16 us have passed.
 class Clock {
@@ -55,4 +55,4 @@ inline uint32_t trigger_head(const Trigger& trigger) {
          (static_cast<uint32_t>(trigger.id & 0x1F) << 8) | (trigger.p & 1u);
 }
 
-}  // namespace e2lf::events::timed
+}  // namespace e2lf::recordings::timed

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_decoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/timed/layouts.h"
 
 #define HWY_WANT_AVX3_DL 1
 #undef HWY_TARGET_INCLUDE
@@ -16,7 +15,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/expand-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace e2lf::events::timed {
+namespace e2lf::recordings::timed {
 namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
 
@@ -31,8 +30,8 @@ size_t decode_words(const uint8_t* words, size_t count, State& state, const Sens
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
-using events::HWY_NAMESPACE::Columns;
-using events::HWY_NAMESPACE::expand_mask;
+using recordings::HWY_NAMESPACE::Columns;
+using recordings::HWY_NAMESPACE::expand_mask;
 
 using Heads = hn::ScalableTag<uint32_t>;
 
@@ -185,11 +184,11 @@ Kernels find_kernels(Encoding encoding) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace e2lf::events::timed
+}  // namespace e2lf::recordings::timed
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace e2lf::events::timed {
+namespace e2lf::recordings::timed {
 
 HWY_EXPORT(find_kernels);
 
@@ -197,5 +196,5 @@ Kernels kernels(Encoding encoding) {
   return HWY_DYNAMIC_DISPATCH(find_kernels)(encoding);
 }
 
-}  // namespace e2lf::events::timed
+}  // namespace e2lf::recordings::timed
 #endif

@@ -6,13 +6,15 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_checks.h"
+#include "e2lf/recordings/decode_summary.h"
 
 /// EVT2 and EVT2.1: every event brings the low 6 bits of its time. The 32-bit head of a word has the type in bits
 /// 31..28; EVT2.1 adds 32 validity bits. A `Layout` says where the two lie in memory:
 ///   kWordBytes, kMaxEventsPerWord, head(bytes), mask(bytes)
-namespace e2lf::events::timed {
+namespace e2lf::recordings::timed {
 
 enum Type : uint32_t {
   kOff = 0x0,       ///< event(s): t bits 5..0 in 27..22, x in 21..11, y in 10..0
@@ -79,7 +81,7 @@ inline void take_time_high(uint32_t time_high, State& state) {
   state.time_high = time_high;
 }
 
-/// The functions of a Codec (word_checks.h) but for check() and decode(), and the scalar references of those.
+/// The functions of a Codec (word_codec.h) but for check() and decode(), and the scalar references of those.
 template <typename Layout>
 struct Words {
   using State = timed::State;
@@ -138,12 +140,12 @@ struct Words {
     return bad;
   }
 
-  static Suspicion suspicion(const uint8_t* word, const Check& check, const SensorLimits& limits) {
+  static WordFault classify(const uint8_t* word, const Check& check, const SensorLimits& limits) {
     const uint32_t head = Layout::head(word);
-    if (!is_known(head) || is_zero(word)) return Suspicion::kUnknown;
-    if (is_outside(head, limits)) return Suspicion::kRange;
+    if (!is_known(head) || is_zero(word)) return WordFault::kUnknown;
+    if (is_outside(head, limits)) return WordFault::kRange;
     const bool is_back = check.time_high != kNoTime && steps(check.time_high, head) >= kHalfCircle;
-    return is_back ? Suspicion::kTimeBack : Suspicion::kTimeAhead;
+    return is_back ? WordFault::kTimeBack : WordFault::kTimeAhead;
   }
 
   /// A TIME_HIGH that steps back or far ahead is right if most of those behind it go on from it, not from the last.
@@ -191,9 +193,9 @@ struct Words {
     if (type_of(Layout::head(word)) == kTimeHigh) state.need_time_high = true;
   }
 
-  static size_t settle(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
+  static size_t resynchronise(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
     size_t i = 0;
-    for (; i < count && !settled(state); ++i) {
+    for (; i < count && !is_synchronised(state); ++i) {
       const uint8_t* word = words + i * kWordBytes;
       const uint32_t head = Layout::head(word);
       if (type_of(head) == kTimeHigh) {
@@ -207,9 +209,9 @@ struct Words {
     }
     return i;
   }
-  static bool settled(const State& state) { return !state.need_time_high; }
+  static bool is_synchronised(const State& state) { return !state.need_time_high; }
 
-  static void go_on_from(State& state, const State& before) {
+  static void extrapolate(State& state, const State& before) {
     // Up to 15/16 of a loop ahead, or 18 minutes back.
     constexpr uint32_t kBack = 1u << 24;
     const uint32_t ahead = (state.time_high - before.time_high + kBack) & kTimeHighMask;
@@ -257,4 +259,4 @@ struct Words {
   }
 };
 
-}  // namespace e2lf::events::timed
+}  // namespace e2lf::recordings::timed

@@ -7,16 +7,11 @@
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
-
-/// Connects to a sender of recording bytes, e.g. tcp://127.0.0.1:5000 (numeric IPv4 address); the caller closes the
-/// descriptor. Fails with kInvalidValue
-/// (not of that form) and kIo (nobody listens there).
-[[nodiscard]] Result<int> connect_tcp(const std::string& name);
+namespace e2lf::recordings {
 
 /// open_recording() of a file or of "-" for standard input; open_camera() of a camera's name (camera://NAME,
 /// replay:FILE, tcp://ADDRESS:PORT) and of standard input that is a pipe or socket.
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name,
                                                                             const OpenOptions& options = {});
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
 /// What the format of a recording asks of the place where it is written.
 struct RecordingPlace {
@@ -18,4 +18,4 @@ struct RecordingPlace {
 /// By the same rules as create_recording(). Fails with kInvalidValue on an unknown format.
 [[nodiscard]] Result<RecordingPlace> place_of_recording(const std::filesystem::path& path, const std::string& format);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

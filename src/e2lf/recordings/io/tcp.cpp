@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/open_named_recording.h"
+#include "e2lf/recordings/io/tcp.h"
 
 #include <arpa/inet.h>
 #include <cerrno>
@@ -7,13 +7,11 @@
 #include <cstring>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/live/camera.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
 constexpr std::string_view kScheme = "tcp://";
@@ -48,12 +46,4 @@ Result<int> connect_tcp(const std::string& name) {
   return descriptor;
 }
 
-Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name, const OpenOptions& options) {
-  if (is_camera_name(name)) return open_camera(name, options);
-  struct stat input {};
-  const bool is_pipe =
-      name == "-" && ::fstat(STDIN_FILENO, &input) == 0 && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode));
-  return is_pipe ? open_camera("camera://pipe", options) : open_recording(std::filesystem::path(name), options);
-}
-
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

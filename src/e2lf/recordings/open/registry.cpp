@@ -1,26 +1,31 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/registry.h"
+#include "e2lf/recordings/open/registry.h"
 
 #include <algorithm>
+#include <deque>
+#include <mutex>
 
-#include "e2lf/files/is_stream.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/is_stream.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4.h"
-#include "e2lf/recordings/codecs/text/csv.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
-#include "e2lf/recordings/codecs/numpy/npy_events.h"
+#include "e2lf/recordings/codecs/numpy/numpy.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_encoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_encoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/recording_place.h"
+#include "e2lf/recordings/codecs/text/text.h"
+#include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/recordings/side_triggers.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 namespace {
 
-const std::vector<Codec>& table() {
-  static const std::vector<Codec> codecs = {
+std::deque<Codec> built_in_codecs() {
+  return {
       {.name = "dat",
        .extensions = {".dat"},
        .description = "Prophesee DAT",
@@ -35,20 +40,20 @@ const std::vector<Codec>& table() {
        .detect = is_raw_header,
        .open = open_raw,
        .create = create_raw},
-      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = create_evt2},
-      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = create_evt21},
-      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = create_evt3},
+      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = evt2::create},
+      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = evt21::create},
+      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = evt3::create},
       {.name = "hdf5",
        .extensions = {".hdf5"},
        .description = "Metavision HDF5, compressed with ECF",
-       .detect = hdf5::detect,
-       .open = hdf5::open,
-       .create_file = hdf5::create_file},
+       .detect = hdf5_events::detect,
+       .open = hdf5_events::open,
+       .create_file = hdf5_events::create_file},
       {.name = "dsec",
        .extensions = {".h5"},
        .description = "HDF5 with columns as in the DSEC data set",
-       .open = hdf5::open,
-       .create_file = hdf5::create_dsec_file,
+       .open = hdf5_events::open,
+       .create_file = hdf5_events::create_dsec_file,
        .side_file = side_trigger_path},
       {.name = "aedat4",
        .extensions = {".aedat4"},
@@ -58,32 +63,42 @@ const std::vector<Codec>& table() {
       {.name = "npy",
        .extensions = {".npy"},
        .description = "numpy array of records x, y, p, t",
-       .detect = npy_events::detect_npy,
-       .open = npy_events::open_npy,
-       .create_file = npy_events::create_npy_file,
+       .detect = numpy::detect_npy,
+       .open = numpy::open_npy,
+       .create_file = numpy::create_npy_file,
        .side_file = side_trigger_path},
       {.name = "npz",
        .extensions = {".npz"},
        .description = "numpy arrays x, y, p, t, held in memory",
-       .detect = npy_events::detect_npz,
-       .open = npy_events::open_npz,
-       .create = npy_events::create_npz},
+       .detect = numpy::detect_npz,
+       .open = numpy::open_npz,
+       .create = numpy::create_npz},
       {.name = "csv",
        .extensions = {".csv"},
        .description = "text, x,y,p,t with t in microseconds",
-       .detect = csv::detect_csv,
-       .open = csv::open_csv,
-       .create = csv::create_csv,
+       .detect = text::detect_csv,
+       .open = text::open_csv,
+       .create = text::create_csv,
        .side_file = side_trigger_path},
       {.name = "txt",
        .extensions = {".txt"},
        .description = "text, t x y p with t in seconds",
-       .detect = csv::detect_txt,
-       .open = csv::open_txt,
-       .create = csv::create_txt,
+       .detect = text::detect_txt,
+       .open = text::open_txt,
+       .create = text::create_txt,
        .side_file = side_trigger_path},
   };
-  return codecs;
+}
+
+/// A codec stays where it is once it is in the table: others point to it.
+struct Table {
+  std::mutex mutex;
+  std::deque<Codec> codecs = built_in_codecs();
+};
+
+Table& table() {
+  static Table instance;
+  return instance;
 }
 
 std::string lower_extension(const std::filesystem::path& path) {
@@ -96,22 +111,23 @@ std::string lower_extension(const std::filesystem::path& path) {
 const Codec* codec_of_extension(const std::filesystem::path& path) {
   const std::string extension = lower_extension(path);
   if (extension.empty()) return nullptr;
-  for (const Codec& codec : table()) {
-    if (std::find(codec.extensions.begin(), codec.extensions.end(), extension) != codec.extensions.end()) return &codec;
+  for (const Codec* codec : codecs()) {
+    const auto& known = codec->extensions;
+    if (std::find(known.begin(), known.end(), extension) != known.end()) return codec;
   }
   return nullptr;
 }
 
 std::string codec_names() {
   std::vector<std::string> names;
-  for (const Codec& codec : table()) names.push_back(codec.name);
+  for (const Codec* codec : codecs()) names.push_back(codec->name);
   return join(names);
 }
 
 Result<const Codec*> detect_codec(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
-  for (const Codec& codec : table()) {
-    if (codec.detect != nullptr && codec.detect(head)) return &codec;
+  for (const Codec* codec : codecs()) {
+    if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
   if (const Codec* codec = codec_of_extension(source.path())) return codec;
   return Error{ErrorCode::kFormat,
@@ -135,15 +151,23 @@ Error unsupported(const Codec& codec, const char* action, const std::string& nam
 
 }  // namespace
 
-std::span<const Codec> codecs() {
-  return table();
+std::vector<const Codec*> codecs() {
+  const std::lock_guard<std::mutex> lock(table().mutex);
+  std::vector<const Codec*> all;
+  for (const Codec& codec : table().codecs) all.push_back(&codec);
+  return all;
+}
+
+void add_codec(Codec codec) {
+  const std::lock_guard<std::mutex> lock(table().mutex);
+  table().codecs.push_front(std::move(codec));
 }
 
 Result<const Codec*> find_codec(const std::string& name) {
   std::vector<std::string> names;
-  for (const Codec& codec : table()) {
-    if (codec.name == name) return &codec;
-    names.push_back(codec.name);
+  for (const Codec* codec : codecs()) {
+    if (codec->name == name) return codec;
+    names.push_back(codec->name);
   }
   return Error{ErrorCode::kInvalidValue,
                cat("unknown format \"", name, "\"; did you mean \"", nearest_word(name, names), "\"?"), ""};
@@ -190,4 +214,4 @@ Result<std::unique_ptr<RecordingWriter>> create_recording(std::unique_ptr<ByteSi
   return codec->create(std::move(sink), info);
 }
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

@@ -6,7 +6,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events::csv {
+namespace e2lf::recordings::text {
 
 /// Events as lines of text, in one of two orders:
 ///   csv: x,y,p,t   t in whole microseconds; first line "%geometry:W,H" when the size is known
@@ -27,4 +27,4 @@ namespace e2lf::events::csv {
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_txt(std::unique_ptr<ByteSink> sink,
                                                                   const RecordingInfo& info);
 
-}  // namespace e2lf::events::csv
+}  // namespace e2lf::recordings::text

@@ -9,12 +9,9 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events {
+namespace e2lf::recordings {
 
-/// The first bytes of a file that detection looks at.
-inline constexpr size_t kDetectBytes = 4096;
-
-/// One format: how it is found, opened and created. The table of all of them is in registry.cpp, one line each.
+/// One format: how it is found, opened and created. The table of those that are built in is in registry.cpp.
 struct Codec {
   std::string name = {};                     ///< OpenOptions::format, RecordingInfo::format
   std::vector<std::string> extensions = {};  ///< lower case, with the dot; the first codec of the table with one wins
@@ -37,10 +34,13 @@ struct Codec {
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
 };
 
-/// All formats, in the order in which detection asks them.
-[[nodiscard]] std::span<const Codec> codecs();
+/// All formats, in the order in which detection asks them. What they point to stays.
+[[nodiscard]] std::vector<const Codec*> codecs();
+
+/// Adds a format for this process. It is asked before all others, so it also takes the place of one of its name.
+void add_codec(Codec codec);
 
 /// The codec of that name. Fails with kInvalidValue and the nearest name.
 [[nodiscard]] Result<const Codec*> find_codec(const std::string& name);
 
-}  // namespace e2lf::events
+}  // namespace e2lf::recordings

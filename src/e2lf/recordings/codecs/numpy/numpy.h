@@ -7,7 +7,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::events::npy_events {
+namespace e2lf::recordings::numpy {
 
 /// Events as numpy arrays, in any order of time. A .npy file is one array of records with the fields x, y, p, t (also
 /// "polarity", "on", "ts", "timestamp") in any order and of any type of numbers, or an array [events, 4]
@@ -28,4 +28,4 @@ namespace e2lf::events::npy_events {
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink,
                                                                   const RecordingInfo& info);
 
-}  // namespace e2lf::events::npy_events
+}  // namespace e2lf::recordings::numpy

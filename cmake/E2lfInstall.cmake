@@ -1,0 +1,83 @@
+# `cmake --install`: programs, models and cameras; each module that others may link as a component of the package e2lf,
+# for CMake (find_package(e2lf COMPONENTS recon)) and pkg-config (e2lf-recon).
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(E2LF_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/e2lf)
+
+# What a module links outside of the project: target, how CMake finds it, what pkg-config calls it.
+set(E2LF_EXTERNAL_TARGETS
+  "PkgConfig::HWY" "PkgConfig::HDF5" "PkgConfig::LZ4" "PkgConfig::ZSTD" "ZLIB::ZLIB" "PNG::PNG" "JPEG::JPEG"
+  "nlohmann_json::nlohmann_json" "OpenMP::OpenMP_CXX" "Threads::Threads")
+set(E2LF_EXTERNAL_FINDS
+  "pkg:HWY" "pkg:HDF5" "pkg:LZ4" "pkg:ZSTD" "ZLIB" "PNG" "JPEG" "nlohmann_json" "OpenMP" "Threads")
+set(E2LF_EXTERNAL_PKGS "libhwy" "hdf5" "liblz4" "libzstd" "zlib" "libpng" "libjpeg" "nlohmann_json" "-fopenmp" "-pthread")
+
+# e2lf_install_module(<module> HEADERS ...): headers are named from the module's folder. Call it once all is linked.
+function(e2lf_install_module module)
+  cmake_parse_arguments(ARG "" "" "HEADERS" ${ARGN})
+  set(target e2lf_${module})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${module} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+  target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  install(TARGETS ${target} EXPORT e2lf-${module} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT e2lf-${module} NAMESPACE e2lf:: FILE e2lf-${module}-targets.cmake DESTINATION ${E2LF_CMAKE_DIR})
+  foreach(header IN LISTS ARG_HEADERS)
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/e2lf/${module}/${folder})
+  endforeach()
+
+  set(modules) # of ours that this one needs
+  set(finds)
+  set(pkg_requires)
+  set(pkg_flags)
+  get_target_property(public ${target} INTERFACE_LINK_LIBRARIES)
+  get_target_property(all ${target} LINK_LIBRARIES)
+  foreach(library IN LISTS public all)
+    list(FIND E2LF_EXTERNAL_TARGETS "${library}" place)
+    if(library MATCHES "^e2lf::(.*)")
+      list(APPEND modules ${CMAKE_MATCH_1})
+      list(APPEND pkg_requires "e2lf-${CMAKE_MATCH_1}")
+    elseif(place GREATER_EQUAL 0)
+      list(GET E2LF_EXTERNAL_FINDS ${place} find)
+      list(GET E2LF_EXTERNAL_PKGS ${place} pkg)
+      list(APPEND finds ${find})
+      if(pkg MATCHES "^-")
+        list(APPEND pkg_flags ${pkg})
+      else()
+        list(APPEND pkg_requires ${pkg})
+      endif()
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES modules)
+  list(REMOVE_DUPLICATES finds)
+  list(REMOVE_DUPLICATES pkg_requires)
+  list(REMOVE_DUPLICATES pkg_flags)
+  set_property(GLOBAL APPEND_STRING PROPERTY E2LF_COMPONENTS
+    "set(e2lf_${module}_modules ${modules})\nset(e2lf_${module}_finds ${finds})\n")
+  set_property(GLOBAL APPEND PROPERTY E2LF_COMPONENT_NAMES ${module})
+
+  list(JOIN pkg_requires " " pkg_requires)
+  list(JOIN pkg_flags " " pkg_flags)
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/e2lf-module.pc.in ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endfunction()
+
+# e2lf_install_package(): what goes beside the modules. Call it last.
+function(e2lf_install_package)
+  get_property(E2LF_COMPONENTS GLOBAL PROPERTY E2LF_COMPONENTS)
+  get_property(E2LF_COMPONENT_NAMES GLOBAL PROPERTY E2LF_COMPONENT_NAMES)
+  set(E2LF_PKG_NAMES "set(e2lf_pkg_HWY libhwy)\nset(e2lf_pkg_HDF5 hdf5)\nset(e2lf_pkg_LZ4 liblz4)\nset(e2lf_pkg_ZSTD libzstd)")
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/e2lfConfig.cmake.in ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake
+    INSTALL_DESTINATION ${E2LF_CMAKE_DIR})
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  install(FILES ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake ${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake
+    DESTINATION ${E2LF_CMAKE_DIR})
+
+  install(TARGETS e2lf RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(TARGET e2lf-train)
+    install(TARGETS e2lf-train RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  endif()
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/models ${PROJECT_SOURCE_DIR}/cameras ${PROJECT_SOURCE_DIR}/configs
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/e2lf)
+  install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+endfunction()

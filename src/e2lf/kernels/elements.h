@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace e2lf::kernels {
+
+/// How the elements of a tensor are stored; sums are float32 in any case.
+enum class ElementType { kFloat32, kBfloat16 };
+
+[[nodiscard]] constexpr size_t element_size(ElementType type) {
+  return type == ElementType::kFloat32 ? 4 : 2;
+}
+
+/// A bfloat16 number: the upper half of a float32.
+struct Bfloat16 {
+  uint16_t bits = 0;
+};
+
+/// To the nearest, ties to even; values are finite.
+[[nodiscard]] inline Bfloat16 to_bfloat16(float value) {
+  uint32_t bits = 0;
+  std::memcpy(&bits, &value, sizeof(bits));
+  return {static_cast<uint16_t>((bits + 0x7FFFU + ((bits >> 16U) & 1U)) >> 16U)};
+}
+
+[[nodiscard]] inline float to_float(Bfloat16 value) {
+  const uint32_t bits = static_cast<uint32_t>(value.bits) << 16U;
+  float result = 0.0F;
+  std::memcpy(&result, &bits, sizeof(result));
+  return result;
+}
+
+/// Pixels are stored with their channels padded to this multiple; the padding holds zeros.
+inline constexpr size_t kChannelMultiple = 16;
+
+/// Columns of a matrix are packed in panels of at most this many.
+inline constexpr size_t kPanelWidth = 64;
+
+[[nodiscard]] constexpr size_t round_up(size_t value, size_t multiple) {
+  return (value + multiple - 1) / multiple * multiple;
+}
+
+[[nodiscard]] constexpr size_t padded_channels(size_t channels) {
+  return round_up(channels, kChannelMultiple);
+}
+
+}  // namespace e2lf::kernels
