@@ -9,20 +9,19 @@
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/recon/gain.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 using lightfield::LightField;
 
-Result<float> resolve_gain(const std::string& gain, const LightField& light_field) {
-  if (gain == "auto") return recon::auto_gain(light_field);
+Result<std::optional<float>> parse_gain(const std::string& gain) {
+  if (gain == "auto") return std::optional<float>();
   char* end = nullptr;
   const float value = std::strtof(gain.c_str(), &end);
   if (gain.empty() || *end != '\0' || !std::isfinite(value) || value <= 0) {
     return Error{ErrorCode::kInvalidValue, cat("\"", gain, "\" is no gain; give auto or a positive number"), "--gain"};
   }
-  return value;
+  return std::optional(value);
 }
 
 Result<void> write_reconstruction(const fs::path& folder, const LightField& light_field, const std::string& format,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "e2lf/base/progress.h"
@@ -10,8 +11,8 @@
 
 namespace e2lf::cli {
 
-/// The brightness of what is written: "auto" (recon::auto_gain) or a positive number. Fails with kInvalidValue.
-[[nodiscard]] Result<float> resolve_gain(const std::string& gain, const lightfield::LightField& light_field);
+/// The brightness that --gain asks for; nothing for "auto". Fails with kInvalidValue.
+[[nodiscard]] Result<std::optional<float>> parse_gain(const std::string& gain);
 
 /// Writes a reconstructed light field into an existing folder: its views in `format` ("png", "png16": VV_UU.png; "npy":
 /// lightfield.npy, not clamped), contact_sheet.png and epi.png.

@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: MIT
 // e2lf reconstruct: event images or a recording -> light field
-#include "e2lf/recon/reconstruct.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <functional>
-#include <memory>
 #include <optional>
 
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_input.h"
 #include "e2lf/cli/cycle_options.h"
-#include "e2lf/cli/event_check.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
 #include "e2lf/cli/number_check.h"
@@ -25,8 +21,8 @@
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/capture/event_images.h"
 #include "e2lf/model/model.h"
+#include "e2lf/recon/field_sequence.h"
 #include "e2lf/recon/linear_estimate.h"
 
 namespace e2lf::cli {
@@ -45,9 +41,6 @@ struct ReconstructArguments {
 double seconds(CycleClock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
-
-/// One way from the event images of a light field to it.
-using Method = std::function<Result<LightField>(const events::EventImages& images, const ProgressFn& progress)>;
 
 /// Whether anything but the model itself tells which patterns the camera showed.
 bool are_patterns_told(const std::optional<KnownCodes>& known) {
@@ -79,7 +72,7 @@ void tell_patterns(const ReconstructArguments& arguments, const model::Model& mo
 /// Gives the network the constants of the camera that --camera names, in place of those that the model was made for.
 Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& model, RunRecord& record) {
   if (arguments.camera.empty()) {
-    if (model::is_told_the_camera(model) && model.camera) record.note("camera", aperture::to_json(*model.camera));
+    if (model::is_told_the_camera(model) && model.camera) record.note("camera", capture::to_json(*model.camera));
     return {};
   }
   if (!model::is_told_the_camera(model)) {
@@ -90,8 +83,8 @@ Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& mo
   return {};
 }
 
-Result<Method> network_method(const ReconstructArguments& arguments, const std::optional<KnownCodes>& known,
-                              RunRecord& record) {
+Result<recon::Method> network_method(const ReconstructArguments& arguments, const std::optional<KnownCodes>& known,
+                                     RunRecord& record) {
   if (arguments.codes.model.empty()) {
     return Error{ErrorCode::kInvalidValue, "the network needs a model; give one with -m, or use --method inversion",
                  "--model"};
@@ -100,32 +93,27 @@ Result<Method> network_method(const ReconstructArguments& arguments, const std::
   tell_patterns(arguments, model, known, record);
   E2LF_RETURN_IF_ERROR(tell_camera(arguments, model, record));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
-  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor made,
+  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor reconstructor,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
-  const auto reconstructor = std::make_shared<recon::Reconstructor>(std::move(made));
-  const size_t passes = reconstructor->num_passes(arguments.passes);
+  const size_t passes = reconstructor.num_passes(arguments.passes);
   if (passes < arguments.passes) {
     log_warning(cat("--passes ", arguments.passes, ": the network tells apart ", passes, " position",
                     passes == 1 ? "" : "s", " on its pixel grid, so many passes are made"));
   }
-  record.resolve("precision", engine::precision_name(reconstructor->engine().precision()));
-  record.note("precision", engine::precision_name(reconstructor->engine().precision()));
+  record.resolve("precision", engine::precision_name(reconstructor.engine().precision()));
+  record.note("precision", engine::precision_name(reconstructor.engine().precision()));
   record.note("passes", passes);
-  if (arguments.cycles_per_field > 1 && !model::is_told_the_camera(reconstructor->model())) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        cat(reconstructor->model().name, " takes one cycle for each light field; leave the option out, or use ",
-            "a model that is told the camera"),
-        "--cycles-per-field"};
+  if (arguments.cycles_per_field > 1 && !model::is_told_the_camera(reconstructor.model())) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat(reconstructor.model().name, " takes one cycle for each light field; leave the option out, or use ",
+                     "a model that is told the camera"),
+                 "--cycles-per-field"};
   }
-  return Method([reconstructor, passes = arguments.passes, cycles = arguments.cycles_per_field](
-                    const events::EventImages& images, const ProgressFn& progress) {
-    return reconstructor->reconstruct(images, progress, passes, cycles);
-  });
+  return recon::network_method(std::move(reconstructor), arguments.passes, arguments.cycles_per_field);
 }
 
-Result<Method> inversion_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
-                                RunRecord& record) {
+Result<recon::Method> inversion_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
+                                       RunRecord& record) {
   if (arguments.passes > 1) {
     return Error{ErrorCode::kInvalidValue, "the inversion makes one pass; leave the option out", "--passes"};
   }
@@ -139,7 +127,7 @@ Result<Method> inversion_method(const ReconstructArguments& arguments, std::opti
   } else if (!are_patterns_told(known)) {
     warn_of_assumed_patterns(arguments.input, arguments.codes.model.string());
   }
-  return Method([known = std::move(*known)](const events::EventImages& images, const ProgressFn&) {
+  return recon::Method([known = std::move(*known)](const capture::EventImages& images, const ProgressFn&) {
     return recon::reconstruct_by_inversion(images, known.codes, known.constants);
   });
 }
@@ -147,11 +135,11 @@ Result<Method> inversion_method(const ReconstructArguments& arguments, std::opti
 /// The patterns that the events were made with, as far as anything tells: --codes, their own file, or the model.
 Result<std::optional<KnownCodes>> codes_of_events(const ReconstructArguments& arguments, const CycleInput& input,
                                                   RunRecord& record) {
-  std::optional<aperture::Codes> own;
+  std::optional<capture::Codes> own;
   if (input.is_recording()) {
     E2LF_ASSIGN_OR_RETURN(own, recorded_codes(arguments.input, input.recording_info()));
   } else if (input.file().codes) {
-    E2LF_ASSIGN_OR_RETURN(own, aperture::codes_from_npy(*input.file().codes, arguments.input.string()));
+    E2LF_ASSIGN_OR_RETURN(own, capture::codes_from_npy(*input.file().codes, arguments.input.string()));
   }
   return find_codes(arguments.codes, own, record);
 }
@@ -167,40 +155,31 @@ Error at(Error error, const fs::path& input) {
   return error;
 }
 
+/// What the result of each cycle is checked against; nothing where nobody told the patterns.
+Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCodes>& known) {
+  if (!known) return std::optional<recon::EventCheck>();
+  E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(known->event_model));
+  return std::optional(recon::EventCheck{known->codes, known->constants, model});
+}
+
 /// Reconstructs cycles and writes each; what has been done so far.
 class CycleWriter {
  public:
-  CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common, Method method,
-              std::optional<KnownCodes> codes)
-      : arguments_(arguments), common_(common), method_(std::move(method)), codes_(std::move(codes)) {}
+  CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common, recon::FieldSequence sequence)
+      : arguments_(arguments), common_(common), sequence_(std::move(sequence)) {}
 
   /// Into an existing folder.
   Result<void> process(const CycleImages& cycle, const fs::path& folder) {
-    const CycleClock::time_point begin = CycleClock::now();
-    LightField light_field;
-    {
-      ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet);
-      auto made = method_(cycle.images, bar.callback());
-      if (!made) return made.error().location.empty() ? at(made.error(), arguments_.input) : made.error();
-      light_field = std::move(*made);
-    }
-    const double reconstruct_s = seconds(CycleClock::now() - begin);
-    if (!gain_) {
-      E2LF_ASSIGN_OR_RETURN(gain_, resolve_gain(arguments_.gain, light_field));
-    }
-    if (*gain_ != 1.0F) {
-      for (float& value : light_field.data()) value *= *gain_;
-    }
-    E2LF_RETURN_IF_ERROR(write_reconstruction(folder, light_field, arguments_.format, {}));
+    E2LF_ASSIGN_OR_RETURN(const recon::Field field, reconstruct(cycle.images));
+    E2LF_RETURN_IF_ERROR(write_reconstruction(folder, field.light_field, arguments_.format, {}));
     Json about = cycle.about;
     about["cycle"] = cycles_.size();
-    about["gain"] = *gain_;
-    about["reconstruct_s"] = reconstruct_s;
+    about["gain"] = field.gain;
+    about["reconstruct_s"] = field.reconstruct_s;
     about["latency_s"] = cycle.behind_s + seconds(CycleClock::now() - cycle.ready);
-    if (codes_) {
-      E2LF_ASSIGN_OR_RETURN(const EventError error, event_error(*codes_, light_field, *gain_, cycle.images));
-      about["event_error"] = error.at_first;
-      about["least_event_error"] = {{"value", error.least}, {"residue", error.residue}};
+    if (field.error) {
+      about["event_error"] = field.error->at_first;
+      about["least_event_error"] = {{"value", field.error->least}, {"residue", field.error->residue}};
     }
     cycles_.push_back(std::move(about));
     return {};
@@ -208,14 +187,19 @@ class CycleWriter {
 
   [[nodiscard]] const Json& cycles() const { return cycles_; }
   /// Of all cycles; there must be one.
-  [[nodiscard]] float gain() const { return gain_.value(); }
+  [[nodiscard]] float gain() const { return sequence_.gain().value(); }
 
  private:
+  Result<recon::Field> reconstruct(const capture::EventImages& images) {
+    ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet);
+    auto field = sequence_.next(images, bar.callback());
+    if (!field && field.error().location.empty()) return at(field.error(), arguments_.input);
+    return field;
+  }
+
   const ReconstructArguments& arguments_;
   const CommonOptions& common_;
-  Method method_;
-  std::optional<KnownCodes> codes_;
-  std::optional<float> gain_;  ///< of the first cycle, kept so that a sequence does not flicker
+  recon::FieldSequence sequence_;
   Json cycles_ = Json::array();
 };
 
@@ -289,15 +273,18 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(CycleInput input,
                         open_cycle_input(arguments.input, arguments.cycles, arguments.cycles_per_field));
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, input, record));
-  E2LF_ASSIGN_OR_RETURN(Method method, arguments.method == "network" ? network_method(arguments, codes, record)
-                                                                     : inversion_method(arguments, codes, record));
+  E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
+                                                  ? network_method(arguments, codes, record)
+                                                  : inversion_method(arguments, codes, record));
   record.end_step("open");
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
   // Nor do those of one cycle of the counts of several.
   if (!are_patterns_told(codes) || arguments.cycles_per_field > 1) codes.reset();
   if (known_constants) record.note("constants", *known_constants);
-  CycleWriter writer(arguments, common, std::move(method), std::move(codes));
+  E2LF_ASSIGN_OR_RETURN(const std::optional<float> gain, parse_gain(arguments.gain));
+  E2LF_ASSIGN_OR_RETURN(auto check, event_check(codes));
+  CycleWriter writer(arguments, common, {std::move(method), gain, std::move(check)});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, is_strict, verb));
   if (input.is_recording()) {

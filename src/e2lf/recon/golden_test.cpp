@@ -33,10 +33,10 @@ class OfficialSoftware : public testing::Test {
     model_ = *std::move(model);
   }
 
-  [[nodiscard]] events::EventImages scene_events() const {
+  [[nodiscard]] capture::EventImages scene_events() const {
     const auto counts =
         read_npy(folder_ / "golden_noisefree_events_3x512x512_i8.npy").value().to_int32("golden").value();
-    events::EventImages images(3, kSide, kSide);
+    capture::EventImages images(3, kSide, kSide);
     images.counts.assign(counts.begin(), counts.end());
     return images;
   }
@@ -47,12 +47,12 @@ class OfficialSoftware : public testing::Test {
 
   /// The release's reconstruction of the 64x64 pixels from (y0, x0) equals the golden one. Only what those pixels see
   /// is reconstructed, with true borders where the image ends.
-  void expect_golden(const events::EventImages& images, const fs::path& golden_path, size_t y0, size_t x0) const {
+  void expect_golden(const capture::EventImages& images, const fs::path& golden_path, size_t y0, size_t x0) const {
     const size_t reach = model::receptive_radius(model_.network);
     const size_t top = y0 - std::min(y0, reach), left = x0 - std::min(x0, reach);
     const size_t bottom = std::min(y0 + kGolden + reach, images.height);
     const size_t right = std::min(x0 + kGolden + reach, images.width);
-    events::EventImages part(images.transitions, bottom - top, right - left);
+    capture::EventImages part(images.transitions, bottom - top, right - left);
     for (size_t k = 0; k < part.transitions; ++k) {
       for (size_t y = 0; y < part.height; ++y) {
         const auto row = images.image(k).subspan((top + y) * images.width + left, part.width);
@@ -84,7 +84,7 @@ TEST_F(OfficialSoftware, NoiseFreeReconstructionAgrees) {
 }
 
 TEST_F(OfficialSoftware, ReconstructionOfTheRealCaptureAgrees) {
-  const auto file = events::read_event_images(folder_ / "Animals");
+  const auto file = capture::read_event_images(folder_ / "Animals");
   ASSERT_TRUE(file) << file.error().text();
   expect_golden(file->cycles.at(0), "Animals/golden_recon_64x64x64_crop_y328_x608_f32.npy", 328, 608);
   expect_golden(file->cycles.at(0), "Animals/golden_recon_64x64x64_crop_y0_x0_f32.npy", 0, 0);
@@ -119,7 +119,7 @@ TEST_F(OfficialSoftware, EveryCodedIntensityOfTheTestSceneLiesWithinItsBounds) {
 
 TEST_F(OfficialSoftware, InversionWithoutANetworkShowsTheTestScene) {
   const auto truth = scene();
-  aperture::SensorConstants constants;
+  capture::SensorConstants constants;
   constants.sigma_w = constants.sigma_z = 0;
   const auto estimate = reconstruct_by_inversion(scene_events(), *model_.codes, constants);
   ASSERT_TRUE(estimate) << estimate.error().text();
@@ -131,7 +131,7 @@ TEST_F(OfficialSoftware, InversionWithoutANetworkShowsTheTestScene) {
 }
 
 TEST_F(OfficialSoftware, DarkCaptureIsBrightened) {
-  const auto file = events::read_event_images(folder_ / "Animals");
+  const auto file = capture::read_event_images(folder_ / "Animals");
   ASSERT_TRUE(file);
   const auto estimate = reconstruct_by_inversion(file->cycles.at(0), *model_.codes, model_.constants);
   ASSERT_TRUE(estimate) << estimate.error().text();

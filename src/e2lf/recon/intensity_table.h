@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "e2lf/capture/sensor_constants.h"
 #include "e2lf/base/result.h"
+#include "e2lf/capture/sensor_constants.h"
 
 namespace e2lf::recon {
 
@@ -15,14 +15,14 @@ namespace e2lf::recon {
 class IntensityTable {
  public:
   /// Success when eps and tau are positive and finite.
-  [[nodiscard]] static Result<void> check(const aperture::SensorConstants& constants) {
+  [[nodiscard]] static Result<void> check(const capture::SensorConstants& constants) {
     if (std::isfinite(constants.eps) && constants.eps > 0 && std::isfinite(constants.tau) && constants.tau > 0) {
       return {};
     }
     return Error{ErrorCode::kInvalidValue, "eps and tau of the sensor must be positive; give its constants", ""};
   }
 
-  explicit IntensityTable(const aperture::SensorConstants& constants) : constants_(constants) {
+  explicit IntensityTable(const capture::SensorConstants& constants) : constants_(constants) {
     for (int h = -kRange; h <= kRange; ++h) table_[static_cast<size_t>(h + kRange)] = compute(h);
   }
 
@@ -42,7 +42,7 @@ class IntensityTable {
     return static_cast<float>(std::min(double{constants_.eps} * std::expm1(level), 1e30));
   }
 
-  aperture::SensorConstants constants_;
+  capture::SensorConstants constants_;
   std::array<float, 2 * kRange + 1> table_;
 };
 

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/event_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+
+namespace e2lf::recon {
+namespace {
+
+constexpr size_t kParts = 5;  // of a threshold, from none to all of it
+using Differences = std::array<uint64_t, kParts>;
+
+/// How far the counts of one pixel are from the given ones, for each place where its reference may start. The levels
+/// are the same for all of them, so logarithms are taken once.
+class PixelCheck {
+ public:
+  PixelCheck(const EventCheck& check, const capture::CodedIntensities& intensities, float gain,
+             const capture::EventImages& given)
+      : intensities_(intensities),
+        given_(given),
+        inverse_gain_(1.0F / gain),
+        eps_(check.constants.eps),
+        tau_(check.constants.tau),
+        is_reference_aware_(check.model == sensor::EventModel::kReferenceAware),
+        levels_(intensities.num_patterns) {}
+
+  void add(size_t pixel, Differences& differences) {
+    for (size_t k = 0; k < levels_.size(); ++k) {
+      levels_[k] = std::log(std::max(inverse_gain_ * intensities_.image(k)[pixel], 0.0F) + eps_);
+    }
+    for (size_t part = 0; part < kParts; ++part) {
+      float reference = levels_[0] + tau_ * static_cast<float>(part) / (kParts - 1);
+      for (size_t k = 1; k < levels_.size(); ++k) {
+        const auto count = static_cast<int>((levels_[k] - reference) / tau_);
+        differences[part] += static_cast<uint64_t>(std::abs(count - int{given_.image(k - 1)[pixel]}));
+        reference = is_reference_aware_ ? reference + tau_ * static_cast<float>(count) : levels_[k];
+      }
+    }
+  }
+
+ private:
+  const capture::CodedIntensities& intensities_;
+  const capture::EventImages& given_;
+  float inverse_gain_, eps_, tau_;
+  bool is_reference_aware_;
+  std::vector<float> levels_;  ///< of the pixel at hand
+};
+
+}  // namespace
+
+Result<EventError> event_error(const EventCheck& check, const lightfield::LightField& light_field, float gain,
+                               const capture::EventImages& given) {
+  if (check.codes.num_patterns != given.transitions + 1) {
+    return Error{ErrorCode::kShape,
+                 cat("the codes have ", check.codes.num_patterns, " patterns, the events ", given.transitions,
+                     " transitions; give the codes that the events were made with"),
+                 ""};
+  }
+  E2LF_ASSIGN_OR_RETURN(const auto intensities, sensor::coded_intensities(check.codes, light_field));
+  if (intensities.height != given.height || intensities.width != given.width) {
+    return Error{ErrorCode::kShape, "the light field and the events differ in size", ""};
+  }
+  constexpr size_t kMinPixels = size_t{1} << 14;
+  std::mutex mutex;
+  Differences differences{};
+  parallel_for(intensities.image_size(), kMinPixels, [&](size_t begin, size_t end) {
+    PixelCheck pixels(check, intensities, gain, given);
+    Differences own{};
+    for (size_t pixel = begin; pixel < end; ++pixel) pixels.add(pixel, own);
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (size_t part = 0; part < kParts; ++part) differences[part] += own[part];
+  });
+
+  const auto mean = [&](uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(given.counts.size()); };
+  const auto least = std::min_element(differences.begin(), differences.end());
+  return EventError{mean(differences[0]), mean(*least),
+                    static_cast<double>(least - differences.begin()) / static_cast<double>(kParts - 1)};
+}
+
+}  // namespace e2lf::recon

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/event_check.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
+
+namespace e2lf::recon {
+namespace {
+
+lightfield::LightField scene() {
+  return lightfield::render_light_field(lightfield::demo_scene(), {8, 8, 48, 64});
+}
+
+/// The simulator is the other implementation of the same counts.
+class EventErrors : public testing::TestWithParam<sensor::EventModel> {};
+
+TEST_P(EventErrors, VanishForTheEventsOfTheLightFieldItself) {
+  const lightfield::LightField truth = scene();
+  EventCheck check{capture::default_codes(), {}, GetParam()};
+  sensor::EventModelOptions options;
+  options.model = check.model;
+  options.constants.sigma_w = options.constants.sigma_z = 0;
+  const auto events = sensor::simulate_events(check.codes, truth, options).value();
+  const EventError error = event_error(check, truth, 1.0F, events).value();
+  EXPECT_LT(error.at_first, 2e-4);  // logarithms that round another way at a threshold
+  EXPECT_EQ(error.residue, 0);
+
+  lightfield::LightField brighter = truth;
+  for (float& value : brighter.data()) value *= 2;
+  EXPECT_LT(event_error(check, brighter, 2.0F, events).value().at_first, 2e-4);
+  EXPECT_GT(event_error(check, brighter, 1.0F, events).value().at_first, 0.1);
+}
+
+TEST_P(EventErrors, TellHowFarReferencesStartAboveTheFirstIntensity) {
+  const lightfield::LightField truth = scene();
+  const EventCheck check{capture::default_codes(), {}, GetParam()};
+  sensor::EventModelOptions options;
+  options.model = check.model;
+  options.constants.sigma_w = options.constants.sigma_z = 0;
+  auto intensities = sensor::coded_intensities(check.codes, truth).value();
+  const float raised = check.constants.eps * (std::exp(0.5F * check.constants.tau) - 1);
+  for (float& value : intensities.image(0)) value = raised;
+  const auto events = sensor::simulate_events(intensities, options).value();
+  const EventError error = event_error(check, truth, 1.0F, events).value();
+  EXPECT_EQ(error.residue, 0.5);
+  EXPECT_LT(error.least, 2e-4);
+  EXPECT_GT(error.at_first, 0.05);
+}
+INSTANTIATE_TEST_SUITE_P(Models, EventErrors,
+                         testing::Values(sensor::EventModel::kQuantised, sensor::EventModel::kReferenceAware));
+
+TEST(EventErrors, RefuseCodesAndSizesThatDoNotFit) {
+  const EventCheck check{capture::default_codes(), {}};
+  EXPECT_EQ(event_error(check, scene(), 1.0F, {2, 48, 64}).error().code, ErrorCode::kShape);
+  EXPECT_EQ(event_error(check, scene(), 1.0F, {3, 48, 63}).error().code, ErrorCode::kShape);
+}
+
+}  // namespace
+}  // namespace e2lf::recon

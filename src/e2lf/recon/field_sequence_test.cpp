@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/field_sequence.h"
+
+#include <gtest/gtest.h>
+
+#include "e2lf/recon/gain.h"
+
+namespace e2lf::recon {
+namespace {
+
+/// A method whose light field has the value of the first count everywhere, in hundredths.
+Result<lightfield::LightField> constant_field(const capture::EventImages& images, const ProgressFn&) {
+  if (images.counts[0] < 0) return Error{ErrorCode::kInvalidValue, "no light", ""};
+  lightfield::LightField field({8, 8, images.height, images.width});
+  for (float& value : field.data()) value = static_cast<float>(images.counts[0]) / 100;
+  return field;
+}
+
+capture::EventImages images_of(int16_t count) {
+  capture::EventImages images(3, 4, 5);
+  images.counts[0] = count;
+  return images;
+}
+
+TEST(FieldSequence, KeepsTheGainOfTheFirst) {
+  FieldSequence sequence(constant_field, {}, {});
+  EXPECT_FALSE(sequence.gain());
+  const Field first = sequence.next(images_of(30)).value();
+  EXPECT_FLOAT_EQ(first.gain, 3);  // to 0.9
+  EXPECT_FLOAT_EQ(first.light_field.data()[7], 0.9F);
+  const Field second = sequence.next(images_of(10)).value();
+  EXPECT_FLOAT_EQ(second.gain, 3);
+  EXPECT_FLOAT_EQ(second.light_field.data()[7], 0.3F);
+  EXPECT_FALSE(second.error);
+}
+
+TEST(FieldSequence, TakesAGivenGainAndHandsOnWhatFails) {
+  FieldSequence sequence(constant_field, 2.0F, {});
+  EXPECT_FLOAT_EQ(sequence.next(images_of(30)).value().light_field.data()[0], 0.6F);
+  EXPECT_EQ(sequence.next(images_of(-1)).error().message, "no light");
+}
+
+TEST(FieldSequence, ComparesWithTheEventsWhereTheCameraIsKnown) {
+  FieldSequence sequence(constant_field, 1.0F, EventCheck{capture::default_codes(), {}});
+  const Field field = sequence.next(images_of(30)).value();
+  ASSERT_TRUE(field.error);
+  EXPECT_GT(field.error->at_first, 0);
+}
+
+}  // namespace
+}  // namespace e2lf::recon
