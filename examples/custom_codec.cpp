@@ -1,0 +1,70 @@
+// custom_codec FILE.bin OUT.raw
+// Reads events of a format of one's own, and writes them as a RAW recording. Here the format is records of 12 bytes,
+// little-endian: t in us (8 bytes), x (2), y with the polarity in its upper bit (2).
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <e2lf/recordings/convert.h>
+#include <e2lf/recordings/event_blocks.h>
+#include <e2lf/recordings/open/registry.h>
+
+namespace {
+
+using namespace e2lf;
+using namespace e2lf::recordings;
+
+constexpr size_t kRecordBytes = 12, kBlockRecords = 4096;
+
+/// Blocks of records. make_block_reader() does the rest: batches, order of time, events outside the sensor.
+class Records final : public EventBlocks {
+ public:
+  explicit Records(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+
+  Result<bool> next(EventBatch& block, DecodeSummary&) override {
+    block.clear();
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kBlockRecords * kRecordBytes));
+    const size_t records = std::min(bytes.size() / kRecordBytes, kBlockRecords);
+    for (size_t i = 0; i < records; ++i) {
+      const uint8_t* record = bytes.data() + i * kRecordBytes;
+      int64_t t_us = 0;
+      uint16_t x = 0, y = 0;
+      std::memcpy(&t_us, record, 8);
+      std::memcpy(&x, record + 8, 2);
+      std::memcpy(&y, record + 10, 2);
+      block.events.push_back({x, static_cast<uint16_t>(y & 0x7FFF), static_cast<uint8_t>(y >> 15), t_us});
+    }
+    source_->consume(records * kRecordBytes);
+    return records > 0;
+  }
+
+  Result<void> seek_before(int64_t) override { return source_->seek(0); }
+
+ private:
+  std::unique_ptr<ByteSource> source_;
+};
+
+Result<std::unique_ptr<RecordingReader>> open_records(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  const RecordingInfo info = {.format = "records", .width = 640, .height = 480, .header = {}};
+  const std::string name = source->name();
+  return make_block_reader(std::make_unique<Records>(std::move(source)), info, name, options);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 3) return 2;
+  Codec codec;
+  codec.name = "records";
+  codec.extensions = {".bin"};
+  codec.description = "records of 12 bytes";
+  codec.open = open_records;
+  add_codec(codec);
+  const auto reader = open_recording(arguments[1]);
+  const auto report = reader ? convert_recording(**reader, arguments[2]) : Result<ConvertReport>(reader.error());
+  if (!report) {
+    std::fprintf(stderr, "%s\n", report.error().text().c_str());
+    return 1;
+  }
+  std::printf("%llu events\n", static_cast<unsigned long long>(report->events));
+  return 0;
+}

@@ -1,0 +1,51 @@
+# The installed package, from an empty folder: the program finds its models, the examples build with CMake and with pkg-config
+# and run, and the headers need no others.
+[ -n "${E2LF_BUILD:-}" ] || skip "E2LF_BUILD does not name the build folder"
+cmake --install "$E2LF_BUILD" --prefix "$PWD/prefix" >install.log || fail "$(tail -5 install.log)"
+installed=$PWD/prefix/bin/e2lf
+"$installed" demo -o demo --width 96 --height 64 --quiet
+exists demo/recon/run.json prefix/share/e2lf/models/e2lf-n4.safetensors
+
+cmake -S "$TESTSUITE/../examples" -B examples -G Ninja -DCMAKE_PREFIX_PATH="$PWD/prefix" -DCMAKE_BUILD_TYPE=Release >configure.log 2>&1 ||
+  fail "$(tail -20 configure.log)"
+cmake --build examples >build.log 2>&1 || fail "$(grep -m 5 -A 3 'error' build.log)"
+
+model=prefix/share/e2lf/models/e2lf-n4.safetensors
+"$installed" simulate demo/scene -m "$model" -o events.npz --quiet
+examples/events_to_light_field "$model" events.npz fields
+exists fields/view_00_00.png
+"$installed" reconstruct events.npz -m "$model" -o own --precision auto --quiet
+for view in 00_00 07_07; do cmp "fields/view_$view.png" "own/view_$view.png" || fail "the example gave another light field"; done
+
+# Records of 12 bytes, see the example; two of five events lie outside of its sensor.
+py -c "
+import struct, sys
+for t, x, y, p in ((5, 1, 2, 1), (6, 639, 479, 0), (7, 640, 0, 1), (8, 3, 480, 1), (9, 4, 4, 0)):
+    sys.stdout.buffer.write(struct.pack('<qHH', t, x, y | p << 15))" >records.bin
+examples/custom_codec records.bin records.raw >codec.txt 2>codec.err || fail "$(cat codec.err)"
+grep -qx "3 events" codec.txt || fail "$(cat codec.txt)"
+"$installed" convert records.raw records.csv --quiet
+grep -v % records.csv | sort | tr '\n' ' ' | grep -q "1,2,1,5 4,4,0,9 639,479,0,6" || fail "$(cat records.csv)"
+
+"$installed" simulate demo/scene -m "$model" -o recording.raw --cycles 3 --quiet
+examples/custom_camera recording.raw | tail -1 | grep -qx "3 cycles" || fail "the camera of the example"
+examples/custom_sensor_model >psnr.txt
+py -c "
+lines = [float(line.split()[-2]) for line in open('psnr.txt')]
+assert len(lines) == 2 and lines[0] > lines[1] > 5, lines" || fail "$(cat psnr.txt)"
+examples/thread_pool "$model" events.npz 3 | sort -u | wc -l | grep -qx 1 || fail "threads gave different light fields"
+
+# pkg-config, for one program.
+export PKG_CONFIG_PATH=$PWD/prefix/lib/pkgconfig:$(echo "$PWD"/prefix/lib/*/pkgconfig)
+c++ -O1 "$TESTSUITE/../examples/custom_codec.cpp" -o with_pkg_config $(pkg-config --cflags --libs e2lf-recordings) ||
+  fail "pkg-config"
+rm records.raw
+./with_pkg_config records.bin records.raw 2>/dev/null | grep -qx "3 events" || fail "the program made with pkg-config"
+
+# Headers: none needs one that stays out. What a component does not have is said.
+for header in $(cd prefix/include && find e2lf -name '*.h'); do echo "#include <$header>"; done >all.txt
+c++ -fsyntax-only -x c++ $(pkg-config --cflags e2lf-recon e2lf-eval e2lf-cycles) all.txt || fail "a header needs one that is not installed"
+mkdir wrong
+printf 'cmake_minimum_required(VERSION 3.22)\nproject(x CXX)\nfind_package(e2lf REQUIRED COMPONENTS reconn)\n' >wrong/CMakeLists.txt
+if cmake -S wrong -B wrong/build -DCMAKE_PREFIX_PATH="$PWD/prefix" >wrong.txt 2>&1; then fail "a component that is not there"; fi
+grep -q "no component reconn" wrong.txt || fail "$(cat wrong.txt)"
