@@ -21,7 +21,7 @@
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/recordings/recording_place.h"
+#include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 
