@@ -13,17 +13,24 @@ set(E2LF_EXTERNAL_FINDS
   "pkg:HWY" "pkg:HDF5" "pkg:LZ4" "pkg:ZSTD" "ZLIB" "PNG" "JPEG" "nlohmann_json" "OpenMP" "Threads")
 set(E2LF_EXTERNAL_PKGS "libhwy" "hdf5" "liblz4" "libzstd" "zlib" "libpng" "libjpeg" "nlohmann_json" "-fopenmp" "-pthread")
 
-# e2lf_install_module(<module> HEADERS ...): headers are named from the module's folder. Call it once all is linked.
+# e2lf_offer_module(<module> <header...>): e2lf_install_package() installs it. Headers are named from the module's folder.
+function(e2lf_offer_module module)
+  set_target_properties(e2lf_${module} PROPERTIES E2LF_HEADERS "${ARGN}")
+  set_property(GLOBAL APPEND PROPERTY E2LF_COMPONENT_NAMES ${module})
+endfunction()
+
+# Installs one module, and notes what it needs. All that it links must be known by now.
 function(e2lf_install_module module)
-  cmake_parse_arguments(ARG "" "" "HEADERS" ${ARGN})
   set(target e2lf_${module})
+  get_target_property(headers ${target} E2LF_HEADERS)
+  get_target_property(folder ${target} SOURCE_DIR)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${module} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
   target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   install(TARGETS ${target} EXPORT e2lf-${module} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT e2lf-${module} NAMESPACE e2lf:: FILE e2lf-${module}-targets.cmake DESTINATION ${E2LF_CMAKE_DIR})
-  foreach(header IN LISTS ARG_HEADERS)
-    get_filename_component(folder ${header} DIRECTORY)
-    install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/e2lf/${module}/${folder})
+  foreach(header IN LISTS headers)
+    get_filename_component(inner_folder ${header} DIRECTORY)
+    install(FILES ${folder}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/e2lf/${module}/${inner_folder})
   endforeach()
 
   set(modules) # of ours that this one needs
@@ -54,18 +61,22 @@ function(e2lf_install_module module)
   list(REMOVE_DUPLICATES pkg_flags)
   set_property(GLOBAL APPEND_STRING PROPERTY E2LF_COMPONENTS
     "set(e2lf_${module}_modules ${modules})\nset(e2lf_${module}_finds ${finds})\n")
-  set_property(GLOBAL APPEND PROPERTY E2LF_COMPONENT_NAMES ${module})
 
+  # From the .pc file, so that the package works under any prefix.
+  file(RELATIVE_PATH to_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
   list(JOIN pkg_requires " " pkg_requires)
   list(JOIN pkg_flags " " pkg_flags)
   configure_file(${PROJECT_SOURCE_DIR}/cmake/e2lf-module.pc.in ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 
-# e2lf_install_package(): what goes beside the modules. Call it last.
+# e2lf_install_package(): the modules on offer, and what goes beside them. Call it last.
 function(e2lf_install_package)
-  get_property(E2LF_COMPONENTS GLOBAL PROPERTY E2LF_COMPONENTS)
   get_property(E2LF_COMPONENT_NAMES GLOBAL PROPERTY E2LF_COMPONENT_NAMES)
+  foreach(module IN LISTS E2LF_COMPONENT_NAMES)
+    e2lf_install_module(${module})
+  endforeach()
+  get_property(E2LF_COMPONENTS GLOBAL PROPERTY E2LF_COMPONENTS)
   set(E2LF_PKG_NAMES "set(e2lf_pkg_HWY libhwy)\nset(e2lf_pkg_HDF5 hdf5)\nset(e2lf_pkg_LZ4 liblz4)\nset(e2lf_pkg_ZSTD libzstd)")
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/e2lfConfig.cmake.in ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake
     INSTALL_DESTINATION ${E2LF_CMAKE_DIR})

@@ -37,7 +37,7 @@ Result<double> psnr(const lightfield::LightField& truth, float off_factor) {
   const auto events = count_events(intensities, constants, off_factor);
   E2LF_ASSIGN_OR_RETURN(const auto light_field, recon::reconstruct_by_inversion(events, codes, constants));
   E2LF_ASSIGN_OR_RETURN(const auto metrics, eval::compare(truth, light_field));
-  return metrics.psnr_db;
+  return metrics.mean.psnr_db;
 }
 
 }  // namespace
