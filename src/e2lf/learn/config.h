@@ -103,6 +103,9 @@ struct Config {
 /// All fields, so that a run's folder tells what was done. config_from_json reads it back.
 [[nodiscard]] Json to_json(const Config& config);
 
+/// All fields with their defaults and meanings, as rows of a Markdown table: that of docs/training.md.
+[[nodiscard]] std::string config_table();
+
 /// The network that a configuration describes.
 [[nodiscard]] model::Network make_network(const Config& config);
 

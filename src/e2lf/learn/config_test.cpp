@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/config.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
+
+#include "e2lf/files/file.h"
 
 namespace e2lf::learn {
 namespace {
@@ -43,7 +46,7 @@ TEST(Config, ErrorsNameThePlaceAndTheNearestKey) {
 
 TEST(Config, RefusesValuesThatCannotWork) {
   EXPECT_EQ(error_of(R"({"precision": "float16"})").location, "test.precision");
-  EXPECT_EQ(error_of(R"({"patterns": {"event_model": "magic"}})").location, "test.patterns");
+  EXPECT_EQ(error_of(R"({"patterns": {"event_model": "magic"}})").location, "test.patterns.event_model");
   EXPECT_EQ(error_of(R"({"patterns": {"black_first": false}, "input": [{"kind": "intensity"}]})").location,
             "test.input");
   EXPECT_EQ(error_of(R"({"patterns": {"complementary": true}})").location, "test.patterns");
@@ -54,6 +57,13 @@ TEST(Config, RefusesValuesThatCannotWork) {
   EXPECT_EQ(error_of(R"({"train": {"batch": 0}})").location, "test.train");
   EXPECT_EQ(error_of(R"({"train": {"optimiser": "sgd"}})").location, "test.train");
   EXPECT_EQ(error_of(R"({"train": {"patch": 128}})").location, "test.train.patch");
+}
+
+TEST(Config, TheDocumentedTableIsThatOfTheFields) {
+  const auto bytes = read_file(std::filesystem::path(E2LF_SOURCE_TREE) / "docs" / "training.md");
+  ASSERT_TRUE(bytes);
+  const std::string text(bytes->begin(), bytes->end());
+  EXPECT_NE(text.find(config_table()), std::string::npos) << "docs/training.md should hold:\n" << config_table();
 }
 
 TEST(MakeNetwork, FitsTheInputAndTheViews) {
