@@ -47,14 +47,19 @@ void CycleAssembler::add_start(const PatternStart& start) {
   starts_.insert(std::upper_bound(starts_.begin(), starts_.end(), start.t_us, later), start);
 }
 
-void CycleAssembler::add_events(const recordings::EventColumns& events) {
-  if (next_ > events_.size() / 2) {
-    recordings::EventColumns rest;
-    rest.append(events_, next_, events_.size());
-    std::swap(events_, rest);
+void CycleAssembler::add_events(recordings::EventColumns& events) {
+  if (next_ == events_.size()) {
+    std::swap(events_, events);  // nothing waits: no copy
     next_ = 0;
+  } else {
+    if (next_ > events_.size() / 2) {
+      recordings::EventColumns rest;
+      rest.append(events_, next_, events_.size());
+      std::swap(events_, rest);
+      next_ = 0;
+    }
+    events_.append(events);
   }
-  events_.append(events);
   give_up_waiting();
 }
 

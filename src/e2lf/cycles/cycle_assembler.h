@@ -20,8 +20,8 @@ class CycleAssembler {
   /// future.
   void add_start(const PatternStart& start);
 
-  /// Takes the events that come next.
-  void add_events(const recordings::EventColumns& events);
+  /// Takes the events that come next, and leaves others in their place.
+  void add_events(recordings::EventColumns& events);
 
   /// Works through everything before until_us: all starts up to then must be known. The tracker knows the expected
   /// intervals; null = those of the schedule.
