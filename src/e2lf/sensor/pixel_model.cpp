@@ -4,37 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
-#include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/coded_intensity.h"
+#include "e2lf/sensor/draws.h"
+#include "e2lf/sensor/pixel_thresholds.h"
 
 namespace e2lf::sensor {
 namespace {
 
 using enum capture::PixelConstant;
 
-constexpr uint64_t kThresholdStream = uint64_t{1} << 33;
-constexpr float kLeastThreshold = 0.3F;  // of the mean one, however unequal pixels are
-constexpr size_t kRowPixels = 1024;      // a piece of work
-
-float uniform(uint32_t word) {
-  return (static_cast<float>(word >> 8) + 0.5F) * 0x1p-24F;
-}
-
-/// Two standard normal draws from two words.
-std::array<float, 2> box_muller(uint32_t word0, uint32_t word1) {
-  const float radius = std::sqrt(-2.0F * std::log(uniform(word0)));
-  const float angle = uniform(word1) * (2.0F * std::numbers::pi_v<float>);
-  return {radius * std::cos(angle), radius * std::sin(angle)};
-}
-
-struct Thresholds {
-  float on = 0.0F, off = 0.0F;
-};
+constexpr size_t kRowPixels = 1024;  // a piece of work
 
 /// The light that a pixel gets in each pattern, J = (I + eps) / eps.
 struct Exposure {
@@ -45,7 +28,7 @@ struct Exposure {
 /// One pixel from the inverse of the last pattern to the end of the cycle.
 class Pixel {
  public:
-  Pixel(const capture::PixelConstants& constants, Thresholds thresholds, float intensity)
+  Pixel(const capture::PixelConstants& constants, PixelThresholds thresholds, float intensity)
       : constants_(constants), thresholds_(thresholds), inverse_level_(1.0F / intensity), level_(std::log(intensity)) {}
 
   void follow(float intensity, float seconds) {
@@ -64,11 +47,11 @@ class Pixel {
   float count_events(float intensity, const std::array<uint32_t, 4>& words) {
     const float noise = std::sqrt(constants_[kNoise] * constants_[kNoise] +
                                   constants_[kShotNoise] * constants_[kShotNoise] / intensity);
-    const float difference = level_ + noise * box_muller(words[0], words[1])[0] - reference_;
+    const float difference = level_ + noise * normals_of(words[0], words[1])[0] - reference_;
     const float threshold = difference > 0.0F ? thresholds_.on : thresholds_.off;
     float count = std::trunc(difference / threshold);
     reference_ += threshold * count;
-    const float draw = uniform(words[2]) * intensity;
+    const float draw = uniform_of(words[2]) * intensity;
     if (draw < constants_[kDarkOff]) {
       count -= 1.0F;
       reference_ -= thresholds_.off;
@@ -82,19 +65,9 @@ class Pixel {
 
  private:
   const capture::PixelConstants& constants_;
-  Thresholds thresholds_;
+  PixelThresholds thresholds_;
   float inverse_level_, level_, reference_ = 0.0F;
 };
-
-Thresholds draw_thresholds(const capture::PixelConstants& constants, uint64_t map_seed, uint64_t pixel) {
-  const auto words = CounterRng(map_seed, kThresholdStream).bits(pixel);
-  const auto [both, on] = box_muller(words[0], words[1]);
-  const float off = box_muller(words[2], words[3])[0];
-  const auto factor = [&, both = both](float own) {
-    return std::max(1.0F + constants[kMismatch] * both + constants[kMismatchEach] * own, kLeastThreshold);
-  };
-  return {constants[kThresholdOn] * factor(on), constants[kThresholdOff] * factor(off)};
-}
 
 /// What the lit patterns pass at each place of the picture, a factor of its column times one of its row.
 class TransmissionMap {
@@ -197,7 +170,7 @@ Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
       exposure_of(p, exposure);
       Pixel pixel(constants, draw_thresholds(constants, options.map_seed, p), exposure.inverse);
       pixel.follow(exposure.of_patterns[0], constants[kBlackTime]);
-      pixel.settle(uniform(CounterRng(options.seed, 0).bits(p)[0]));
+      pixel.settle(uniform_of(CounterRng(options.seed, 0).bits(p)[0]));
       for (size_t n = 1; n < codes.num_patterns; ++n) {
         pixel.follow(exposure.of_patterns[n], constants[kLitTime]);
         const float count = pixel.count_events(exposure.of_patterns[n], CounterRng(options.seed, n).bits(p));

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/streams/stream_options.h"
+
+#include <cmath>
+#include <limits>
+
+#include "e2lf/base/text.h"
+#include "e2lf/sensor/event_model.h"
+
+namespace e2lf::streams {
+namespace {
+
+constexpr StreamModel kModels[] = {StreamModel::kQuantised, StreamModel::kReferenceAware, StreamModel::kEsim,
+                                   StreamModel::kV2e, StreamModel::kPixel};
+
+/// Collects the first of many checks that fails.
+class Checks {
+ public:
+  Checks& in(const char* name, double value, double low, double high) {
+    if (result_ && !(value >= low && value <= high)) {
+      result_ =
+          Error{ErrorCode::kInvalidValue, cat(name, " is ", value, "; use a number from ", low, " to ", high), ""};
+    }
+    return *this;
+  }
+  [[nodiscard]] Result<void> result() const { return result_; }
+
+ private:
+  Result<void> result_;
+};
+
+constexpr double kMost = 1e9;
+
+Result<void> check_v2e(const V2eOptions& v2e) {
+  const double least = static_cast<double>(sensor::kMinThreshold);
+  return Checks()
+      .in("pos_thres", v2e.pos_thres, least, kMost)
+      .in("neg_thres", v2e.neg_thres, least, kMost)
+      .in("sigma_thres", v2e.sigma_thres, 0, kMost)
+      .in("cutoff_hz", v2e.cutoff_hz, 0, kMost)
+      .in("leak_rate_hz", v2e.leak_rate_hz, 0, kMost)
+      .in("leak_jitter_fraction", v2e.leak_jitter_fraction, 0, kMost)
+      .in("noise_rate_cov_decades", v2e.noise_rate_cov_decades, 0, 10)
+      .in("shot_noise_rate_hz", v2e.shot_noise_rate_hz, 0, kMost)
+      .in("refractory_period_s", v2e.refractory_period_s, 0, kMost)
+      .in("frame_us", static_cast<double>(v2e.frame_us), 1, kMost)
+      .result();
+}
+
+Result<void> check_pixel(const StreamOptions& options) {
+  using enum capture::PixelConstant;
+  Checks checks;
+  for (const auto constant : {kEps, kReceptorRate, kAmplifierRate, kThresholdOn, kThresholdOff}) {
+    checks.in(capture::pixel_constant_key(constant), options.pixel[constant], 1e-6, kMost);
+  }
+  for (const auto constant : {kMismatch, kMismatchEach, kNoise, kShotNoise, kDarkOff, kDarkOn}) {
+    checks.in(capture::pixel_constant_key(constant), options.pixel[constant], 0, kMost);
+  }
+  return checks.in("refractory_us", options.defects.refractory_us, 0, kMost)
+      .in("leak_rate_hz", options.defects.leak_rate_hz, 0, kMost)
+      .in("shot_rate_hz", options.defects.shot_rate_hz, 0, 1e6)
+      .in("hot_share", options.defects.hot_share, 0, 1)
+      .in("hot_rate_hz", options.defects.hot_rate_hz, 0, 1e6)
+      .result();
+}
+
+}  // namespace
+
+Result<StreamModel> stream_model_from_name(const std::string& name) {
+  for (const StreamModel model : kModels) {
+    if (name == stream_model_name(model)) return model;
+  }
+  return Error{ErrorCode::kInvalidValue,
+               cat("unknown event model \"", name, "\"; use quantised, reference-aware, esim, v2e or pixel"), ""};
+}
+
+const char* stream_model_name(StreamModel model) {
+  switch (model) {
+    case StreamModel::kQuantised:
+      return "quantised";
+    case StreamModel::kReferenceAware:
+      return "reference-aware";
+    case StreamModel::kEsim:
+      return "esim";
+    case StreamModel::kV2e:
+      return "v2e";
+    case StreamModel::kPixel:
+      return "pixel";
+  }
+  return "";
+}
+
+Result<V2eOptions> v2e_preset(const std::string& name) {
+  V2eOptions preset;
+  if (name == "default") return preset;
+  preset.refractory_period_s = 0.0F;
+  if (name == "noisy") {
+    preset.sigma_thres = 0.05F;
+    preset.cutoff_hz = 30.0F;
+    preset.leak_rate_hz = 0.1F;
+    preset.shot_noise_rate_hz = 5.0F;
+    return preset;
+  }
+  if (name == "clean") {
+    preset.sigma_thres = 0.02F;
+    preset.cutoff_hz = preset.leak_rate_hz = preset.shot_noise_rate_hz = 0.0F;
+    preset.leak_jitter_fraction = preset.noise_rate_cov_decades = 0.0F;
+    return preset;
+  }
+  return Error{ErrorCode::kInvalidValue, cat("unknown preset \"", name, "\" of v2e; use default, noisy or clean"), ""};
+}
+
+Result<void> validate(const StreamOptions& options) {
+  E2LF_RETURN_IF_ERROR(Checks()
+                           .in("readout limit", options.readout.events_per_s, 0, 1e12)
+                           .in("longest wait", options.readout.longest_us, 0, kMost)
+                           .result());
+  switch (options.model) {
+    case StreamModel::kV2e:
+      return check_v2e(options.v2e);
+    case StreamModel::kPixel:
+      return check_pixel(options);
+    case StreamModel::kEsim:
+      E2LF_RETURN_IF_ERROR(Checks().in("refractory_us", options.esim_refractory_us, 0, kMost).result());
+      break;
+    default:
+      break;
+  }
+  sensor::EventModelOptions constants;
+  constants.constants = options.constants;
+  return sensor::validate(constants);
+}
+
+}  // namespace e2lf::streams

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// v2e (Hu, Liu, Delbruck, "v2e: From Video Frames to Realistic DVS Events", CVPR Workshops 2021), frame by frame.
+// Frames are not rounded to 8 bits, times are not rounded to float32, events of one time are in the order of pixels.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "e2lf/base/threads.h"
+#include "e2lf/sensor/draws.h"
+#include "e2lf/sensor/event_model.h"
+#include "e2lf/streams/stream_pixels.h"
+
+namespace e2lf::streams {
+namespace {
+
+constexpr double kWhite = 255.0;     // of its input
+constexpr double kLinear = 20.0;     // up to here its logarithm is a straight line, and so much light is added in rates
+constexpr double kDarkShare = 0.75;  // of its shot noise, that light takes away
+
+struct V2ePixel {
+  double base = 0.0, low_pass = 0.0;  ///< lin-log
+  float theta_on = 0.0F, theta_off = 0.0F, leak_factor = 1.0F;
+  int32_t steps = 0;                      ///< of this frame: thresholds up or down
+  double inten01 = 0.0, last_s = -1e300;  ///< of its last event
+};
+
+/// One frame: the end of a stretch of the segment.
+struct Frame {
+  double begin_us, end_us;  ///< since the segment's begin
+  double share;             ///< of the segment, at its end
+  uint64_t number;
+  [[nodiscard]] double seconds() const { return (end_us - begin_us) * 1e-6; }
+};
+
+double lin_log(double number) {
+  return number <= kLinear ? number * (std::log(kLinear) / kLinear) : std::log(number);
+}
+
+double number_of(double light) {
+  return kWhite * std::clamp(light, 0.0, 1.0);
+}
+
+class V2ePixels : public StreamPixels {
+ public:
+  V2ePixels(const StreamOptions& options, const LightSegment& first)
+      : seed_(options.seed), v2e_(options.v2e), pixels_(first.from.size()) {
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      V2ePixel& pixel = pixels_[i];
+      pixel.base = pixel.low_pass = lin_log(number_of(static_cast<double>(first.from[i])));
+      const auto words = CounterRng(options.map_seed, sensor::kThresholdStream).bits(i);
+      const auto [on, off] = sensor::normals_of(words[0], words[1]);
+      pixel.theta_on = std::max(v2e_.pos_thres + v2e_.sigma_thres * on, sensor::kMinThreshold);
+      pixel.theta_off = std::max(v2e_.neg_thres + v2e_.sigma_thres * off, sensor::kMinThreshold);
+      pixel.leak_factor = std::pow(10.0F, v2e_.noise_rate_cov_decades * sensor::normals_of(words[2], words[3])[0]);
+    }
+  }
+
+  void advance(const LightSegment& segment, std::vector<std::vector<PixelEvent>>& parts) override {
+    const auto duration_us = static_cast<double>(segment.end_us - segment.begin_us);
+    const auto frame_us = static_cast<double>(v2e_.frame_us);
+    for (double begin_us = 0.0; begin_us < duration_us; begin_us += frame_us) {
+      const double end_us = std::min(begin_us + frame_us, duration_us);
+      add_frame(segment, {begin_us, end_us, end_us / duration_us, frame_++}, parts);
+    }
+  }
+
+ private:
+  void add_frame(const LightSegment& segment, const Frame& frame, std::vector<std::vector<PixelEvent>>& parts) {
+    // How finely a frame is cut depends on the pixel with most events.
+    std::vector<int32_t> most(parts.size());
+    const auto for_parts = [&](const auto& body) {
+      parallel_for(parts.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t part = begin; part < end; ++part) {
+          const size_t first = part * kPartPixels;
+          body(part, first, std::min(first + kPartPixels, pixels_.size()));
+        }
+      });
+    };
+    for_parts([&](size_t part, size_t begin, size_t end) { most[part] = see_light(segment, frame, begin, end); });
+    const int32_t slots = std::max(*std::max_element(most.begin(), most.end()), 1);
+    for_parts([&](size_t part, size_t begin, size_t end) {
+      PixelEventSink events(parts[part], segment.end_us - segment.begin_us);
+      for (size_t i = begin; i < end; ++i) {
+        fire(segment, frame, slots, i, events);
+        if (v2e_.shot_noise_rate_hz > 0) add_shot_noise(frame, i, events);
+      }
+    });
+  }
+
+  /// Low pass, leak, and how many thresholds each pixel goes. Returns the most of them.
+  int32_t see_light(const LightSegment& segment, const Frame& frame, size_t begin, size_t end) {
+    int32_t most = 0;
+    for (size_t i = begin; i < end; ++i) {
+      V2ePixel& pixel = pixels_[i];
+      const double from = segment.from[i], to = segment.to[i];
+      const double number = number_of(from + (to - from) * frame.share);
+      pixel.inten01 = (number + kLinear) / (kWhite + kLinear);
+      const double rate = 2 * std::numbers::pi * static_cast<double>(v2e_.cutoff_hz);
+      const double weight = rate > 0 ? std::min(pixel.inten01 * frame.seconds() * rate, 1.0) : 1.0;
+      pixel.low_pass += weight * (lin_log(number) - pixel.low_pass);
+      if (v2e_.leak_rate_hz > 0) pixel.base -= leak(frame, i);
+      const double difference = pixel.low_pass - pixel.base;
+      const double threshold = difference > 0 ? pixel.theta_on : pixel.theta_off;
+      pixel.steps = static_cast<int32_t>(std::clamp(difference / threshold, -32768.0, 32767.0));
+      most = std::max(most, std::abs(pixel.steps));
+    }
+    return most;
+  }
+
+  [[nodiscard]] double leak(const Frame& frame, size_t i) const {
+    const V2ePixel& pixel = pixels_[i];
+    double rate = static_cast<double>(v2e_.leak_rate_hz * pixel.leak_factor);
+    if (v2e_.leak_jitter_fraction > 0) {
+      const auto words = CounterRng(seed_, sensor::kSegmentStream + frame.number).bits(i);
+      rate *= 1.0 - static_cast<double>(v2e_.leak_jitter_fraction * sensor::normals_of(words[0], words[1])[0]);
+    }
+    return frame.seconds() * rate * static_cast<double>(pixel.theta_on);
+  }
+
+  /// A pixel with n events has them in the first n of the frame's slots. One in the refractory period does not move
+  /// the base, so that it may come in a later frame.
+  void fire(const LightSegment& segment, const Frame& frame, int32_t slots, size_t i, PixelEventSink& events) {
+    V2ePixel& pixel = pixels_[i];
+    const bool is_on = pixel.steps > 0;
+    const double slot_us = (frame.end_us - frame.begin_us) / slots;
+    const double refractory_s = v2e_.refractory_period_s;
+    const bool can_be_blind = refractory_s > slot_us * 1e-6;
+    for (int32_t slot = 0; slot < std::abs(pixel.steps); ++slot) {
+      const double offset_us = frame.begin_us + slot_us * (slot + 1);
+      const double t_s = (static_cast<double>(segment.begin_us) + offset_us) * 1e-6;
+      if (can_be_blind && !(t_s - pixel.last_s > refractory_s)) continue;
+      pixel.last_s = t_s;
+      pixel.base += is_on ? static_cast<double>(pixel.theta_on) : -static_cast<double>(pixel.theta_off);
+      events.add(offset_us, i, is_on);
+    }
+  }
+
+  void add_shot_noise(const Frame& frame, size_t i, PixelEventSink& events) {
+    V2ePixel& pixel = pixels_[i];
+    const double draw = (CounterRng(seed_, sensor::kDefectStream + frame.number).bits(i)[0] + 0.5) * 0x1p-32;
+    const double share =
+        static_cast<double>(v2e_.shot_noise_rate_hz) / 2 * frame.seconds() * (1.0 - kDarkShare * pixel.inten01);
+    const bool is_off = draw < share * static_cast<double>(v2e_.neg_thres / pixel.theta_off);
+    const bool is_on = draw > 1.0 - share * static_cast<double>(v2e_.pos_thres / pixel.theta_on);
+    if (!is_off && !is_on) return;
+    events.add(frame.end_us, i, is_on);
+    pixel.base = pixel.low_pass;
+  }
+
+  uint64_t seed_, frame_ = 0;
+  V2eOptions v2e_;
+  std::vector<V2ePixel> pixels_;
+};
+
+}  // namespace
+
+std::unique_ptr<StreamPixels> make_v2e_pixels(const StreamOptions& options, const LightSegment& first) {
+  return std::make_unique<V2ePixels>(options, first);
+}
+
+}  // namespace e2lf::streams
