@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/cycles/event_runs.h"
 #include "e2lf/recordings/count_on.h"
 
 namespace e2lf::cycles {
@@ -16,18 +17,6 @@ constexpr int64_t kLongestPauseBins = 4096;
 constexpr double kLearningRate = 0.1;
 /// Bins above the level before the burst by this many standard deviations belong to it.
 constexpr double kFootSignificance = 3;
-
-/// The first event from `begin` on that is not before a time: in steps that double, since bins hold one event or many.
-size_t end_of_bin(const recordings::EventColumns& events, size_t begin, int64_t end_us) {
-  size_t step = 1, low = begin;
-  while (low + step < events.size() && events.t[low + step] < end_us) {
-    low += step;
-    step *= 2;
-  }
-  const auto first = events.t.begin() + static_cast<ptrdiff_t>(low);
-  const auto last = events.t.begin() + static_cast<ptrdiff_t>(std::min(low + step, events.size()));
-  return static_cast<size_t>(std::lower_bound(first, last, end_us) - events.t.begin());
-}
 
 }  // namespace
 
@@ -47,7 +36,7 @@ void BurstDetector::add(const recordings::EventColumns& events, std::vector<Mark
       begin_in_silence();
     }
     if (bin != open_bin_) close_bins(bin, marks);
-    const size_t end = end_of_bin(events, i, (bin + 1) * options_.bin_us);
+    const size_t end = end_of_run(events, i, events.size(), (bin + 1) * options_.bin_us);
     const uint64_t on = recordings::count_on({events.p.data() + i, end - i});
     open_.on += static_cast<uint32_t>(on);
     open_.off += static_cast<uint32_t>(end - i - on);

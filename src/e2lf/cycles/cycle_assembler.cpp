@@ -53,10 +53,7 @@ void CycleAssembler::add_events(recordings::EventColumns& events) {
     next_ = 0;
   } else {
     if (next_ > events_.size() / 2) {
-      recordings::EventColumns rest;
-      rest.append(events_, next_, events_.size());
-      std::swap(events_, rest);
-      next_ = 0;
+      events_.drop_front(std::exchange(next_, 0));
     }
     events_.append(events);
   }
@@ -210,11 +207,18 @@ void CycleAssembler::consume_events(int64_t until_us) {
 void CycleAssembler::accumulate(size_t begin, size_t end) {
   Cycle& cycle = open_->cycle;
   const std::span<int16_t> image = cycle.images.image(*options_.schedule.patterns[*pattern_].image);
+  const uint16_t* const x = events_.x.data();
+  const uint16_t* const y = events_.y.data();
+  // Images are larger than the caches near a core: the pixels of the next events are fetched while some are counted.
+  constexpr size_t kAhead = 32;
   for (size_t i = begin; i < end; ++i) {
-    if (events_.x[i] >= width_ || events_.y[i] >= height_) continue;
-    int16_t& count = image[events_.y[i] * width_ + events_.x[i]];
-    const int sum = count + (events_.p[i] != 0 ? 1 : -1);
-    count = static_cast<int16_t>(std::clamp(sum, -32768, 32767));
+    const size_t later = std::min(i + kAhead, end - 1);
+    __builtin_prefetch(image.data() + std::min(y[later] * width_ + x[later], image.size() - 1), 1);
+    if (x[i] >= width_ || y[i] >= height_) continue;
+    int16_t& count = image[y[i] * width_ + x[i]];
+    // Stops at the ends of int16, by a branch that is hardly ever taken.
+    int16_t sum = 0;
+    if (!__builtin_add_overflow(count, events_.p[i] != 0 ? 1 : -1, &sum)) count = sum;
   }
   cycle.events += end - begin;
 }

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "e2lf/cycles/event_runs.h"
+#include "e2lf/recordings/count_on.h"
+
 namespace e2lf::cycles {
 namespace {
 
@@ -21,7 +24,11 @@ void EventHistogram::add(const recordings::EventColumns& events, size_t begin, s
   for (size_t i = begin; i < end;) {
     const int64_t bin_us = bin_of(events.t[i]);
     Counts& counts = bins_[bin_us];
-    for (; i < end && events.t[i] < bin_us + kBinUs; ++i) ++(events.p[i] != 0 ? counts.on : counts.off);
+    const size_t run_end = end_of_run(events, i, end, bin_us + kBinUs);
+    const uint64_t on = recordings::count_on({events.p.data() + i, run_end - i});
+    counts.on += static_cast<uint32_t>(on);
+    counts.off += static_cast<uint32_t>(run_end - i - on);
+    i = run_end;
   }
 }
 

@@ -97,6 +97,16 @@ struct EventColumns {
     copy(t, other.t);
   }
   void append(const EventColumns& other) { append(other, 0, other.size()); }
+  /// Drops the first events; memory stays.
+  void drop_front(size_t count) {
+    const auto drop = [count](auto& column) {
+      column.erase(column.begin(), column.begin() + static_cast<ptrdiff_t>(count));
+    };
+    drop(x);
+    drop(y);
+    drop(p);
+    drop(t);
+  }
   bool operator==(const EventColumns&) const = default;
 };
 
