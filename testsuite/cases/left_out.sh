@@ -106,3 +106,40 @@ for flags in "-o simulated.raw" "-o again.csv --no-triggers"; do
   "$E2LF" simulate demo/scene $flags --quiet 2>stderr.txt
   [ ! -s stderr.txt ] || fail "$flags: $(cat stderr.txt)"
 done
+
+# The counts of event images are of 16 bits: events of a pixel beyond that are counted like other losses.
+py - <<'PY'
+rows = ["%geometry:8,8", "0,0,1,0"] + ["1,1,1,%d" % (100000 + i) for i in range(40000)] + ["0,0,1,400000"]
+open("hot.csv", "w").write("\n".join(rows) + "\n")
+PY
+echo '{"patterns": [{"duration_us": 100000}, {"duration_us": 100000, "image": 0}]}' >two.json
+hot=("$E2LF" accumulate hot.csv --source schedule --origin-us 0 --schedule two.json --max-cycles 1)
+"${hot[@]}" -o hot.npz --json >out.json 2>stderr.txt
+check "$(json out.json "[(l['reason'], l['count']) for l in j['left_out']]") == [('saturated', 40000 - 32767)]"
+grep -q "hot.csv: left out 7233 events of pixels with more than 32,767 in an event image" stderr.txt || fail "$(cat stderr.txt)"
+[ "$(json hot.npz.run.json "j['notes']['left_out'][0]['count']")" = 7233 ] || fail "the record"
+check "$(py -c 'import numpy as np; print(np.load("hot.npz")["events"].max())') == 32767"
+fails 1 "no room for 7233 events" "${hot[@]}" -o strict.npz --strict
+absent strict.npz
+py - <<'PY'
+import numpy as np
+events = np.zeros((2, 3, 48, 64), np.int16)
+events[:, 1, 5, 6] = 20000
+np.savez("sum.npz", events=events)
+PY
+sums=("$E2LF" reconstruct sum.npz -m "$TESTSUITE/../models/e2lf-n4-capture.safetensors" --cycles-per-field 2 --gain 1)
+"${sums[@]}" -o sum --json >out.json 2>stderr.txt
+check "$(json out.json "[(l['reason'], l['count']) for l in j['left_out']]") == [('saturated', 40000 - 32767)]"
+fails 1 "no room for 7233 events" "${sums[@]}" -o strict --strict
+absent strict
+
+# What a replayed recording leaves out is accounted for as the file's is.
+left_out() { json out.json "sorted((l['reason'], l['count']) for l in j['left_out'])"; }
+"$E2LF" convert damaged.raw file.npz --json --quiet >out.json 2>stderr.txt
+of_file=$(left_out)
+"$E2LF" convert replay:damaged.raw replayed.npz --json --quiet >out.json 2>stderr.txt
+[ "$(left_out)" = "$of_file" ] || fail "replayed: $(left_out), the file: $of_file"
+grep -q "replay:damaged.raw: left out" stderr.txt || fail "$(cat stderr.txt)"
+fails 1 "strict" "$E2LF" convert replay:damaged.raw strict.npz --strict
+fails 1 "strict" "$E2LF" accumulate replay:damaged.raw -o strict.npz --strict
+absent strict.npz

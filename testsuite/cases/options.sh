@@ -7,7 +7,10 @@ fails 2 "--seed: \"-1\" is no whole number" "${simulate[@]}" --seed -1
 fails 2 "--seed: \"99999999999999999999\" is no whole number" "${simulate[@]}" --seed 99999999999999999999
 fails 2 "--threads: 10000 is outside of the range; give 0 to 1024" "${simulate[@]}" --threads 10000
 fails 2 "--tau: \"nan\" is no number" "${simulate[@]}" --tau nan
-absent events.npz
+fails 2 "--white: 0 is not above 0" "${simulate[@]}" --white 0
+fails 2 "--step: 0 is outside of the range; give 1 to 65535" "${simulate[@]}" --step 0
+fails 2 "--duration-us: 0 is outside of the range; give at least 1" "$E2LF" codes render -o frames --duration-us 0
+absent events.npz frames
 "${simulate[@]}" --seed 007 --quiet
 "$E2LF" simulate demo/scene -m "$model" --seed 7 -o seven.npz --quiet
 cmp events.npz seven.npz

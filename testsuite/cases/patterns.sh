@@ -30,6 +30,20 @@ for input in converted.hdf5 replay:other.raw images.npz -; do
   "$E2LF" reconstruct "$input" -m "$model" -o along --overwrite <other.raw >out.txt 2>err.txt
   grep -q "made with other patterns than e2lf-n4" err.txt || fail "$input: $(cat err.txt)"
 done
+# Formats that hold no text keep them in the record beside them, also where they were converted.
+for format in npz npy dsec; do
+  for whose in own other; do
+    file=from_$whose.$format
+    "$E2LF" convert $whose.raw "$file" --format $format --quiet 2>err.txt
+    "$E2LF" reconstruct "$file" -m "$model" --source bursts --sensor-width 96 --sensor-height 64 -o "$file.out" >out.txt 2>err.txt
+    if [ $whose = own ]; then
+      if grep -q "patterns" err.txt; then fail "$file: $(cat err.txt)"; fi
+      grep -q "differs from the events" out.txt || fail "$file: $(cat out.txt)"
+    else
+      grep -q "made with other patterns than e2lf-n4" err.txt || fail "$file: $(cat err.txt)"
+    fi
+  done
+done
 # The record of another recording tells nothing.
 cp own.csv.run.json edited.csv.run.json
 head -n -5 own.csv >edited.csv

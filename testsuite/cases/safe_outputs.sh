@@ -26,6 +26,7 @@ refused "e2lf did not write this folder" "$E2LF" demo -o cap --overwrite --width
 refused "is an input" "$E2LF" convert cap/rec.raw link/rec.raw --overwrite
 refused "is an input" "$E2LF" convert - cap/rec.raw --format evt3 --overwrite <cap/rec.raw
 refused "lies in an input" "$E2LF" simulate demo/scene -o demo/scene/ev.npz
+refused "put it beside that, e.g. at $PWD/demo/x.json" "$E2LF" eval demo/scene demo/recon -o demo/recon/x.json
 refused "is an input" "$E2LF" accumulate cap/rec.raw -o x.npz --plot plot.svg --overwrite
 refused "is an input" "$E2LF" pack demo/scene ev.npz -o ev.npz --overwrite
 refused "is an input" "$E2LF" eval demo/scene demo/recon -o ev.npz --events ev.npz --overwrite

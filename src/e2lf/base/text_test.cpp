@@ -51,7 +51,10 @@ TEST(ProgressLine, LeavesTheTimeOutWhenItIsNotKnown) {
   EXPECT_THAT(progress_line("x", 5, 10, 0.1), Not(HasSubstr("left")));
   EXPECT_THAT(progress_line("x", 10, 10, 5.0), testing::EndsWith("100 %"));
   EXPECT_THAT(progress_line("x", 12, 10, 5.0), HasSubstr("100 %"));
-  EXPECT_THAT(progress_line("x", 0, 0, 5.0), HasSubstr("100 %"));
+}
+
+TEST(ProgressLine, CountsWhereTheTotalIsNotKnown) {
+  EXPECT_EQ(progress_line("convert", 1200, 0, 3.4, "events"), "convert  1200 events  3 s");
 }
 
 TEST(ProgressBar, IsSilentWhenQuietOrNotATerminal) {

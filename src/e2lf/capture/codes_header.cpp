@@ -8,6 +8,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
+#include "e2lf/files/json_text.h"
 
 namespace e2lf::capture {
 namespace {
@@ -17,7 +18,7 @@ constexpr std::string_view kKey = "e2lf_pattern_";
 std::string row_text(const Json& row) {
   if (row.is_string()) return row.get<std::string>();
   std::vector<std::string> numbers;
-  for (const Json& value : row) numbers.push_back(value.dump());
+  for (const Json& value : row) numbers.push_back(json_line(value));
   return join(numbers, ",");
 }
 

@@ -2,6 +2,7 @@
 #include "e2lf/capture/codes_io.h"
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/json_text.h"
 
 namespace e2lf::capture {
 namespace {
@@ -60,7 +61,7 @@ Result<Codes> read_codes(const std::filesystem::path& path) {
 
 Result<void> write_codes(const std::filesystem::path& path, const Codes& codes) {
   const std::string extension = path.extension().string();
-  if (extension == ".json") return write_file(path, codes_to_json(codes).dump(2) + "\n");
+  if (extension == ".json") return write_file(path, json_text(codes_to_json(codes)));
   if (extension == ".npy") return write_npy(path, codes_to_npy(codes));
   if (extension == ".npz") return write_npz(path, {{kArrayName, codes_to_npy(codes)}});
   return unknown_extension(path);

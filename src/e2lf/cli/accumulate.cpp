@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf accumulate: recording -> event images per pattern cycle
+#include <chrono>
 #include <cstdio>
 
 #include "e2lf/base/log.h"
@@ -8,12 +9,14 @@
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/live_log.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/recordings/event_rate.h"
 
 namespace e2lf::cli {
@@ -50,6 +53,21 @@ class CyclePlot {
   FoundCycles found_;
 };
 
+/// Counts what is read on the bar, and shows it to the plot where there is one.
+CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
+  CycleObserver both = plot != nullptr ? plot->observer() : CycleObserver();
+  both.on_batch = [&bar, events = size_t{0}, of_plot = both.on_batch](const recordings::EventBatch& batch) mutable {
+    events += batch.events.size();
+    bar.update(events, 0);
+    if (of_plot) of_plot(batch);
+  };
+  return both;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 /// Puts the patterns of the recording beside its event images, where they are those of the schedule.
 void keep_codes(const capture::Codes& codes, const fs::path& input, size_t transitions,
                 capture::EventImageWriter& writer) {
@@ -78,11 +96,14 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   RunRecord record("accumulate");
   CyclePlot plot;
   const bool is_plotted = !arguments.plot.empty();
+  // Of live input the log tells, a line for each cycle.
+  ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
-                        open_cycles(arguments.input, arguments.cycles, is_plotted ? plot.observer() : CycleObserver()));
+                        open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(const auto codes, recorded_codes(arguments.input, reader.recording().info()));
   ConfidenceWatch confidence;
+  LiveLog live_log;
   Json cycles = Json::array();
   while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<cycles::Cycle> cycle, reader.next());
@@ -91,11 +112,18 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     if (writer.cycles() == 0 && codes) keep_codes(*codes, arguments.input, cycle->images.transitions, writer);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
+    if (cycle->arrival) {
+      const double latency_s = behind_s(*cycle) + seconds_since(*cycle->arrival);
+      cycles.back()["latency_s"] = latency_s;
+      live_log.add(cycle->number, cycle->events, latency_s);
+    }
     if (is_plotted) plot.add(*cycle);
   }
   record.end_step("accumulate");
+  hide_progress();
   const cycles::CycleReport report = reader.report();
-  const recordings::DecodeSummary summary = reader.recording().summary();
+  live_log.finish(report);
+  const recordings::DecodeSummary summary = reader.summary();
   warn_of_losses(arguments.input, summary);
   // The picture comes first: it tells why, where no cycle was found.
   if (picture) {
@@ -110,8 +138,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note("left_out", losses_json(summary));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);
-  std::error_code error;
-  if (fs::is_regular_file(arguments.input, error)) record.add_input(arguments.input);
+  record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   if (common.json) {
@@ -119,7 +146,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     json["left_out"] = losses_json(summary);
     json["least_confidence"] = confidence.least();
     json["each"] = std::move(cycles);
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s", json_text(json).c_str());
   } else if (!common.quiet) {
     std::printf("%s in %s, least confidence %.2f\n", report_text(report).c_str(), arguments.output.c_str(),
                 static_cast<double>(confidence.least()));

@@ -9,6 +9,7 @@
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/trainer_program.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::cli {
@@ -22,7 +23,7 @@ void print_precision(const std::string& name, const Json& row) {
 }
 
 void print_bench_reconstruct(const Json& json) {
-  std::printf("%s px, %d threads, %s\n\n", json["image"].dump().c_str(), json["threads"].get<int>(),
+  std::printf("%s px, %d threads, %s\n\n", json_line(json["image"]).c_str(), json["threads"].get<int>(),
               json["isa"].get<std::string>().c_str());
   std::printf("%-28s %9s %12s %13s %13s\n", "", "seconds", "GFLOP/s", "of the peak", "to the peer");
   for (const char* precision : {"float32", "bfloat16"}) {
@@ -34,7 +35,7 @@ void print_bench_reconstruct(const Json& json) {
     std::printf("peer: none (%s)\n", json["peer"]["absent"].get<std::string>().c_str());
   }
   std::printf("\nmultiply-add peak of this machine, GFLOP/s: %s; peak memory %.0f MiB\n",
-              json["peak_gflops"].dump().c_str(), json["peak_memory_mib"].get<double>());
+              json_line(json["peak_gflops"]).c_str(), json["peak_memory_mib"].get<double>());
 }
 
 void add_size_options(Verb& verb, size_t& width, size_t& height) {
@@ -61,8 +62,9 @@ int run_bench_reconstruct(const std::vector<std::string>& arguments) {
     }
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const Json json, bench_reconstruct(options, bar.callback()));
+    hide_progress();
     if (verb.common().json) {
-      std::printf("%s\n", json.dump(2).c_str());
+      std::printf("%s", json_text(json).c_str());
     } else {
       print_bench_reconstruct(json);
     }
@@ -86,7 +88,7 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
                        {"events", row(result.events_mpx_per_s, result.reference_events_mpx_per_s)},
                        {"light_field_to_events", row(result.simulate_mpx_per_s, result.reference_simulate_mpx_per_s)}};
     if (verb.common().json) {
-      std::printf("%s\n", json.dump(2).c_str());
+      std::printf("%s", json_text(json).c_str());
       return {};
     }
     std::printf("%-24s %12s %12s %8s\n", "simulation, M pixels/s", "e2lf", "reference", "ratio");

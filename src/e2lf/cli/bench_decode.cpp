@@ -10,6 +10,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/json_text.h"
 
 namespace e2lf::cli {
 namespace {
@@ -118,6 +119,7 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
     options.with_reference = !without_reference;
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto rows, bench::benchmark_decoding(options, bar.callback()));
+    hide_progress();
     std::vector<bench::ConvertBenchmarkRow> conversions;
     if (!convert_folder.empty()) {
       E2LF_ASSIGN_OR_RETURN(conversions, measure_conversion(convert_folder, options));
@@ -125,7 +127,7 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
     if (verb.common().json) {
       Json json = to_json(rows);
       for (const auto& row : conversions) json["convert"][row.format] = row.mevents_per_s;
-      std::printf("%s\n", json.dump(2).c_str());
+      std::printf("%s", json_text(json).c_str());
       return {};
     }
     print_table(rows);

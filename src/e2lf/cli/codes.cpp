@@ -7,6 +7,7 @@
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
 
 namespace e2lf::cli {
 namespace {
@@ -48,7 +49,7 @@ int run_codes_show(const std::vector<std::string>& arguments) {
       E2LF_RETURN_IF_ERROR(file.commit());
     }
     if (verb.common().json) {
-      std::printf("%s\n", codes_json(known.codes).dump(2).c_str());
+      std::printf("%s", json_text(codes_json(known.codes)).c_str());
     } else {
       print_codes(known.codes);
     }

@@ -7,6 +7,7 @@
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/display.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/schedule.h"
@@ -162,7 +163,7 @@ int run_codes_render(const std::vector<std::string>& arguments) {
   app.add_flag("--no-inverses", render_arguments.no_inverses,
                "leave out the inverse patterns that the paper's display needs");
   app.add_option("--duration-us", render_arguments.duration_us, "--no-inverses: how long each pattern is shown")
-      ->check(CLI::PositiveNumber)
+      ->check(whole_number(1))
       ->capture_default_str();
   return verb.run(arguments, [&] {
     layout.quarter_turns = render_arguments.rotation_deg / 90;

@@ -7,11 +7,13 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/light_field_flags.h"
+#include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
+#include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/recording_place.h"
@@ -63,21 +65,26 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   }
   RunRecord record("convert");
   record.add_input(arguments.input);
-  ProgressBar bar("convert", common.quiet);
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(arguments.input, read));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field,
+                        read_with_progress(arguments.input, read, common.quiet));
+  ProgressBar bar("write", common.quiet);
   if (folder) {
     E2LF_RETURN_IF_ERROR(lightfield::write_views(folder->path(), light_field, write.format, bar.callback()));
     record.end_step("convert");
     E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
     E2LF_RETURN_IF_ERROR(folder->commit(std::move(about)));
   } else {
+    bar.update(0, 1);
     E2LF_RETURN_IF_ERROR(lightfield::write_light_field(file->path(), light_field, write));
+    record.end_step("convert");
+    E2LF_RETURN_IF_ERROR(record.write(file->record_path(), verb));
     E2LF_RETURN_IF_ERROR(file->commit());
   }
+  hide_progress();
   const lightfield::Shape& shape = light_field.shape();
   if (common.json) {
     const Json json = {{"views", {shape.views_y, shape.views_x}}, {"height", shape.height}, {"width", shape.width}};
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s", json_text(json).c_str());
   } else if (!common.quiet) {
     std::printf("%zux%zu views of %zux%zu px in %s\n", shape.views_y, shape.views_x, shape.width, shape.height,
                 arguments.output.c_str());
@@ -85,7 +92,18 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   return {};
 }
 
-Result<void> convert_events(const ConvertArguments& arguments, const CommonOptions& common) {
+/// Writes the record of a converted recording, with the patterns that the input says.
+Result<void> write_record(RunRecord& record, const fs::path& input, const recordings::RecordingReader& reader,
+                          const OutputFile& output, const Verb& verb) {
+  record.add_input(input);
+  record.note("left_out", losses_json(reader.summary()));
+  E2LF_ASSIGN_OR_RETURN(const auto codes, recorded_codes(input, reader.info()));
+  if (codes) note_recorded_codes(record, *codes, output.path());
+  return record.write(output.record_path(), verb);
+}
+
+Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place,
                         recordings::place_of_recording(arguments.output, arguments.format));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
@@ -94,11 +112,17 @@ Result<void> convert_events(const ConvertArguments& arguments, const CommonOptio
                                                                                  .side_file = place.side_file,
                                                                                  .recover = recover_recording}));
   E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording));
+  RunRecord record("convert");
   open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(arguments.input.string(), open));
   say_assumptions(*reader);
-  E2LF_ASSIGN_OR_RETURN(const recordings::ConvertReport report,
-                        recordings::convert_recording(*reader, output.path(), {.format = arguments.format}));
+  ProgressBar bar("convert", common.quiet, "events");
+  E2LF_ASSIGN_OR_RETURN(
+      const recordings::ConvertReport report,
+      recordings::convert_recording(*reader, output.path(), {.format = arguments.format, .progress = bar.callback()}));
+  hide_progress();
+  record.end_step("convert");
+  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(write_record(record, arguments.input, *reader, output, verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   fs::path trigger_file = report.trigger_file;
   if (!trigger_file.empty()) trigger_file = arguments.output.parent_path() / trigger_file;
@@ -110,7 +134,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const CommonOptio
                        {"left_out", losses_json(report.summary)},
                        {"sorted", report.summary.out_of_order},
                        {"warnings", report.warnings}};
-    std::fprintf(output.text(), "%s\n", json.dump(2).c_str());
+    std::fprintf(output.text(), "%s", json_text(json).c_str());
   } else if (!common.quiet) {
     std::fprintf(output.text(), "%llu events and %llu triggers in %s%s\n",
                  static_cast<unsigned long long>(report.events), static_cast<unsigned long long>(report.triggers),
@@ -141,7 +165,7 @@ int run_convert(const std::vector<std::string>& arguments) {
   verb.stop_gently();
   return verb.run(arguments, [&] {
     const bool is_light_field = !is_live(conversion.input) && lightfield::detect_kind(conversion.input).ok();
-    return is_light_field ? convert_light_field(conversion, verb) : convert_events(conversion, verb.common());
+    return is_light_field ? convert_light_field(conversion, verb) : convert_events(conversion, verb);
   });
 }
 

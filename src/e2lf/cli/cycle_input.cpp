@@ -2,16 +2,23 @@
 #include "e2lf/cli/cycle_input.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/live_log.h"
 
 namespace e2lf::cli {
 namespace {
 
-void add(const capture::EventImages& more, capture::EventImages& sum) {
+/// Returns how many events there is no room for.
+uint64_t add(const capture::EventImages& more, capture::EventImages& sum) {
+  uint64_t saturated = 0;
   for (size_t i = 0; i < sum.counts.size(); ++i) {
-    sum.counts[i] = static_cast<int16_t>(std::clamp(sum.counts[i] + more.counts[i], -32768, 32767));
+    const int count = sum.counts[i] + more.counts[i];
+    sum.counts[i] = static_cast<int16_t>(std::clamp(count, INT16_MIN, INT16_MAX));
+    saturated += static_cast<uint64_t>(std::abs(count - sum.counts[i]));
   }
+  return saturated;
 }
 
 }  // namespace
@@ -30,10 +37,16 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
   confidence_.add(*cycle);
   next.about = cycle_json(*cycle);
   next.ready = cycle->arrival.value_or(CycleClock::now());
-  const int64_t behind_us = cycle->known_us - cycle->slices.back().end_us;
-  if (cycle->arrival) next.behind_s = static_cast<double>(std::max<int64_t>(0, behind_us)) * 1e-6;
+  next.behind_s = behind_s(*cycle);
+  next.is_live = cycle->arrival.has_value();
   next.images = std::move(cycle->images);
   return std::optional(std::move(next));
+}
+
+recordings::DecodeSummary CycleInput::summary() const {
+  recordings::DecodeSummary summary = reader_ ? reader_->summary() : recordings::DecodeSummary();
+  summary.saturated += saturated_;
+  return summary;
 }
 
 Result<std::optional<CycleImages>> CycleInput::next() {
@@ -41,7 +54,9 @@ Result<std::optional<CycleImages>> CycleInput::next() {
   for (size_t cycle = 1; sum && cycle < cycles_per_field_; ++cycle) {
     E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> more, next_cycle());
     if (!more) return std::optional<CycleImages>();
-    add(more->images, sum->images);
+    const uint64_t saturated = add(more->images, sum->images);
+    saturated_ += saturated;
+    if (saturated > 0 && is_strict_) return recordings::saturation_error(saturated, "--cycles-per-field");
     more->images = std::move(sum->images);
     sum = std::move(more);
   }
@@ -52,7 +67,7 @@ Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const Cy
                                     size_t cycles_per_field) {
   if (is_recording(input)) {
     E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, flags));
-    return CycleInput(std::move(reader), flags.max_cycles, cycles_per_field);
+    return CycleInput(std::move(reader), flags, cycles_per_field);
   }
   if (!flags.schedule.empty()) {
     return Error{ErrorCode::kInvalidValue, "event images are cut already; --schedule is for recordings, leave it out",
@@ -65,7 +80,7 @@ Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const Cy
                      " of --cycles-per-field; ask for fewer"),
                  input.string()};
   }
-  return CycleInput(std::move(file), cycles_per_field);
+  return CycleInput(std::move(file), flags, cycles_per_field);
 }
 
 }  // namespace e2lf::cli

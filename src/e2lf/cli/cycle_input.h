@@ -19,19 +19,23 @@ struct CycleImages {
   capture::EventImages images;  ///< of one cycle, or sums over several
   Json about = Json::object();  ///< for the record: of a recording, times and confidence of the last cycle
   CycleClock::time_point ready = CycleClock::now();  ///< when they were there: of a live recording, the last bytes
-  double behind_s = 0;  ///< from the end of the last pattern until then; live recordings only
+  double behind_s = 0;   ///< from the end of the last pattern until then; live recordings only
+  bool is_live = false;  ///< came as it was recorded
 };
 
 /// The event images of one light field after the other, from a file of them or cut from a recording as it is read.
 class CycleInput {
  public:
-  CycleInput(capture::EventImageFile file, size_t cycles_per_field)
-      : file_(std::move(file)), cycles_per_field_(cycles_per_field) {}
-  CycleInput(cycles::CycleReader reader, uint64_t max_cycles, size_t cycles_per_field)
-      : reader_(std::move(reader)), max_cycles_(max_cycles), cycles_per_field_(cycles_per_field) {}
+  CycleInput(capture::EventImageFile file, const CycleFlags& flags, size_t cycles_per_field)
+      : file_(std::move(file)), cycles_per_field_(cycles_per_field), is_strict_(flags.recording.is_strict) {}
+  CycleInput(cycles::CycleReader reader, const CycleFlags& flags, size_t cycles_per_field)
+      : reader_(std::move(reader)),
+        max_cycles_(flags.max_cycles),
+        cycles_per_field_(cycles_per_field),
+        is_strict_(flags.recording.is_strict) {}
 
-  /// The sums over the next cycles_per_field cycles; nothing at the end, where fewer are left. Sums beyond int16 are
-  /// saturated.
+  /// The sums over the next cycles_per_field cycles; nothing at the end, where fewer are left. What sums beyond 16 bits
+  /// leave out is counted in summary(), and is an error with --strict.
   [[nodiscard]] Result<std::optional<CycleImages>> next();
 
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
@@ -42,10 +46,8 @@ class CycleInput {
   [[nodiscard]] cycles::CycleSource source() const { return reader_->source(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
   [[nodiscard]] cycles::CycleReport report() const { return reader_->report(); }
-  /// Of what was read of a recording; empty for event images.
-  [[nodiscard]] recordings::DecodeSummary summary() const {
-    return reader_ ? reader_->recording().summary() : recordings::DecodeSummary();
-  }
+  /// What was left out of a recording and of sums.
+  [[nodiscard]] recordings::DecodeSummary summary() const;
 
  private:
   [[nodiscard]] Result<std::optional<CycleImages>> next_cycle();
@@ -54,8 +56,10 @@ class CycleInput {
   std::optional<cycles::CycleReader> reader_;
   uint64_t max_cycles_ = 0;
   size_t cycles_per_field_ = 1;
+  bool is_strict_ = false;
   ConfidenceWatch confidence_;
   size_t taken_ = 0;
+  uint64_t saturated_ = 0;  ///< of sums
 };
 
 /// Opens event images or a recording. Fails with kInvalidValue where flags of recordings are given for event images,

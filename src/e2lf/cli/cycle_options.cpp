@@ -177,7 +177,7 @@ Json cycle_json(const cycles::Cycle& cycle) {
 
 bool is_recording(const fs::path& path) {
   std::error_code error;
-  if (path == "-" || recordings::is_camera_name(path.string())) return true;
+  if (is_live(path)) return true;
   if (fs::is_directory(path, error)) return false;
   if (path.extension() == ".npz") {
     const auto arrays = read_npz(path);

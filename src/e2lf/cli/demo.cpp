@@ -13,6 +13,7 @@
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/report.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -125,7 +126,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
   E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));
   if (common.json) {
-    std::printf("%s\n", eval::to_json(row).dump(2).c_str());
+    std::printf("%s", json_text(eval::to_json(row)).c_str());
   } else if (!common.quiet) {
     print_result(arguments, camera, row);
   }

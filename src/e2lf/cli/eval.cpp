@@ -10,6 +10,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
+#include "e2lf/files/json_text.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -24,7 +25,7 @@ void print_result(const eval::EvalRow& row, const EvalArguments& arguments, cons
   if (common.json) {
     Json json = eval::to_json(row.quality);
     if (row.events) json["events"] = eval::to_json(*row.events);
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s", json_text(json).c_str());
   } else if (arguments.csv) {
     std::printf("%s", eval::csv_text({&row, 1}).c_str());
   } else if (!common.quiet) {
@@ -34,6 +35,7 @@ void print_result(const eval::EvalRow& row, const EvalArguments& arguments, cons
 }
 
 Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
+  const bool quiet = verb.common().quiet;
   std::optional<OutputFile> output;
   if (!arguments.output.empty()) {
     E2LF_ASSIGN_OR_RETURN(
@@ -42,10 +44,15 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
                                               .overwrite = verb.common().overwrite,
                                               .streams = true}));
   }
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth));
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField reconstruction, load_reconstruction(arguments.reconstruction));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, {}, quiet));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField reconstruction,
+                        load_reconstruction(arguments.reconstruction, quiet));
   eval::EvalRow row{arguments.reconstruction.string(), arguments.truth.string(), {}, {}};
-  E2LF_ASSIGN_OR_RETURN(row.quality, eval::compare(truth, reconstruction, {.clamp = !arguments.no_clamp}));
+  {
+    ProgressBar bar("compare", quiet);
+    E2LF_ASSIGN_OR_RETURN(row.quality,
+                          eval::compare(truth, reconstruction, {.clamp = !arguments.no_clamp}, bar.callback()));
+  }
   if (!arguments.events.empty()) {
     E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(arguments.events));
     const capture::EventImages& images = file.cycles.front();
@@ -58,7 +65,7 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
     row.events = eval::event_statistics(images);
   }
   if (output) {
-    E2LF_RETURN_IF_ERROR(write_file(output->path(), eval::to_json(row).dump(2) + "\n"));
+    E2LF_RETURN_IF_ERROR(write_file(output->path(), json_text(eval::to_json(row))));
     E2LF_RETURN_IF_ERROR(output->commit());
   }
   print_result(row, arguments, verb.common());

@@ -10,6 +10,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
@@ -147,7 +148,7 @@ Result<void> print_info(const fs::path& path, const RecordingInfoOptions& record
     return Error{ErrorCode::kInvalidValue, "this is no recording, there is no event rate to plot; leave --plot out",
                  path.string()};
   }
-  std::printf("%s", verb.common().json ? (found.json.dump(2) + "\n").c_str() : found.text.c_str());
+  std::printf("%s", verb.common().json ? json_text(found.json).c_str() : found.text.c_str());
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
 #include "e2lf/cli/recording_statistics.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
@@ -86,15 +87,18 @@ Result<void> print_recording_info(const fs::path& path, const RecordingInfoOptio
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(path.string(), open));
   recordings::EventRateCounter rate(kPlotBins);
   RecordingStatistics statistics;
+  ProgressBar bar("read", common.quiet, "events");
   recordings::EventBatch batch;
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
     if (!more) break;
     statistics.add(batch);
     if (!options.plot.empty()) rate.add(batch);
+    bar.update(reader->summary().events(), 0);
   }
+  hide_progress();
   if (common.json) {
-    std::printf("%s\n", to_json(reader->info(), reader->summary(), statistics).dump(2).c_str());
+    std::printf("%s", json_text(to_json(reader->info(), reader->summary(), statistics)).c_str());
   } else {
     print_text(reader->info(), reader->summary(), statistics);
   }

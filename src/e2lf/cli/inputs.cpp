@@ -2,6 +2,7 @@
 #include "e2lf/cli/inputs.h"
 
 #include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -58,16 +59,23 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
   return std::move(*known);
 }
 
-Result<lightfield::LightField> load_scene(const fs::path& path, const LightFieldFlags& flags) {
-  return lightfield::read_light_field(path, read_options(flags));
+Result<lightfield::LightField> read_with_progress(const fs::path& path, const lightfield::ReadOptions& options,
+                                                  bool is_quiet) {
+  ProgressBar bar("read " + path.filename().string(), is_quiet);
+  bar.update(0, 1);
+  return lightfield::read_light_field(path, options, bar.callback());
 }
 
-Result<lightfield::LightField> load_reconstruction(const fs::path& path) {
+Result<lightfield::LightField> load_scene(const fs::path& path, const LightFieldFlags& flags, bool is_quiet) {
+  return read_with_progress(path, read_options(flags), is_quiet);
+}
+
+Result<lightfield::LightField> load_reconstruction(const fs::path& path, bool is_quiet) {
   lightfield::ReadOptions options;
   options.range = lightfield::RangePolicy::kKeep;
   std::error_code error;
   const fs::path array = path / "lightfield.npy";
-  return lightfield::read_light_field(fs::exists(array, error) ? array : path, options);
+  return read_with_progress(fs::exists(array, error) ? array : path, options, is_quiet);
 }
 
 }  // namespace e2lf::cli

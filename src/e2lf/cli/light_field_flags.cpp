@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/light_field_flags.h"
 
+#include "e2lf/cli/number_check.h"
+
 namespace e2lf::cli {
 
 void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views) {
   const char* const group = "Light fields";
   if (has_views) {
     app.add_option("--views", flags.views, "take so many views per axis, the central ones; 0 = all")
-        ->check(CLI::Range(0, 65535))
+        ->check(whole_number(0, 65535))
         ->group(group);
   }
   app.add_option("--step", flags.step, "take every so many views, which makes the disparity so many times larger")
-      ->check(CLI::Range(1, 65535))
+      ->check(whole_number(1, 65535))
       ->group(group);
   app.add_option("--white", flags.white, "the stored number that is white, as 255; default: the largest of the type")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->group(group);
   app.add_option("--lenslet-views", flags.lenslet_views,
                  "views per axis under a microlens of a mosaic that does not say")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_number(1, 1000))
       ->group(group);
 }
 

@@ -8,6 +8,7 @@
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/model/summary.h"
 
 namespace e2lf::cli {
@@ -21,7 +22,7 @@ int run_model_info(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
     if (verb.common().json) {
-      std::printf("%s\n", model::summary_json(model).dump(2).c_str());
+      std::printf("%s", json_text(model::summary_json(model)).c_str());
     } else {
       std::printf("%s", model::summary_text(model).c_str());
     }

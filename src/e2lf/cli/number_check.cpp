@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 #include "e2lf/base/text.h"
@@ -68,6 +69,14 @@ CLI::Validator whole_number(int64_t least, int64_t most) {
     return is_inside ? std::string() : cat(text, " is outside of the range; give ", range);
   };
   return {check, range};
+}
+
+CLI::Validator positive_number() {
+  const auto check = [](std::string& text) {
+    return std::strtod(text.c_str(), nullptr) > 0 ? std::string()
+                                                  : cat(text, " is not above 0; give a positive number");
+  };
+  return {check, "above 0"};
 }
 
 CLI::Validator svg_name() {

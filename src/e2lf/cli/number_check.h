@@ -13,6 +13,9 @@ void check_numbers(CLI::App& app);
 /// Refuses whole numbers outside [least, most], in words.
 [[nodiscard]] CLI::Validator whole_number(int64_t least, int64_t most = INT64_MAX);
 
+/// Refuses 0 and what is below.
+[[nodiscard]] CLI::Validator positive_number();
+
 /// Refuses names that do not end in .svg.
 [[nodiscard]] CLI::Validator svg_name();
 

@@ -160,9 +160,16 @@ Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& in
     if (file.empty()) continue;
     const bool output_within = is_within(resolved, file), input_within = is_within(file, resolved);
     if (!output_within && !input_within) continue;
-    const char* how = output_within && input_within ? "is" : output_within ? "lies in" : "contains";
+    if (output_within && !input_within) {
+      return Error{
+          ErrorCode::kInvalidValue,
+          cat("the output lies in an input (", input.string(), "), which is read and never written to; put it ",
+              "beside that, e.g. at ", (file.parent_path() / resolved.filename()).string()),
+          output.string()};
+    }
     return Error{ErrorCode::kInvalidValue,
-                 cat("the output ", how, " an input (", input.string(), "), which would be lost; name another output"),
+                 cat("the output ", output_within ? "is" : "contains", " an input (", input.string(),
+                     "), which would be lost; name another output"),
                  output.string()};
   }
   return {};

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "e2lf/cli/output.h"
+#include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 
 namespace e2lf::cli {
@@ -25,8 +26,13 @@ int run_pack(const std::vector<std::string>& arguments) {
     OutputRules rules{.inputs = options.light_fields, .overwrite = verb.common().overwrite};
     rules.inputs.insert(rules.inputs.end(), options.textures.begin(), options.textures.end());
     E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, rules));
+    RunRecord record("pack");
+    for (const fs::path& input : rules.inputs) record.add_input(input);
     ProgressBar bar("pack", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));
+    hide_progress();
+    record.end_step("pack");
+    E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
     E2LF_RETURN_IF_ERROR(file.commit());
     if (verb.common().json) {
       std::printf("{\"light_fields\": %zu, \"textures\": %zu, \"bytes\": %zu}\n", summary.light_fields,

@@ -16,11 +16,13 @@
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
+#include "e2lf/cli/live_log.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/field_sequence.h"
 #include "e2lf/recon/linear_estimate.h"
@@ -170,7 +172,7 @@ class CycleWriter {
 
   /// Into an existing folder.
   Result<void> process(const CycleImages& cycle, const fs::path& folder) {
-    E2LF_ASSIGN_OR_RETURN(const recon::Field field, reconstruct(cycle.images));
+    E2LF_ASSIGN_OR_RETURN(const recon::Field field, reconstruct(cycle));
     E2LF_RETURN_IF_ERROR(write_reconstruction(folder, field.light_field, arguments_.format, {}));
     Json about = cycle.about;
     about["cycle"] = cycles_.size();
@@ -181,18 +183,22 @@ class CycleWriter {
       about["event_error"] = field.error->at_first;
       about["least_event_error"] = {{"value", field.error->least}, {"residue", field.error->residue}};
     }
+    if (cycle.is_live) live_log_.add(about["number"], about["events"], about["latency_s"]);
     cycles_.push_back(std::move(about));
     return {};
   }
 
   [[nodiscard]] const Json& cycles() const { return cycles_; }
+  [[nodiscard]] const LiveLog& live_log() const { return live_log_; }
   /// Of all cycles; there must be one.
   [[nodiscard]] float gain() const { return sequence_.gain().value(); }
 
  private:
-  Result<recon::Field> reconstruct(const capture::EventImages& images) {
-    ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet);
-    auto field = sequence_.next(images, bar.callback());
+  Result<recon::Field> reconstruct(const CycleImages& cycle) {
+    // Of live input the log tells, a line for each cycle.
+    ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet || cycle.is_live);
+    bar.update(0, 1);
+    auto field = sequence_.next(cycle.images, bar.callback());
     if (!field && field.error().location.empty()) return at(field.error(), arguments_.input);
     return field;
   }
@@ -201,6 +207,7 @@ class CycleWriter {
   const CommonOptions& common_;
   recon::FieldSequence sequence_;
   Json cycles_ = Json::array();
+  LiveLog live_log_;
 };
 
 /// One cycle goes into the folder itself. Of several, the folder of each appears, whole, as soon as it is done, since
@@ -254,7 +261,7 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
   if (common.json) {
     const Json result = {
         {"output", arguments.output.string()}, {"cycles", cycles}, {"left_out", losses_json(input.summary())}};
-    std::printf("%s\n", result.dump(2).c_str());
+    std::printf("%s", json_text(result).c_str());
   } else if (!common.quiet) {
     const std::string where = place_of_views(arguments.output, input.has_one_field(), cycles.size());
     std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n", cycles.size(),
@@ -287,19 +294,19 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   CycleWriter writer(arguments, common, {std::move(method), gain, std::move(check)});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, is_strict, verb));
+  warn_of_losses(arguments.input, input.summary());
   if (input.is_recording()) {
-    warn_of_losses(arguments.input, input.summary());
+    writer.live_log().finish(input.report());
     if (writer.cycles().empty()) return no_cycle_error(arguments.input, input.report());
     input.confidence().warn(arguments.input, input.report());
     record.resolve("source", source_name(input.source()));
     record.note("found", report_json(input.report()));
-    record.note("left_out", losses_json(input.summary()));
   }
+  record.note("left_out", losses_json(input.summary()));
   record.end_step("reconstruct");
   record.resolve("gain", json_number(writer.gain()));
   record.note("cycles", writer.cycles());
-  std::error_code error;
-  if (fs::exists(arguments.input, error)) record.add_input(arguments.input);
+  record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
   E2LF_RETURN_IF_ERROR(input.has_one_field() || is_strict ? output.commit(std::move(about))
                                                           : output.update_record(std::move(about)));

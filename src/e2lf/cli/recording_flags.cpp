@@ -3,7 +3,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/live/camera.h"
+#include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -42,7 +42,7 @@ recordings::TimeUnit time_unit_of(const std::string& word) {
 }  // namespace
 
 bool is_live(const fs::path& input) {
-  return input == "-" || recordings::is_camera_name(input.string());
+  return recordings::is_live_recording(input.string());
 }
 
 Result<recordings::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags) {

@@ -27,7 +27,7 @@ struct RecordingFlags {
 /// --strict.
 void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group);
 
-/// Whether an input is read as it arrives: "-", a camera, a socket.
+/// Whether an input is read as it arrives: "-", a camera, a socket, a named pipe.
 [[nodiscard]] bool is_live(const std::filesystem::path& input);
 
 /// What the flags ask of a reader. Fails with kInvalidValue where they contradict each other.

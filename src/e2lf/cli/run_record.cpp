@@ -12,6 +12,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/version.h"
+#include "e2lf/files/json_text.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -35,14 +36,19 @@ std::string sha256(const void* data, size_t size) {
 }
 
 /// In constant memory: recordings are larger than that.
-Result<std::string> sha256_of_file(const fs::path& path) {
+Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progress) {
   std::ifstream file(path, std::ios::binary);
+  std::error_code ignored;
+  const size_t bytes = fs::file_size(path, ignored);
+  size_t done = 0;
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
   EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
   std::vector<char> chunk(size_t{1} << 20);
   do {
     file.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
     EVP_DigestUpdate(context.get(), chunk.data(), static_cast<size_t>(file.gcount()));
+    done += static_cast<size_t>(file.gcount());
+    if (progress) progress(done, bytes);
   } while (file);
   if (!file.eof())
     return Error{ErrorCode::kIo, "cannot read the input again for its hash; check the disk", path.string()};
@@ -67,25 +73,30 @@ void warn_of_other_inputs(const Json& inputs, const Json& earlier_run) {
 
 }  // namespace
 
-Result<std::string> sha256_of(const fs::path& path) {
+Result<std::string> sha256_of(const fs::path& path, const ProgressFn& progress) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) {
-    return sha256_of_file(path);
-  }
+  if (!fs::is_directory(path, error)) return sha256_of_file(path, progress);
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(path, error)) {
     if (entry.is_regular_file(error)) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   std::string listing;
+  size_t done = 0;
   for (const fs::path& file : files) {
     E2LF_ASSIGN_OR_RETURN(const std::string hash, sha256_of(file));
     listing += hash + "  " + file.filename().string() + "\n";
+    if (progress) progress(++done, files.size());
   }
   return sha256(listing.data(), listing.size());
 }
 
 RunRecord::RunRecord(std::string verb) : verb_(std::move(verb)) {}
+
+void RunRecord::add_input(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_regular_file(path, error) || fs::is_directory(path, error)) inputs_.push_back(path);
+}
 
 void RunRecord::end_step(const std::string& name) {
   const Clock::time_point now = Clock::now();
@@ -118,7 +129,8 @@ Result<Json> RunRecord::json(const Verb& verb) const {
   record.erase("complete");
   record["inputs"] = Json::array();
   for (const fs::path& input : inputs_) {
-    E2LF_ASSIGN_OR_RETURN(const std::string hash, sha256_of(input));
+    ProgressBar bar("hash " + input.filename().string(), verb.common().quiet);
+    E2LF_ASSIGN_OR_RETURN(const std::string hash, sha256_of(input, bar.callback()));
     record["inputs"].push_back({{"path", input.string()}, {"sha256", hash}});
   }
   warn_of_other_inputs(record["inputs"], verb.earlier_run());
@@ -129,8 +141,7 @@ Result<Json> RunRecord::json(const Verb& verb) const {
 
 Result<void> RunRecord::write(const fs::path& path, const Verb& verb) const {
   E2LF_ASSIGN_OR_RETURN(const Json record, json(verb));
-  // Names of files may be no UTF-8, for which dump() alone throws.
-  return write_file(path, record.dump(2, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace) + "\n");
+  return write_file(path, json_text(record));
 }
 
 }  // namespace e2lf::cli

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
@@ -18,8 +19,9 @@ class RunRecord {
  public:
   explicit RunRecord(std::string verb);
 
-  /// Adds an input file, or every file of an input folder.
-  void add_input(const std::filesystem::path& path) { inputs_.push_back(path); }
+  /// Adds an input file, or every file of an input folder. What is neither (a pipe, a camera) has no hash and is left
+  /// out.
+  void add_input(const std::filesystem::path& path);
 
   /// Ends the step that began at construction or at the last call.
   void end_step(const std::string& name);
@@ -57,6 +59,6 @@ class RunRecord {
 [[nodiscard]] std::filesystem::path record_path_beside(const std::filesystem::path& output);
 
 /// The SHA-256 of a file in hex, as sha256sum prints it; for a folder, of its sorted "hash  name" lines.
-[[nodiscard]] Result<std::string> sha256_of(const std::filesystem::path& path);
+[[nodiscard]] Result<std::string> sha256_of(const std::filesystem::path& path, const ProgressFn& progress = {});
 
 }  // namespace e2lf::cli

@@ -21,6 +21,7 @@
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -58,7 +59,7 @@ sensor::EventModelOptions event_model_options(const SimulateArguments& arguments
 void print_statistics(const capture::EventImages& images, const CommonOptions& common) {
   const eval::EventStatistics statistics = eval::event_statistics(images);
   if (common.json) {
-    std::printf("%s\n", eval::to_json(statistics).dump(2).c_str());
+    std::printf("%s", json_text(eval::to_json(statistics)).c_str());
   } else if (!common.quiet) {
     std::printf(
         "%zu transitions of %zux%zu px, %.2f events per pixel; a sensor of 1.066 G events/s needs at least %.1f ms\n",
@@ -167,22 +168,29 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   if (!camera || !camera->is_pixel()) {
     record_constants(event_model_options(arguments, known, model), known.event_model, record);
   }
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, arguments.light_field));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene,
+                        load_scene(arguments.input, arguments.light_field, verb.common().quiet));
   record.end_step("read");
 
-  const ImagesOf images_of = camera && camera->is_pixel()
-                                 ? physical_pixels(arguments, known.codes, scene, *camera, verb.common().seed)
-                                 : paper_pixels(arguments, known, scene, model, verb.common().seed);
+  const ImagesOf plain_images_of = camera && camera->is_pixel()
+                                       ? physical_pixels(arguments, known.codes, scene, *camera, verb.common().seed)
+                                       : paper_pixels(arguments, known, scene, model, verb.common().seed);
+  ProgressBar bar("simulate", verb.common().quiet);
+  const ImagesOf images_of = [&](uint64_t cycle) {
+    bar.update(cycle, arguments.cycles);
+    return plain_images_of(cycle);
+  };
   if (as_images) {
     E2LF_RETURN_IF_ERROR(write_images(arguments, output.path(), known.codes, images_of));
   } else {
     E2LF_RETURN_IF_ERROR(write_recording(arguments, output.path(), known.codes, scene.shape(), images_of));
     if (!output.is_stream()) note_recorded_codes(record, known.codes, output.path());
   }
+  hide_progress();
   record.end_step("simulate");
   if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
-  E2LF_ASSIGN_OR_RETURN(const capture::EventImages first, images_of(0));
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImages first, plain_images_of(0));
   print_statistics(first, verb.common());
   return {};
 }

@@ -9,17 +9,20 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/version.h"
+#include "e2lf/files/json_text.h"
 
 namespace e2lf::cli {
 namespace {
 
 void print_log(LogLevel level, const std::string& message) {
   if (level == LogLevel::kDebug) return;
+  hide_progress();
   std::fprintf(stderr, "e2lf: %s%s\n", level == LogLevel::kWarning ? "warning: " : "", message.c_str());
 }
 
@@ -81,7 +84,7 @@ Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI
     if (value.is_boolean()) {
       if (value.get<bool>()) flags.push_back("--" + name);
     } else {
-      flags.push_back("--" + name + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
+      flags.push_back("--" + name + "=" + (value.is_string() ? value.get<std::string>() : json_line(value)));
     }
   }
   return flags;
@@ -160,7 +163,7 @@ Result<Json> Verb::read_config() {
   if (!config.is_object() || !config.contains("verb") || !config.contains("options")) return config;
   if (config["verb"] != name_) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("this is the record of another verb's run (", config["verb"].dump(), "); give one of ", name_),
+                 cat("this is the record of another verb's run (", json_line(config["verb"]), "); give one of ", name_),
                  config_};
   }
   Json options = config["options"];

@@ -218,7 +218,11 @@ void CycleAssembler::accumulate(size_t begin, size_t end) {
     int16_t& count = image[y[i] * width_ + x[i]];
     // Stops at the ends of int16, by a branch that is hardly ever taken.
     int16_t sum = 0;
-    if (!__builtin_add_overflow(count, events_.p[i] != 0 ? 1 : -1, &sum)) count = sum;
+    if (__builtin_add_overflow(count, events_.p[i] != 0 ? 1 : -1, &sum)) {
+      ++cycle.saturated;
+    } else {
+      count = sum;
+    }
   }
   cycle.events += end - begin;
 }

@@ -82,6 +82,10 @@ class CycleReader::Impl {
       if (auto cycle = assembler_.take()) {
         cycle->known_us = last_us_;
         cycle->arrival = reader_->arrival();
+        saturated_ += cycle->saturated;
+        if (cycle->saturated > 0 && reader_->options().policy == recordings::DecodePolicy::kStrict) {
+          return recordings::saturation_error(cycle->saturated, cat(reader_->name(), ": cycle ", cycle->number));
+        }
         return cycle;
       }
       if (has_ended_) return std::optional<Cycle>();
@@ -95,6 +99,12 @@ class CycleReader::Impl {
     report.unassigned_marks = tracker_.unassigned_marks();
     report.has_assumed_first = tracker_.has_assumed_first();
     return report;
+  }
+
+  recordings::DecodeSummary summary() const {
+    recordings::DecodeSummary summary = reader_->summary();
+    summary.saturated += saturated_;
+    return summary;
   }
 
   const recordings::RecordingReader& recording() const { return *reader_; }
@@ -225,7 +235,7 @@ class CycleReader::Impl {
   std::vector<PatternStart> starts_;
   int64_t last_us_ = INT64_MIN;
   bool has_ended_ = false;
-  uint64_t marks_ = 0;
+  uint64_t marks_ = 0, saturated_ = 0;
   std::optional<int64_t> next_start_us_;  ///< kSchedule
   size_t next_pattern_ = 0;
 };
@@ -265,6 +275,9 @@ Result<std::optional<Cycle>> CycleReader::next() {
 }
 CycleReport CycleReader::report() const {
   return impl_->report();
+}
+recordings::DecodeSummary CycleReader::summary() const {
+  return impl_->summary();
 }
 CycleSource CycleReader::source() const {
   return impl_->source();

@@ -65,7 +65,8 @@ struct Cycle {
   int64_t begin_us = 0;           ///< start of its first pattern
   std::vector<TimeSlice> slices;  ///< of the event images
   capture::EventImages images;
-  uint64_t events = 0;  ///< in the images
+  uint64_t events = 0;     ///< in the images
+  uint64_t saturated = 0;  ///< events for which the images had no room
   float confidence =
       1.0F;  ///< that the patterns changed when they are said to, by the events; of the least certain one
 
@@ -120,10 +121,13 @@ class CycleReader {
   ~CycleReader();
 
   /// The next complete cycle; nothing at the end. Cycles that are not complete are dropped and reported.
-  /// Fails as the reader does.
+  /// Fails as the reader does; under its strict policy also where an image has no room for an event.
   [[nodiscard]] Result<std::optional<Cycle>> next();
 
   [[nodiscard]] CycleReport report() const;
+
+  /// What was left out: of the recording, and of the images of complete cycles.
+  [[nodiscard]] recordings::DecodeSummary summary() const;
 
   /// What tells when patterns change; never kAuto.
   [[nodiscard]] CycleSource source() const;

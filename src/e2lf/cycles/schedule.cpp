@@ -2,6 +2,7 @@
 #include "e2lf/cycles/schedule.h"
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cycles {
@@ -124,7 +125,7 @@ std::string schedule_text(const Schedule& schedule) {
     if (pattern.image) json["image"] = *pattern.image;
     patterns.push_back(std::move(json));
   }
-  return Json{{"patterns", std::move(patterns)}}.dump(2) + "\n";
+  return json_text(Json{{"patterns", std::move(patterns)}});
 }
 
 }  // namespace e2lf::cycles

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -103,17 +104,22 @@ double psnr_from_mse(double mse) {
 }
 
 Result<LightFieldMetrics> compare(const LightField& truth, const LightField& reconstruction,
-                                  const MetricOptions& options) {
+                                  const MetricOptions& options, const ProgressFn& progress) {
   E2LF_RETURN_IF_ERROR(check(truth, reconstruction));
   const Shape& shape = truth.shape();
   LightFieldMetrics result;
   result.views.resize(shape.num_views());
+  std::mutex mutex;
+  size_t done = 0;
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
       result.views[view] = {
           view_y, view_x,
           compare_views(truth.view(view_y, view_x), reconstruction.view(view_y, view_x), shape, options)};
+      const std::lock_guard lock(mutex);
+      ++done;
+      if (progress) progress(done, shape.num_views());
     }
   });
   result.mean = mean_of(result.views);

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/eval/epi_error.h"
 #include "e2lf/lightfield/light_field.h"
@@ -45,6 +46,6 @@ struct LightFieldMetrics {
 /// shapes, or views smaller than 11x11) and kInvalidValue (NaN or infinity, naming the view).
 [[nodiscard]] Result<LightFieldMetrics> compare(const lightfield::LightField& truth,
                                                 const lightfield::LightField& reconstruction,
-                                                const MetricOptions& options = {});
+                                                const MetricOptions& options = {}, const ProgressFn& progress = {});
 
 }  // namespace e2lf::eval

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "e2lf/files/json_text.h"
+
 namespace e2lf {
 
 Json json_number(float value) {
@@ -69,8 +71,7 @@ const Json& OptionReader::child(const std::string& key) {
 
 void OptionReader::fail(const std::string& key, const char* kind) {
   if (error_) return;
-  // Text from --set may be no UTF-8, for which dump() alone throws.
-  const std::string text = object_->at(key).dump(-1, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);
+  const std::string text = json_line(object_->at(key));
   error_ = Error{ErrorCode::kInvalidValue, cat("a value of the wrong type or out of range (", text, "); give ", kind),
                  child_location(key)};
 }

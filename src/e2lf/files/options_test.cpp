@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "e2lf/files/json_text.h"
 #include "testing/test_files.h"
 
 namespace e2lf {
@@ -80,6 +81,18 @@ TEST(OptionReader, RefusesNumbersThatTheFieldCannotHold) {
 TEST(JsonNumber, IsShortAndReadsBackAsTheSameFloat) {
   EXPECT_EQ(json_number(0.3F).dump(), "0.3");
   for (const float value : {0.1F, 1.0F / 3, 1e-40F, -3.4e38F, 0.0F}) EXPECT_EQ(json_number(value).get<float>(), value);
+}
+
+TEST(JsonText, NeverThrowsForBytesThatAreNoUtf8) {
+  const Json json = {{"path",
+                      "a\xff"
+                      "b"}};
+  EXPECT_EQ(json_line(json),
+            "{\"path\":\"a\xef\xbf\xbd"
+            "b\"}");
+  EXPECT_EQ(json_text(json),
+            "{\n  \"path\": \"a\xef\xbf\xbd"
+            "b\"\n}\n");
 }
 
 TEST(OptionReader, ReadsNestedObjects) {

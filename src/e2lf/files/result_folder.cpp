@@ -12,6 +12,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;
@@ -203,9 +204,7 @@ Json complete_record(Json record, const fs::path& folder, const std::string& run
 }
 
 Result<void> write_record(const fs::path& folder, const Json& record) {
-  // Names of files may be no UTF-8, for which dump() alone throws.
-  return write_file(folder / kRecord,
-                    record.dump(2, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace) + "\n");
+  return write_file(folder / kRecord, json_text(record));
 }
 
 std::string new_run() {

@@ -2,6 +2,7 @@
 // The part of Trainer that writes and reads checkpoints.
 #include <cstring>
 
+#include "e2lf/files/json_text.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/learn/trainer.h"
 
@@ -47,7 +48,7 @@ Result<void> Trainer::save_checkpoint(const std::filesystem::path& path) const {
   add_tensors(file, "", pattern_parameters_);
   add_tensors(file, "first/", pattern_adam_.first_moments());
   add_tensors(file, "second/", pattern_adam_.second_moments());
-  file.metadata = {{"version", kVersion}, {"step", std::to_string(step_)}, {"config", to_json(config_).dump()}};
+  file.metadata = {{"version", kVersion}, {"step", std::to_string(step_)}, {"config", json_line(to_json(config_))}};
   return write_safetensors(path, file);
 }
 

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "e2lf/base/isa.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/files/workspace.h"
 #include "e2lf/learn/benchmark.h"
 #include "e2lf/learn/device.h"
@@ -69,7 +70,7 @@ Result<Config> read_config(const std::filesystem::path& path, const std::vector<
   if (peers.leads()) {
     E2LF_ASSIGN_OR_RETURN(json, read_json(path));
   }
-  E2LF_ASSIGN_OR_RETURN(const auto text, peers.text_from_first(json.dump()));
+  E2LF_ASSIGN_OR_RETURN(const auto text, peers.text_from_first(json_line(json)));
   json = Json::parse(text);
   for (const std::string& assignment : overrides) E2LF_RETURN_IF_ERROR(apply_override(json, assignment));
   return config_from_json(json, path.string() + ": $");
@@ -151,9 +152,27 @@ Result<std::filesystem::path> resume(const std::filesystem::path& run, const std
   });
 }
 
+namespace {
+
+/// An export takes the place of nothing that its run needs to go on.
+Result<void> check_export(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
+  E2LF_RETURN_IF_ERROR(check_output(model, overwrite));
+  std::vector<std::string> names = RunLog::file_names();
+  names.insert(names.end(), {kCheckpoint, "config.json"});
+  for (const std::string& name : names) {
+    std::error_code error;
+    if (!std::filesystem::equivalent(run / name, model, error)) continue;
+    return Error{ErrorCode::kInvalidValue, "the model would take the place of a file of the run; name another output",
+                 model.string()};
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
   return guarded(run, [&]() -> Result<void> {
-    E2LF_RETURN_IF_ERROR(check_output(model, overwrite));
+    E2LF_RETURN_IF_ERROR(check_export(run, model, overwrite));
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
     return model::write_model(model, trainer.to_model());
   });
@@ -193,7 +212,7 @@ Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const P
                       {"samples_per_s", row.samples_per_s},
                       {"ratio", row.ratio}});
     }
-    return json ? list.dump(2) + "\n" : table;
+    return json ? json_text(list) : table;
   });
 }
 

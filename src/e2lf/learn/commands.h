@@ -29,7 +29,7 @@ namespace e2lf::learn {
                                                    const std::function<bool()>& keep_going = {});
 
 /// The averaged weights of the last checkpoint as a model file. Fails with kExists when it is there and `overwrite` is
-/// false.
+/// false, and with kInvalidValue where it is a file that the run needs, overwritten or not.
 [[nodiscard]] Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model,
                                       bool overwrite);
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/learn/commands.h"
 
@@ -26,9 +28,17 @@ int usage_error() {
   return 2;
 }
 
+/// --quiet or not: what was lost is said.
+void print_warnings(e2lf::LogLevel level, const std::string& message) {
+  if (level != e2lf::LogLevel::kWarning) return;
+  e2lf::hide_progress();
+  std::fprintf(stderr, "e2lf-train: warning: %s\n", message.c_str());
+}
+
 /// Says where the model of a run is; one of several processes writes it.
 e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model, bool quiet) {
   if (!model) return model.error();
+  e2lf::hide_progress();
   std::error_code error;
   if (!quiet && std::filesystem::exists(*model, error)) std::printf("model in %s\n", model->c_str());
   return {};
@@ -37,6 +47,7 @@ e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model,
 /// Prints a report; its error otherwise.
 e2lf::Result<void> print(const e2lf::Result<std::string>& report) {
   if (!report) return report.error();
+  e2lf::hide_progress();
   std::fputs(report->c_str(), stdout);
   return {};
 }
@@ -79,6 +90,7 @@ int main(int argc, char** argv) {
   // The first signal ends the step and writes the checkpoint; everything else has nothing to keep.
   if (names[0] == "train" || names[0] == "resume") e2lf::stop_on_signals();
   const auto keep_going = [] { return !e2lf::stop_requested(); };
+  e2lf::set_log_sink(print_warnings);
 
   e2lf::ProgressBar bar(names[0], quiet);
   e2lf::Result<void> result;
@@ -99,6 +111,7 @@ int main(int argc, char** argv) {
     result = e2lf::Error{e2lf::ErrorCode::kIo, "cannot write to standard output; check where it goes", ""};
   }
   if (result) return 0;
+  e2lf::hide_progress();
   std::fprintf(stderr, "e2lf-train: %s: %s\n", names[0].c_str(), result.error().text().c_str());
   return e2lf::stop_requested() ? 128 + e2lf::stop_signal() : 1;
 }

@@ -8,6 +8,7 @@
 
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/learn/centring.h"
 #include "e2lf/learn/device.h"
 #include "e2lf/learn/draws.h"
@@ -297,7 +298,7 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
                           const std::function<bool()>& keep_going) {
   const auto checkpoint = folder / "checkpoint.safetensors";
   E2LF_RETURN_IF_ERROR(start_together());
-  if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", to_json(config_).dump(2) + "\n"));
+  if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
   const RunLog log(folder);
   if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.rewind(step_));
   using Clock = std::chrono::steady_clock;

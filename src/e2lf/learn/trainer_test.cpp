@@ -151,6 +151,9 @@ TEST(Commands, TrainWritesLogsAndAModelThatReconstructionCanRead) {
   EXPECT_TRUE(std::filesystem::exists(run / "evaluation.csv"));
   EXPECT_EQ(train(data.folder() / "config.json", run).error().code, ErrorCode::kExists);
   EXPECT_EQ(export_run(run, run / "tiny.safetensors", /*overwrite=*/false).error().code, ErrorCode::kExists);
+  for (const char* part : {"checkpoint.safetensors", "config.json", "log.csv"}) {
+    EXPECT_EQ(export_run(run, run / part, /*overwrite=*/true).error().code, ErrorCode::kInvalidValue) << part;
+  }
   EXPECT_TRUE(resume(run, {"train.steps=10"}));
   const auto table = evaluate_run(run, {"first", "second"});
   ASSERT_TRUE(table) << table.error().text();

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
@@ -83,7 +84,7 @@ Result<Model> read_model(const std::filesystem::path& path) {
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
   E2LF_RETURN_IF_ERROR(validate(model, path.string()));
   Safetensors tensors;
-  tensors.metadata[kMetadataKey] = header_to_json(model).dump();
+  tensors.metadata[kMetadataKey] = json_line(header_to_json(model));
   for (const WeightShape& tensor : weight_shapes(model.network)) {
     const std::vector<float>& values = model.weights.at(tensor.name);
     tensors.tensors[tensor.name] = storage == WeightStorage::kBfloat16 ? make_bfloat16_tensor(tensor.shape, values)

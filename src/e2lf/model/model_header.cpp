@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
@@ -58,8 +59,8 @@ Result<void> check_version(const Json& json, const std::string& location) {
   const Json version = json.value("format_version", Json());
   if (version == kFormatVersion) return {};
   return Error{ErrorCode::kUnsupported,
-               cat("format version ", version.is_null() ? "(none)" : version.dump(), " is not known; this build reads ",
-                   kFormatVersion, "; use a newer build"),
+               cat("format version ", version.is_null() ? "(none)" : json_line(version),
+                   " is not known; this build reads ", kFormatVersion, "; use a newer build"),
                location + ".format_version"};
 }
 

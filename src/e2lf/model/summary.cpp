@@ -3,6 +3,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
@@ -42,7 +43,7 @@ void append_field(std::string& text, std::string label, const std::string& value
 /// JSON values as lines "key: value"; text without quotes.
 void append_provenance(std::string& text, const Json& provenance) {
   for (const auto& [key, value] : provenance.items()) {
-    append_field(text, "  " + key, value.is_string() ? value.get<std::string>() : value.dump());
+    append_field(text, "  " + key, value.is_string() ? value.get<std::string>() : json_line(value));
   }
 }
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "e2lf/recordings/decode_summary.h"
 #include "e2lf/recordings/event.h"
+#include "e2lf/recordings/io/decode_summary.h"
 
 namespace e2lf::recordings {
 

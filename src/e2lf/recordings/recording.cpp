@@ -47,7 +47,9 @@ Result<void> RecordingReader::find_shift() {
 }
 
 Result<void> RecordingReader::apply_policy() {
-  if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time > 0) {
+  const DecodeSummary before = left_out_before();
+  if (options_.policy == DecodePolicy::kStrict && before.num_violations() > 0) return violation_error(before, name_);
+  if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time + before.events_before_time > 0) {
     return Error{ErrorCode::kFormat,
                  "events stand in front of the first time, which strict reading refuses; without it they are left out "
                  "and counted",
@@ -78,6 +80,7 @@ void RecordingReader::count(const EventColumns& events, size_t begin, size_t end
 
 DecodeSummary RecordingReader::summary() const {
   DecodeSummary shifted = summary_;
+  shifted.add_losses(left_out_before());
   const int64_t shift_us = shift_us_.value_or(0);
   if (shifted.events() > 0) {
     shifted.first_t_us -= shift_us;

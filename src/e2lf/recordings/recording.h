@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/recordings/decode_summary.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/byte_sink.h"
 #include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/io/decode_summary.h"
 #include "e2lf/recordings/pending_batch.h"
 
 namespace e2lf::recordings {
@@ -92,7 +92,11 @@ class RecordingReader {
   /// When the newest bytes behind what was handed out arrived at this host; nothing for what is not live.
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
-  /// What was met in what read() has handed out; times are shifted as theirs.
+  /// What was left out before the bytes came to this reader; see Camera::left_out().
+  [[nodiscard]] virtual DecodeSummary left_out_before() const { return {}; }
+
+  /// What was met in what read() has handed out; times are shifted as theirs. What was left out
+  /// before counts too.
   [[nodiscard]] DecodeSummary summary() const;
 
  protected:

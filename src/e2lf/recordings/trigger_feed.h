@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/recordings/decode_summary.h"
 #include "e2lf/recordings/event.h"
+#include "e2lf/recordings/io/decode_summary.h"
 
 namespace e2lf::recordings {
 

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
+#include "e2lf/base/log.h"
+#include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/coded_intensity.h"
@@ -164,6 +167,7 @@ Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
   const capture::PixelConstants& constants = camera.pixel;
   const ExposureOf exposure_of(camera, intensities, options.gain);
   capture::EventImages images(codes.num_patterns - 1, intensities.height, intensities.width);
+  std::atomic<bool> is_saturated = false;
   parallel_for(images.image_size(), kRowPixels, [&](size_t begin, size_t end) {
     Exposure exposure;
     for (size_t p = begin; p < end; ++p) {
@@ -174,10 +178,14 @@ Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
       for (size_t n = 1; n < codes.num_patterns; ++n) {
         pixel.follow(exposure.of_patterns[n], constants[kLitTime]);
         const float count = pixel.count_events(exposure.of_patterns[n], CounterRng(options.seed, n).bits(p));
-        images.image(n - 1)[p] = static_cast<int16_t>(std::clamp(count, -32768.0F, 32767.0F));
+        const float held = std::clamp(count, -32768.0F, 32767.0F);
+        if (held != count) is_saturated = true;
+        images.image(n - 1)[p] = static_cast<int16_t>(held);
       }
     }
   });
+  if (is_saturated)
+    log_warning("event counts reached the limits of int16 and were saturated; check the camera's constants");
   return images;
 }
 

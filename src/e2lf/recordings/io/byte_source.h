@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/recordings/io/decode_summary.h"
 
 namespace e2lf::recordings {
 
@@ -43,6 +44,9 @@ class ByteSource {
 
   /// When the newest bytes that fetch() returned arrived at this host; nothing where that means nothing (a file).
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
+
+  /// What was left out of the recording before its bytes came here; see Camera::left_out().
+  [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 
   /// The name for messages ("recording.raw", "memory", "stdin").
   [[nodiscard]] virtual std::string name() const = 0;

@@ -27,6 +27,10 @@ class Camera {
 
   /// Makes read() return soon; called by another thread.
   virtual void stop() = 0;
+
+  /// What was left out of the events before they became bytes, e.g. of a damaged file that is replayed. Called by any
+  /// thread.
+  [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 };
 
 /// One kind of camera.

@@ -60,6 +60,7 @@ class CameraSource final : public ByteSource {
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
   std::string name() const override { return name_; }
+  DecodeSummary left_out() const override { return camera_->left_out(); }
   std::optional<Clock::time_point> arrival() const override { return arrival_; }
 
  private:

@@ -87,7 +87,7 @@ TEST(Camera, NamesThatAreNoneSayWhatThereIs) {
   EXPECT_NE(unknown.error().message.find("replay"), std::string::npos);
   EXPECT_EQ(open_camera("recording.raw").error().code, ErrorCode::kInvalidValue);
   EXPECT_EQ(open_camera("replay:/nowhere.raw").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(open_camera("camera://pipe/7").error().code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(open_camera("camera://pipe/7").error().code, ErrorCode::kNotFound);
   EXPECT_TRUE(is_camera_name("tcp://127.0.0.1:9") && is_camera_name("replay:x") && !is_camera_name("x.raw"));
 }
 

@@ -2,10 +2,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <thread>
 
-#include "e2lf/base/log.h"
-#include "e2lf/base/text.h"
 #include "e2lf/recordings/live/cameras.h"
 
 namespace e2lf::recordings {
@@ -47,6 +46,11 @@ class ReplayCamera final : public Camera {
 
   void stop() override { is_stopped_ = true; }
 
+  DecodeSummary left_out() const override {
+    const std::lock_guard lock(mutex_);
+    return left_out_;
+  }
+
  private:
   /// Puts the events and triggers of the next stretch of time that has some into stretch_.
   Result<bool> next_stretch() {
@@ -54,12 +58,11 @@ class ReplayCamera final : public Camera {
     if (event_ == batch_.events.size() && trigger_ == batch_.triggers.size()) {
       event_ = trigger_ = 0;
       E2LF_ASSIGN_OR_RETURN(const bool more, reader_->read(batch_, kBatchEvents));
-      if (!more) {
-        if (const auto left_out = losses(reader_->summary()); !left_out.empty()) {
-          log_warning(cat(reader_->name(), ": left out ", loss_text(left_out)));
-        }
-        return false;
+      {
+        const std::lock_guard lock(mutex_);
+        left_out_ = reader_->summary();
       }
+      if (!more) return false;
     }
     int64_t first_us = INT64_MAX;
     if (event_ < batch_.events.size()) first_us = batch_.events.t[event_];
@@ -93,12 +96,15 @@ class ReplayCamera final : public Camera {
   int64_t origin_us_ = 0, end_us_ = 0;
   Clock::time_point begin_;
   std::atomic<bool> is_stopped_ = false;
+  mutable std::mutex mutex_;
+  DecodeSummary left_out_;  ///< of what was read, which is ahead of what was delivered
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path) {
-  E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::filesystem::path(path)));
+  // Who reads the camera tells of what is left out.
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::filesystem::path(path), {.policy = DecodePolicy::kSkip}));
   auto replay = std::make_unique<ReplayCamera>(std::move(reader));
   E2LF_RETURN_IF_ERROR(replay->open());
   std::unique_ptr<Camera> camera = std::move(replay);

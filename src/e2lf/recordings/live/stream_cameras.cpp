@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -55,10 +56,17 @@ class DescriptorCamera final : public Camera {
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
-  if (!address.empty()) {
-    return Error{ErrorCode::kInvalidValue, "standard input has no address; write camera://pipe", address};
+  std::unique_ptr<Camera> camera;
+  if (address.empty()) {
+    camera = std::make_unique<DescriptorCamera>(STDIN_FILENO, /*owned=*/false, "stdin");
+    return camera;
   }
-  std::unique_ptr<Camera> camera = std::make_unique<DescriptorCamera>(STDIN_FILENO, /*owned=*/false, "stdin");
+  const int descriptor = ::open(address.c_str(), O_RDONLY | O_CLOEXEC);  // waits for who writes
+  if (descriptor < 0) {
+    const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
+    return Error{code, cat("cannot open (", std::strerror(errno), "); check the path and its permissions"), address};
+  }
+  camera = std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, address);
   return camera;
 }
 

@@ -9,8 +9,11 @@
 
 namespace e2lf::recordings {
 
+/// Whether a name stands for what is read as it arrives: "-", a camera, a named pipe, a device.
+[[nodiscard]] bool is_live_recording(const std::string& name);
+
 /// open_recording() of a file or of "-" for standard input; open_camera() of a camera's name (camera://NAME,
-/// replay:FILE, tcp://ADDRESS:PORT) and of standard input that is a pipe or socket.
+/// replay:FILE, tcp://ADDRESS:PORT); the same of a named pipe, and of standard input that is a pipe or socket.
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name,
                                                                             const OpenOptions& options = {});
 

@@ -32,6 +32,7 @@ class RawReader final : public RecordingReader {
   }
 
   std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
+  DecodeSummary left_out_before() const override { return source_->left_out(); }
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {

@@ -62,6 +62,7 @@ struct DecodeSummary {
   uint64_t time_loops = 0;          ///< how often the sensor's clock wrapped
   uint64_t out_of_order = 0;        ///< events of a text, npy or npz file that were sorted to their place
   uint64_t dropped_words = 0;       ///< words or records dropped because of a violation
+  uint64_t saturated = 0;           ///< events for which an event image had no room: its counts are of 16 bits
   std::array<ViolationCount, kNumViolations> violations{};
   std::vector<TimeGap> gaps;  ///< the first kMaxGaps of num_gaps
   uint64_t num_gaps = 0;
@@ -76,6 +77,9 @@ struct DecodeSummary {
   /// Counts `count` violations of one kind, the first of them at a byte.
   void add(Violation kind, uint64_t byte, uint64_t count = 1);
   void add_gap(const TimeGap& gap);
+
+  /// Adds what was left out on the way to this recording, e.g. of the file that is replayed.
+  void add_losses(const DecodeSummary& before);
 
   /// Adds what a later part of the same recording met (times, counts, violations, gaps).
   void append(const DecodeSummary& later);
@@ -96,6 +100,9 @@ struct Loss {
 
 /// The same in one line, "318265 events outside the sensor, 2 records that cannot be read (the first at byte 12)".
 [[nodiscard]] std::string loss_text(const std::vector<Loss>& losses);
+
+/// The Error that the strict policy returns for an event image whose counts do not suffice.
+[[nodiscard]] Error saturation_error(uint64_t events, const std::string& name);
 
 /// The Error that the strict policy returns for the first violation in a summary (location "name: byte N").
 [[nodiscard]] Error violation_error(const DecodeSummary& summary, const std::string& name);

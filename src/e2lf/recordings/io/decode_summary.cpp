@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/decode_summary.h"
+#include "e2lf/recordings/io/decode_summary.h"
 
 #include "e2lf/base/text.h"
 
@@ -61,11 +61,18 @@ void DecodeSummary::append(const DecodeSummary& later) {
   time_loops += later.time_loops;
   out_of_order += later.out_of_order;
   dropped_words += later.dropped_words;
+  saturated += later.saturated;
   for (size_t kind = 0; kind < kNumViolations; ++kind) {
     add(static_cast<Violation>(kind), later.violations[kind].first_byte, later.violations[kind].count);
   }
   for (const TimeGap& gap : later.gaps) add_gap(gap);
   num_gaps += later.num_gaps - later.gaps.size();
+}
+
+void DecodeSummary::add_losses(const DecodeSummary& before) {
+  DecodeSummary left_out = before;
+  left_out.events_on = left_out.events_off = left_out.triggers = left_out.time_loops = 0;
+  append(left_out);
 }
 
 std::vector<Loss> losses(const DecodeSummary& summary) {
@@ -78,6 +85,9 @@ std::vector<Loss> losses(const DecodeSummary& summary) {
   if (summary.events_before_time > 0) {
     found.push_back({"before_first_time", "events in front of the first time", summary.events_before_time, 0});
   }
+  if (summary.saturated > 0) {
+    found.push_back({"saturated", "events of pixels with more than 32,767 in an event image", summary.saturated, 0});
+  }
   return found;
 }
 
@@ -88,6 +98,13 @@ std::string loss_text(const std::vector<Loss>& losses) {
     parts.push_back(cat(loss.count, " ", loss.text, place));
   }
   return join(parts);
+}
+
+Error saturation_error(uint64_t events, const std::string& name) {
+  return {ErrorCode::kInvalidValue,
+          cat("an event image has no room for ", events, " events of pixels with more than 32,767, which strict ",
+              "reading refuses; filter hot pixels (--filter-pixels) or show patterns for a shorter time"),
+          name};
 }
 
 Error violation_error(const DecodeSummary& summary, const std::string& name) {
