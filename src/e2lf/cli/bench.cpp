@@ -3,14 +3,18 @@
 #include <cstdio>
 
 #include "bench/simulate/benchmark_simulate.h"
+#include "bench/simulate/benchmark_stream.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/cli/bench_decode.h"
 #include "e2lf/cli/bench_reconstruct.h"
+#include "e2lf/cli/bench_rig.h"
+#include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/trainer_program.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/model/model.h"
+#include "e2lf/streams/camera_stream.h"
 
 namespace e2lf::cli {
 namespace {
@@ -81,14 +85,24 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
   verb.app().add_option("--seconds", options.seconds, "time for each measurement")->capture_default_str();
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(const bench::SimulationBenchmark result, bench::benchmark_simulation(options));
+    RunRecord record("bench simulate");
+    E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera("evk4-lcos", record));
+    E2LF_ASSIGN_OR_RETURN(const bench::StreamBenchmark stream,
+                          bench::benchmark_stream(streams::camera_stream(camera, 1), options.height, options.width));
     const auto row = [](double ours, double reference) {
       return Json{{"mpx_per_s", ours}, {"reference_mpx_per_s", reference}, {"ratio", ours / reference}};
     };
     const Json json = {{"coded_intensities", row(result.intensities_mpx_per_s, result.reference_intensities_mpx_per_s)},
                        {"events", row(result.events_mpx_per_s, result.reference_events_mpx_per_s)},
                        {"light_field_to_events", row(result.simulate_mpx_per_s, result.reference_simulate_mpx_per_s)}};
+    const Json event_by_event = {{"events", stream.events},
+                                 {"events_per_s", stream.events_per_s},
+                                 {"one_thread_events_per_s", stream.one_thread_events_per_s},
+                                 {"reference_events_per_s", stream.reference_events_per_s}};
     if (verb.common().json) {
-      std::printf("%s", json_text(json).c_str());
+      Json all = json;
+      all["event_by_event"] = event_by_event;
+      std::printf("%s", json_text(all).c_str());
       return {};
     }
     std::printf("%-24s %12s %12s %8s\n", "simulation, M pixels/s", "e2lf", "reference", "ratio");
@@ -96,6 +110,9 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
       std::printf("%-24s %12.1f %12.2f %8.1f\n", name.c_str(), values["mpx_per_s"].get<double>(),
                   values["reference_mpx_per_s"].get<double>(), values["ratio"].get<double>());
     }
+    std::printf("\nevent by event, physical pixels, M events/s: %.2f (one thread %.2f, scalar reference %.2f)\n",
+                stream.events_per_s * 1e-6, stream.one_thread_events_per_s * 1e-6,
+                stream.reference_events_per_s * 1e-6);
     return {};
   });
 }
@@ -119,6 +136,7 @@ int run_bench(const std::vector<std::string>& arguments) {
   return run_subverb("bench",
                      {{"decode", "RAW recordings, against the scalar reference", run_bench_decode},
                       {"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
+                      {"rig", "one cycle from light field to light field, each stage", run_bench_rig},
                       {"simulate", "the event simulation, against the scalar reference", run_bench_simulate},
                       {"train", "training steps and the synthesis of data, against plain libtorch", run_bench_train}},
                      arguments);

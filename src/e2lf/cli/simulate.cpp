@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_header.h"
@@ -17,6 +18,7 @@
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_codes.h"
 #include "e2lf/cli/run_record.h"
+#include "e2lf/cli/simulate_stream.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
@@ -39,21 +41,15 @@ struct SimulateArguments {
   size_t cycles = 1;
   bool no_triggers = false;
   LightFieldFlags light_field;
+  StreamFlags stream;
 };
 
 /// The model's constants where one is given, the paper's otherwise; flags win.
-sensor::EventModelOptions event_model_options(const SimulateArguments& arguments, const KnownCodes& known,
-                                              sensor::EventModel model) {
-  sensor::EventModelOptions options;
-  options.model = model;
-  options.constants = known.constants;
-  options.constants.eps = arguments.eps.value_or(options.constants.eps);
-  options.constants.tau = arguments.tau.value_or(options.constants.tau);
-  options.constants.sigma_w = arguments.sigma_w.value_or(options.constants.sigma_w);
-  options.constants.sigma_z = arguments.sigma_z.value_or(options.constants.sigma_z);
-  options.gain = arguments.scene_gain;
-  options.residue = arguments.residue;
-  return options;
+capture::SensorConstants constants_of(const SimulateArguments& arguments, const KnownCodes& known) {
+  return {.eps = arguments.eps.value_or(known.constants.eps),
+          .tau = arguments.tau.value_or(known.constants.tau),
+          .sigma_w = arguments.sigma_w.value_or(known.constants.sigma_w),
+          .sigma_z = arguments.sigma_z.value_or(known.constants.sigma_z)};
 }
 
 void print_statistics(const capture::EventImages& images, const CommonOptions& common) {
@@ -69,12 +65,12 @@ void print_statistics(const capture::EventImages& images, const CommonOptions& c
 }
 
 /// Keeps the constants that the model, a camera or the paper gave.
-void record_constants(const sensor::EventModelOptions& options, const std::string& event_model, RunRecord& record) {
+void record_constants(const capture::SensorConstants& constants, const std::string& event_model, RunRecord& record) {
   record.resolve("event-model", event_model);
-  record.resolve("eps", json_number(options.constants.eps));
-  record.resolve("tau", json_number(options.constants.tau));
-  record.resolve("sigma-w", json_number(options.constants.sigma_w));
-  record.resolve("sigma-z", json_number(options.constants.sigma_z));
+  record.resolve("eps", json_number(constants.eps));
+  record.resolve("tau", json_number(constants.tau));
+  record.resolve("sigma-w", json_number(constants.sigma_w));
+  record.resolve("sigma-z", json_number(constants.sigma_z));
 }
 
 using ImagesOf = std::function<Result<capture::EventImages>(uint64_t cycle)>;
@@ -93,7 +89,12 @@ Result<void> check_model_flags(const SimulateArguments& arguments, const capture
 /// The images of each cycle by the paper's event model.
 ImagesOf paper_pixels(const SimulateArguments& arguments, const KnownCodes& known, const lightfield::LightField& scene,
                       sensor::EventModel model, uint64_t seed) {
-  return [&, seed, options = event_model_options(arguments, known, model)](uint64_t cycle) mutable {
+  sensor::EventModelOptions options;
+  options.model = model;
+  options.constants = constants_of(arguments, known);
+  options.gain = arguments.scene_gain;
+  options.residue = arguments.residue;
+  return [&, seed, options](uint64_t cycle) mutable {
     options.seed = seed + cycle;
     return sensor::simulate_events(known.codes, scene, options);
   };
@@ -140,7 +141,8 @@ Result<void> write_recording(const SimulateArguments& arguments, const fs::path&
 }
 
 Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_images, bool overwrite) {
-  OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera},
+  OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera,
+                               arguments.stream.schedule},
                     .overwrite = overwrite};
   if (!as_images) {
     E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(arguments.output, ""));
@@ -150,47 +152,92 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_image
   return OutputFile::create(arguments.output, rules);
 }
 
-Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
-  const bool as_images = arguments.output.extension() == ".npz";
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments, as_images, verb.common().overwrite));
-  RunRecord record("simulate");
-  record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(arguments.codes, record));
+/// Patterns, camera and event model.
+struct Setup {
+  KnownCodes known;
   std::optional<capture::Camera> camera;
-  if (!arguments.camera.empty()) {
-    E2LF_ASSIGN_OR_RETURN(camera, load_camera(arguments.camera, record));
-    E2LF_RETURN_IF_ERROR(check_model_flags(arguments, *camera));
-    known.constants = camera->constants;
-    if (!camera->is_pixel()) known.event_model = camera->event_model;
-  }
-  if (!arguments.event_model.empty()) known.event_model = arguments.event_model;
-  E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(known.event_model));
-  if (!camera || !camera->is_pixel()) {
-    record_constants(event_model_options(arguments, known, model), known.event_model, record);
-  }
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene,
-                        load_scene(arguments.input, arguments.light_field, verb.common().quiet));
-  record.end_step("read");
+  [[nodiscard]] bool is_pixel() const { return camera && camera->is_pixel(); }
+};
 
-  const ImagesOf plain_images_of = camera && camera->is_pixel()
-                                       ? physical_pixels(arguments, known.codes, scene, *camera, verb.common().seed)
-                                       : paper_pixels(arguments, known, scene, model, verb.common().seed);
-  ProgressBar bar("simulate", verb.common().quiet);
+Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) {
+  Setup setup;
+  E2LF_ASSIGN_OR_RETURN(setup.known, load_codes(arguments.codes, record));
+  if (!arguments.camera.empty()) {
+    E2LF_ASSIGN_OR_RETURN(setup.camera, load_camera(arguments.camera, record));
+    E2LF_RETURN_IF_ERROR(check_model_flags(arguments, *setup.camera));
+    setup.known.constants = setup.camera->constants;
+    if (!setup.is_pixel()) setup.known.event_model = setup.camera->event_model;
+  }
+  if (!arguments.event_model.empty()) setup.known.event_model = arguments.event_model;
+  if (!setup.is_pixel()) record_constants(constants_of(arguments, setup.known), setup.known.event_model, record);
+  return setup;
+}
+
+/// Event by event: where no count of a whole pattern will do. Recordings of the paper's models are made of counts
+/// unless something asks for more.
+bool is_stream(const SimulateArguments& arguments, const Setup& setup, bool as_images) {
+  const std::string& model = setup.known.event_model;
+  return need_stream(arguments.stream) || (setup.is_pixel() && !as_images) || model == "esim" || model == "v2e";
+}
+
+Result<capture::EventImages> run_stream(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
+                                        const CommonOptions& common, RunRecord& record) {
+  if (arguments.residue != 0.0F) {
+    return Error{ErrorCode::kInvalidValue,
+                 "--residue is of simulations without a past; leave it out, references are what events leave", ""};
+  }
+  StreamRun run;
+  run.input = arguments.input;
+  run.flags = arguments.stream;
+  run.light_field = arguments.light_field;
+  run.codes = setup.known.codes;
+  run.camera = setup.camera.value_or(capture::Camera{});
+  E2LF_ASSIGN_OR_RETURN(run.stream, stream_options(arguments.stream, setup.known.event_model,
+                                                   constants_of(arguments, setup.known), setup.camera, common.seed));
+  run.gain = arguments.scene_gain;
+  run.cycles = arguments.cycles;
+  run.is_quiet = common.quiet;
+  run.has_triggers = !arguments.no_triggers;
+  if (!arguments.stream.schedule.empty()) record.add_input(arguments.stream.schedule);
+  return simulate_stream(run, place, arguments.output, record);
+}
+
+/// A count for each pattern, spread over its time in a recording.
+Result<capture::EventImages> run_counts(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
+                                        const CommonOptions& common, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(setup.known.event_model));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene,
+                        load_scene(arguments.input, arguments.light_field, common.quiet));
+  record.end_step("read");
+  const ImagesOf plain_images_of =
+      setup.is_pixel() ? physical_pixels(arguments, setup.known.codes, scene, *setup.camera, common.seed)
+                       : paper_pixels(arguments, setup.known, scene, model, common.seed);
+  ProgressBar bar("simulate", common.quiet);
   const ImagesOf images_of = [&](uint64_t cycle) {
     bar.update(cycle, arguments.cycles);
     return plain_images_of(cycle);
   };
-  if (as_images) {
-    E2LF_RETURN_IF_ERROR(write_images(arguments, output.path(), known.codes, images_of));
+  if (arguments.output.extension() == ".npz") {
+    E2LF_RETURN_IF_ERROR(write_images(arguments, place, setup.known.codes, images_of));
   } else {
-    E2LF_RETURN_IF_ERROR(write_recording(arguments, output.path(), known.codes, scene.shape(), images_of));
-    if (!output.is_stream()) note_recorded_codes(record, known.codes, output.path());
+    E2LF_RETURN_IF_ERROR(write_recording(arguments, place, setup.known.codes, scene.shape(), images_of));
   }
+  return plain_images_of(0);
+}
+
+Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
+  const bool as_images = arguments.output.extension() == ".npz";
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments, as_images, verb.common().overwrite));
+  RunRecord record("simulate");
+  if (!arguments.input.empty()) record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(const Setup setup, read_setup(arguments, record));
+  const auto run = is_stream(arguments, setup, as_images) ? run_stream : run_counts;
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImages first, run(arguments, setup, output.path(), verb.common(), record));
   hide_progress();
+  if (!as_images && !output.is_stream()) note_recorded_codes(record, setup.known.codes, output.path());
   record.end_step("simulate");
   if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
-  E2LF_ASSIGN_OR_RETURN(const capture::EventImages first, plain_images_of(0));
   print_statistics(first, verb.common());
   return {};
 }
@@ -202,15 +249,14 @@ int run_simulate(const std::vector<std::string>& arguments) {
             "e2lf simulate scene/ -m models/e2lf-n4.safetensors -o events.npz --sigma-w 0.175 --seed 1");
   SimulateArguments simulation;
   CLI::App& app = verb.app();
-  app.add_option("input,-i,--input", simulation.input, "light field: a folder of views, or any format e2lf reads")
-      ->required();
+  app.add_option("input,-i,--input", simulation.input, "light field: a folder of views, or any format e2lf reads");
   app.add_option("-o,--output", simulation.output, "event images (.npz) or a recording (.raw, .hdf5, .dat, .csv ...)")
       ->required();
   add_codes_options(app, simulation.codes);
   add_camera_option(app, simulation.camera, "the camera that records; default: the paper's event model");
   add_light_field_options(app, simulation.light_field, /*has_views=*/false);
   app.add_option("--event-model", simulation.event_model,
-                 "quantised (Eq. 8) or reference-aware (Eq. 9, 10); default: the model's");
+                 "quantised (Eq. 8), reference-aware (Eq. 9, 10), esim or v2e; default: the model's");
   app.add_option("--eps", simulation.eps, "dark level added to the intensity; default: the model's, or 0.01");
   app.add_option("--tau", simulation.tau, "contrast threshold; default: the model's, or 0.30");
   app.add_option("--sigma-w", simulation.sigma_w, "noise of the log intensity; default: the model's, or 0.175");
@@ -227,6 +273,13 @@ int run_simulate(const std::vector<std::string>& arguments) {
       ->check(whole_number(1))
       ->capture_default_str();
   app.add_flag("--no-triggers", simulation.no_triggers, "recordings: leave out the trigger at each pattern's start");
+  add_stream_options(app, simulation.stream);
+  app.callback([&simulation] {
+    if (simulation.input.empty() && !simulation.stream.has_turntable()) throw CLI::RequiredError("input");
+    if (!simulation.input.empty() && simulation.stream.has_turntable()) {
+      throw CLI::ValidationError("--turntable", "is a scene of its own; leave the input out");
+    }
+  });
   verb.stop_gently();
   return verb.run(arguments, [&] { return simulate(simulation, verb); });
 }

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/streams/test_light.h"
+#include "testing/test_light.h"
 
 namespace e2lf::streams {
 namespace {

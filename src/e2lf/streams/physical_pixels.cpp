@@ -2,6 +2,7 @@
 // Photoreceptor, amplifier, unequal thresholds, noise, blind times, and events that nothing caused.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/pixel_thresholds.h"
@@ -24,16 +25,24 @@ struct PhysicalPixel {
   double level = 0.0;       ///< of the amplifier
   double start = 0.0;       ///< the same when the pattern began
   double reference = 0.0;   ///< that the signal is compared with
+  double pending = 0.0;     ///< that will be added to the reference when the next pattern begins
   double noise_from = 0.0;  ///< added to the level, when the pattern began
   double noise_to = 0.0;    ///< and when it ends; a straight line in between
   double blind_until_us = 0.0;
+};
+
+/// What an event that nothing caused does to the pixel.
+enum class StrayEffect {
+  kNone,   ///< of a hot pixel
+  kReset,  ///< a shot event: the pixel starts anew from the signal it has
+  kLater,  ///< an event in the dark: the reference has moved by its threshold when the next pattern begins
 };
 
 /// An event that nothing caused.
 struct StrayEvent {
   double time_s;  ///< since the segment's begin
   bool is_on;
-  bool resets;  ///< the pixel starts anew from the signal it has
+  StrayEffect effect;
 };
 
 using NodesFunction = void (*)(const ReceptorSegment&, const ReceptorBlock&, size_t);
@@ -116,6 +125,7 @@ class PhysicalPixels : public SinglePixels {
   void begin_pattern(const LightSegment& segment, size_t i, double exposure) {
     PhysicalPixel& pixel = pixels_[i];
     pixel.start = pixel.level;
+    pixel.reference += std::exchange(pixel.pending, 0.0);
     pixel.noise_from = pixel.noise_to;
     if (segment.is_black) {
       // In the dark noise takes the reference down with it.
@@ -200,7 +210,10 @@ class PhysicalPixels : public SinglePixels {
   void add_stray(const StrayEvent& stray, double signal, const Stretch& stretch, size_t i, PixelEventSink& events) {
     PhysicalPixel& pixel = pixels_[i];
     events.add(stray.time_s * kUsPerS, i, stray.is_on);
-    if (!stray.resets) return;
+    if (stray.effect == StrayEffect::kLater) {
+      pixel.pending += stray.is_on ? pixel.thresholds.on : -pixel.thresholds.off;
+    }
+    if (stray.effect != StrayEffect::kReset) return;
     pixel.reference = signal;
     go_blind(stretch, pixel, stray.time_s);
   }
@@ -216,7 +229,8 @@ class PhysicalPixels : public SinglePixels {
       const double duration_s = stretch.receptor.duration_s;
       for (double t = draws.wait(shot_hz + hot_hz); t < duration_s; t += draws.wait(shot_hz + hot_hz)) {
         const double kind = draws.uniform() * (shot_hz + hot_hz);
-        strays.push_back({t, kind < hot_hz || kind < hot_hz + shot_hz / 2, kind >= hot_hz});
+        strays.push_back({t, kind < hot_hz || kind < hot_hz + shot_hz / 2,
+                          kind < hot_hz ? StrayEffect::kNone : StrayEffect::kReset});
       }
     }
     if (strays.size() > 1) {
@@ -225,8 +239,9 @@ class PhysicalPixels : public SinglePixels {
     }
   }
 
-  /// At most one of each sign in a pattern, anywhere in it.
+  /// At most one of each sign in a pattern, anywhere in it; in black none, as in the closed form.
   void draw_dark(const Stretch& stretch, size_t i, double exposure, std::vector<StrayEvent>& strays) const {
+    if (stretch.segment.is_black) return;
     const auto words = CounterRng(options_.seed, stretch.segment.pattern).bits(i);
     const double draw = sensor::uniform_of(words[2]) * exposure;
     const bool is_off = draw < constants()[kDarkOff], is_on = exposure - draw < constants()[kDarkOn];
@@ -234,7 +249,7 @@ class PhysicalPixels : public SinglePixels {
     const double place = sensor::uniform_of(words[3]);
     if (!(place >= stretch.noise_begin && place < stretch.noise_end)) return;
     const double time_s = (place - stretch.noise_begin) / (stretch.noise_end - stretch.noise_begin);
-    strays.push_back({time_s * stretch.receptor.duration_s, is_on, true});
+    strays.push_back({time_s * stretch.receptor.duration_s, is_on, StrayEffect::kLater});
   }
 
   StreamOptions options_;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "e2lf/streams/test_light.h"
+#include "testing/test_light.h"
 
 namespace e2lf::streams {
 namespace {

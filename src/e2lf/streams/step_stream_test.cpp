@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "e2lf/sensor/reference.h"
-#include "e2lf/streams/test_light.h"
+#include "testing/test_light.h"
 
 namespace e2lf::streams {
 namespace {

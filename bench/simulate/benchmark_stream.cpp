@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "bench/simulate/benchmark_stream.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "e2lf/base/rng.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/streams/event_stream.h"
+
+namespace e2lf::bench {
+namespace {
+
+constexpr float kBrightness[] = {0.6F, 0.5F, 0.5F, 0.5F, 0.0F, 0.12F, 0.12F, 0.12F};
+constexpr int64_t kPatternUs = 10592;
+constexpr int kRuns = 2;
+
+/// One number of threads while it lives.
+class ThreadCap {
+ public:
+  explicit ThreadCap(int threads) : before_(num_threads()) { set_num_threads(threads); }
+  ~ThreadCap() { set_num_threads(before_); }
+  ThreadCap(const ThreadCap&) = delete;
+  ThreadCap& operator=(const ThreadCap&) = delete;
+
+ private:
+  int before_;
+};
+
+/// Events per second of the fastest cycle; `events` gets how many it has.
+double measure(streams::EventStream stream, const std::vector<std::vector<float>>& images, uint64_t& count) {
+  double best_s = 0;
+  int64_t now_us = 0;
+  uint64_t pattern = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    recordings::EventColumns events;
+    const auto begin = std::chrono::steady_clock::now();
+    for (const auto& image : images) {
+      const bool is_black = image.front() == 0.0F;
+      stream.advance({now_us, now_us + kPatternUs, image, image, pattern++, now_us, now_us + kPatternUs, is_black},
+                     events);
+      now_us += kPatternUs;
+    }
+    const double run_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    best_s = run == 0 ? run_s : std::min(best_s, run_s);
+    count = events.size();
+  }
+  return static_cast<double>(count) / best_s;
+}
+
+}  // namespace
+
+Result<StreamBenchmark> benchmark_stream(const streams::StreamOptions& options, size_t height, size_t width) {
+  std::vector<std::vector<float>> images;
+  for (const float brightness : kBrightness) {
+    auto& image = images.emplace_back(height * width);
+    const CounterRng rng(0, images.size());
+    for (size_t i = 0; i < image.size(); ++i) image[i] = brightness * rng.uniform(i);
+  }
+  const auto stream = [&] { return streams::EventStream::create(options, height, width); };
+  StreamBenchmark result;
+  E2LF_ASSIGN_OR_RETURN(streams::EventStream all_threads, stream());
+  result.events_per_s = measure(std::move(all_threads), images, result.events);
+  const ThreadCap one(1);
+  E2LF_ASSIGN_OR_RETURN(streams::EventStream one_thread, stream());
+  result.one_thread_events_per_s = measure(std::move(one_thread), images, result.events);
+  E2LF_ASSIGN_OR_RETURN(streams::EventStream reference, stream());
+  reference.use_reference();
+  result.reference_events_per_s = measure(std::move(reference), images, result.events);
+  return result;
+}
+
+}  // namespace e2lf::bench

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/streams/virtual_rig.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+
+namespace e2lf::streams {
+namespace {
+
+/// values = (1 - share) * values + share * others
+void blend(std::vector<float>& values, const std::vector<float>& others, float share) {
+  parallel_for(values.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) values[i] += share * (others[i] - values[i]);
+  });
+}
+
+Result<void> check(const RigOptions& options) {
+  E2LF_RETURN_IF_ERROR(cycles::validate(options.schedule, "schedule"));
+  int64_t shortest_us = std::numeric_limits<int64_t>::max();
+  for (const cycles::ScheduledPattern& pattern : options.schedule.patterns) {
+    shortest_us = std::min(shortest_us, pattern.interval_us());
+  }
+  if (options.rise_us < 0 || options.rise_us >= shortest_us || options.trigger_width_us < 0 ||
+      options.trigger_width_us >= shortest_us) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("a rise of ", options.rise_us, " us and a trigger of ", options.trigger_width_us,
+                     " us do not fit into a pattern of ", shortest_us, " us; use shorter ones"),
+                 ""};
+  }
+  if (!(options.gain >= 0.0F && options.gain <= std::numeric_limits<float>::max())) {
+    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is no brightness; use zero or more"), ""};
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture::Camera& camera,
+                                      const StreamOptions& stream, const RigOptions& options, MovingScene scene,
+                                      size_t height, size_t width) {
+  E2LF_RETURN_IF_ERROR(check(options));
+  E2LF_ASSIGN_OR_RETURN(EventStream events, EventStream::create(stream, height, width));
+  VirtualRig rig(codes, camera, std::move(events), options, std::move(scene), height, width);
+  E2LF_ASSIGN_OR_RETURN(rig.shown_, shown_patterns(options.schedule, codes.num_patterns));
+  return rig;
+}
+
+VirtualRig::VirtualRig(const capture::Codes& codes, const capture::Camera& camera, EventStream stream,
+                       const RigOptions& options, MovingScene scene, size_t height, size_t width)
+    : options_(options),
+      aperture_(codes, camera, options.gain, height, width),
+      stream_(std::move(stream)),
+      scene_(std::move(scene)),
+      height_(height),
+      width_(width),
+      now_us_(options.begin_us),
+      cycle_begin_us_(options.begin_us) {}
+
+Result<recordings::EventBatch> VirtualRig::play_cycle() {
+  recordings::EventBatch batch;
+  std::swap(batch.events, late_);
+  late_.clear();
+  cycle_begin_us_ = now_us_;
+  for (size_t i = 0; i < shown_.size(); ++i) {
+    add_trigger(batch);
+    E2LF_RETURN_IF_ERROR(show(shown_[i], now_us_ + options_.schedule.patterns[i].interval_us(), batch.events));
+  }
+  const auto& times = batch.events.t;
+  const auto kept = static_cast<size_t>(std::lower_bound(times.begin(), times.end(), now_us_) - times.begin());
+  late_.append(batch.events, kept, batch.events.size());
+  batch.events.resize(kept);
+  return batch;
+}
+
+capture::EventImages VirtualRig::sum_windows(const recordings::EventBatch& batch) const {
+  capture::EventImages images(options_.schedule.num_images(), height_, width_);
+  int64_t begin_us = cycle_begin_us_;
+  for (const cycles::ScheduledPattern& pattern : options_.schedule.patterns) {
+    const auto& times = batch.events.t;
+    const auto first = std::lower_bound(times.begin(), times.end(), begin_us);
+    const auto last = std::lower_bound(first, times.end(), begin_us += pattern.interval_us());
+    if (!pattern.image) continue;
+    const auto image = images.image(*pattern.image);
+    for (auto i = static_cast<size_t>(first - times.begin()); i < static_cast<size_t>(last - times.begin()); ++i) {
+      int16_t& count = image[batch.events.y[i] * width_ + batch.events.x[i]];
+      const bool is_on = batch.events.p[i] != 0;
+      const int16_t limit = is_on ? std::numeric_limits<int16_t>::max() : std::numeric_limits<int16_t>::min();
+      if (count != limit) count = static_cast<int16_t>(count + (is_on ? 1 : -1));
+    }
+  }
+  return images;
+}
+
+void VirtualRig::add_trigger(recordings::EventBatch& batch) const {
+  if (!options_.trigger_channel) return;
+  batch.triggers.push_back({now_us_, *options_.trigger_channel, 1});
+  if (options_.trigger_width_us > 0) {
+    batch.triggers.push_back({now_us_ + options_.trigger_width_us, *options_.trigger_channel, 0});
+  }
+}
+
+/// One pattern: from each stop, a knot of the scene or the end of the rise, to the next.
+Result<void> VirtualRig::show(ShownPattern shown, int64_t end_us, recordings::EventColumns& events) {
+  const int64_t begin_us = now_us_;
+  LightSegment segment;
+  segment.pattern = pattern_;
+  segment.pattern_begin_us = begin_us;
+  segment.pattern_end_us = end_us;
+  segment.is_black = aperture_.is_black(shown);
+  while (now_us_ < end_us) {
+    E2LF_RETURN_IF_ERROR(reach_knot(now_us_));
+    const bool rises = is_rising(begin_us), moves = rises || scene_.knot_us > 0;
+    segment.begin_us = now_us_;
+    segment.end_us = next_stop(begin_us, end_us);
+    light_of_rise(now_us_, begin_us, shown, from_);
+    if (moves) light_of_rise(segment.end_us, begin_us, shown, to_);
+    segment.from = from_;
+    segment.to = moves ? to_ : from_;
+    stream_.advance(segment, events);
+    now_us_ = segment.end_us;
+  }
+  before_ = shown;
+  ++pattern_;
+  return {};
+}
+
+bool VirtualRig::is_rising(int64_t pattern_begin_us) const {
+  return before_ && now_us_ < pattern_begin_us + options_.rise_us;
+}
+
+int64_t VirtualRig::next_stop(int64_t pattern_begin_us, int64_t end_us) const {
+  int64_t stop_us = end_us;
+  if (is_rising(pattern_begin_us)) stop_us = std::min(stop_us, pattern_begin_us + options_.rise_us);
+  if (scene_.knot_us > 0) {
+    const int64_t last_us = options_.begin_us + static_cast<int64_t>(num_knots_ - 1) * scene_.knot_us;
+    stop_us = std::min(stop_us, last_us);
+  }
+  return stop_us;
+}
+
+/// Asks the scene for its knots until one lies behind this time.
+Result<void> VirtualRig::reach_knot(int64_t t_us) {
+  const auto is_enough = [&] {
+    if (scene_.knot_us == 0) return num_knots_ >= 1;
+    return num_knots_ >= 2 && options_.begin_us + static_cast<int64_t>(num_knots_ - 1) * scene_.knot_us > t_us;
+  };
+  while (!is_enough()) {
+    E2LF_ASSIGN_OR_RETURN(const lightfield::LightField field, scene_.at(num_knots_));
+    if (field.shape().height != height_ || field.shape().width != width_) {
+      return Error{ErrorCode::kShape,
+                   cat("a light field of ", field.shape().width, "x", field.shape().height, " px follows one of ",
+                       width_, "x", height_, "; use fields of one size"),
+                   ""};
+    }
+    knot_ = std::move(next_);
+    E2LF_ASSIGN_OR_RETURN(next_, aperture_.measure(field));
+    ++num_knots_;
+  }
+  return {};
+}
+
+/// The light of a pattern that has been shown for long.
+void VirtualRig::light_at(int64_t t_us, ShownPattern shown, std::vector<float>& light) {
+  if (scene_.knot_us == 0) return aperture_.image(next_, shown, light);
+  const int64_t last_us = options_.begin_us + static_cast<int64_t>(num_knots_ - 1) * scene_.knot_us;
+  const float share = 1.0F - static_cast<float>(last_us - t_us) / static_cast<float>(scene_.knot_us);
+  std::vector<float> next;
+  aperture_.image(knot_, shown, light);
+  aperture_.image(next_, shown, next);
+  blend(light, next, share);
+}
+
+/// The light while the display goes over from what was shown before, and after that.
+void VirtualRig::light_of_rise(int64_t t_us, int64_t pattern_begin_us, ShownPattern shown, std::vector<float>& light) {
+  light_at(t_us, shown, light);
+  const int64_t left_us = pattern_begin_us + options_.rise_us - t_us;
+  if (!before_ || left_us <= 0) return;
+  light_at(t_us, *before_, other_);
+  blend(light, other_, static_cast<float>(left_us) / static_cast<float>(options_.rise_us));
+}
+
+}  // namespace e2lf::streams
