@@ -1,7 +1,7 @@
 # The virtual rig: a light field before a display and physical pixels, event by event, to a recording and back to a light field.
 "$E2LF" demo -o demo --width 96 --height 64 --quiet
-model="$TESTSUITE/../models/e2lf-n4-capture.safetensors"
-simulate=("$E2LF" simulate demo/scene -m "$model" --camera evk4-lcos --cycles 3 --seed 2 --quiet)
+network="$TESTSUITE/../models/e2lf-n4.safetensors"
+simulate=("$E2LF" simulate demo/scene -m "$network" --camera evk4-lcos --scene-gain 4 --cycles 3 --seed 2 --quiet)
 "${simulate[@]}" -o rec.raw
 "$E2LF" info rec.raw --json >info.json
 [ "$(json info.json "(j['format'], j['triggers'])")" = "('evt3', 48)" ] || fail "info: $(cat info.json)"
@@ -20,14 +20,14 @@ assert events.shape == (3, 3, 64, 96), events.shape
 assert np.array_equal(events, summed)
 assert np.array_equal(load("one_thread"), summed)
 assert not np.array_equal(events[1], events[2]), "noise is new in each cycle"
-assert np.corrcoef(events[1, 0].ravel(), events[2, 0].ravel())[0, 1] > 0.8, "and the scene is not"
+assert np.corrcoef(events[1, 0].ravel(), events[2, 0].ravel())[0, 1] > 0.75, "and the scene is not"
 worn = load("worn")
 assert worn.shape == events.shape and not np.array_equal(worn, events)
 PY
 # From the recording to light fields; the scene comes back.
-"$E2LF" reconstruct rec.raw -m "$model" --source triggers -o fields --quiet
+"$E2LF" reconstruct rec.raw -m "$network" --source triggers -o fields --quiet
 "$E2LF" eval demo/scene fields/cycle_00001 --json >eval.json
-check "$(json eval.json "j['psnr_db']") > 14"
+check "$(json eval.json "j['psnr_db']") > 16"
 # Other models, event by event.
 for model in quantised reference-aware esim v2e; do
   "$E2LF" simulate demo/scene --event-model $model --stream -o $model.raw --quiet
