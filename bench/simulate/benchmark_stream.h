@@ -9,7 +9,8 @@
 
 namespace e2lf::bench {
 
-/// Simulation event by event, events per second: the best of two cycles.
+/// Simulation event by event, events per second: the best of two cycles. One thread is measured by its processor time,
+/// which a busy machine changes little.
 struct StreamBenchmark {
   uint64_t events = 0;      ///< of one cycle
   double events_per_s = 0;  ///< with all threads
