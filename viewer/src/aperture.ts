@@ -1,0 +1,64 @@
+// The synthetic aperture: which views take part, and how much. Positions are in view steps from the middle of the grid.
+
+export interface ApertureShape {
+  x: number;
+  y: number;
+  size: number; // radius; 0 = one view, interpolated between its neighbours
+  shape: string;
+}
+
+export const shapes: Record<string, string> = {
+  round: 'round',
+  square: 'square',
+  ring: 'ring',
+  row: 'row of views',
+  column: 'column of views',
+};
+
+/** The shape's distance from its middle; a rim one view step wide lies around `size`. */
+function distance(shape: string, size: number, dx: number, dy: number): number {
+  const far = 1e3;
+  switch (shape) {
+    case 'square': return Math.max(Math.abs(dx), Math.abs(dy));
+    case 'ring': return size - 0.5 + Math.abs(Math.hypot(dx, dy) - size);
+    case 'row': return Math.abs(dy) < 0.5 ? Math.abs(dx) : far;
+    case 'column': return Math.abs(dx) < 0.5 ? Math.abs(dy) : far;
+    default: return Math.hypot(dx, dy);
+  }
+}
+
+const tent = (offset: number): number => Math.max(0, 1 - Math.abs(offset));
+
+/** The weight of each view, in view order; their sum is above 0. Of a round aperture of at least one view step they are
+ *  those of lightfield::round_aperture; smaller ones go over into one view without a jump. */
+export function apertureWeights([rows, columns]: [number, number], aperture: ApertureShape): Float32Array {
+  const weights = new Float32Array(rows * columns);
+  const share = Math.min(1, aperture.size);
+  for (let row = 0; row < rows; ++row) {
+    for (let column = 0; column < columns; ++column) {
+      const dx = column - (columns - 1) / 2 - aperture.x;
+      const dy = row - (rows - 1) / 2 - aperture.y;
+      const rim = aperture.size + 0.5 - distance(aperture.shape, aperture.size, dx, dy);
+      const open = Math.min(Math.max(rim, 0), 1);
+      weights[row * columns + column] = share * open + (1 - share) * tent(dx) * tent(dy);
+    }
+  }
+  if (weights.every((weight) => weight === 0)) weights[nearestView([rows, columns], aperture)] = 1;
+  return weights;
+}
+
+/** The number of the view nearest to a place. */
+export function nearestView([rows, columns]: [number, number], place: { x: number; y: number }): number {
+  const near = (offset: number, count: number) => Math.min(Math.max(Math.round(offset + (count - 1) / 2), 0), count - 1);
+  return near(place.y, rows) * columns + near(place.x, columns);
+}
+
+/** What the picture shader reads: of each view with weight its number, its offset from the middle (x, y), its weight. */
+export function apertureTaps([rows, columns]: [number, number], weights: Float32Array): Float32Array {
+  const taps: number[] = [];
+  weights.forEach((weight, number) => {
+    if (weight === 0) return;
+    taps.push(number, (number % columns) - (columns - 1) / 2, Math.floor(number / columns) - (rows - 1) / 2, weight);
+  });
+  return new Float32Array(taps);
+}

@@ -1,0 +1,110 @@
+// What the page shows: a description in JSON, and parts (pictures, counts) that it names by number. Both are embedded in
+// an exported page; a served page fetches them from beside itself. src/e2lf/view/document.h writes them.
+
+export interface Codes {
+  views: [number, number]; // rows, columns
+  patterns: number[][]; // [pattern][view number], transmittance in 0..1
+}
+
+export interface LightFieldCycle {
+  label: string;
+  views: number[]; // the part of each view, in view order: an 8-bit PNG
+}
+
+export interface LightFieldItem {
+  kind: 'light_field';
+  name: string;
+  views: [number, number]; // rows, columns
+  height: number;
+  width: number;
+  channels: 1 | 3;
+  cycles: LightFieldCycle[];
+}
+
+export interface EventImagesItem {
+  kind: 'event_images';
+  name: string;
+  transitions: number;
+  height: number;
+  width: number;
+  cycles: { label: string; counts: number }[]; // the part with int16 [transition, y, x], deflated
+  codes?: Codes;
+}
+
+export interface RecordingItem {
+  kind: 'recording';
+  name: string;
+  format: string;
+  height: number;
+  width: number;
+  events: number;
+  origin_us: number; // of all times below, in the recording's clock
+  frames: { begin_us: number; end_us: number; counts: number }[]; // the part with int16 [y, x], deflated
+  rate: { begin_us: number; bin_us: number; on: number[]; off: number[] };
+  triggers: [time_us: number, polarity: number, input: number][];
+  cycles: { number: number; confidence: number; slices: [begin_us: number, end_us: number][] }[];
+}
+
+export interface ModelItem {
+  kind: 'model';
+  name: string;
+  text: string; // what `e2lf model info` says
+  codes?: Codes;
+}
+
+export type Item = LightFieldItem | EventImagesItem | RecordingItem | ModelItem;
+
+export interface Comparison {
+  first: number; // the truth, and the reconstruction: numbers of items
+  second: number;
+  psnr_db: (number | null)[][]; // [cycle][view number]; null = equal
+}
+
+export interface ViewDocument {
+  format: 'e2lf-view';
+  version: 1;
+  items: Item[];
+  comparisons: Comparison[];
+}
+
+/** Where the description and the parts come from. */
+export interface Source {
+  document: ViewDocument;
+  part(number: number): Promise<Blob>;
+}
+
+export async function openSource(): Promise<Source> {
+  const embedded = document.getElementById('e2lf-document');
+  const text = embedded ? embedded.textContent! : await (await fetchFile('document.json')).text();
+  return { document: checked(JSON.parse(text)), part: embedded ? embeddedPart : servedPart };
+}
+
+function checked(description: ViewDocument): ViewDocument {
+  if (description.format !== 'e2lf-view' || description.version !== 1) {
+    throw new Error('The data are not of the version that this page reads; make the page again with e2lf view.');
+  }
+  return description;
+}
+
+async function fetchFile(path: string): Promise<Response> {
+  const answer = await fetch(path).catch(() => null);
+  if (!answer) throw new Error('The server does not answer; is e2lf view still running?');
+  if (!answer.ok) throw new Error(await answer.text());
+  return answer;
+}
+
+async function servedPart(number: number): Promise<Blob> {
+  return (await fetchFile(`part/${number}`)).blob();
+}
+
+async function embeddedPart(number: number): Promise<Blob> {
+  const text = document.getElementById(`e2lf-part-${number}`)?.textContent;
+  if (!text) throw new Error(`Part ${number} of the page is missing; make the page again with e2lf view.`);
+  return (await fetch(`data:application/octet-stream;base64,${text}`)).blob();
+}
+
+/** The int16 numbers of a deflated part. */
+export async function inflateCounts(part: Blob): Promise<Int16Array> {
+  const stream = part.stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Int16Array(await new Response(stream).arrayBuffer());
+}

@@ -1,0 +1,136 @@
+// Starts the page: tabs for what there is to look at, one screen at a time, keys.
+import { openSource, type Item, type Source } from './document';
+import { element, Panel } from './dom';
+import { showHelp } from './help';
+import { Painter } from './painter';
+import type { Context, Screen } from './screen';
+import { savePictures } from './screenshot';
+import { EventsScreen } from './screens/events';
+import { LightFieldScreen } from './screens/light_field';
+import { ModelScreen } from './screens/model';
+import { RecordingScreen } from './screens/recording';
+import { State } from './state';
+import { applyTheme, themes } from './theme';
+
+interface Tab {
+  name: string;
+  open(context: Context): Screen;
+}
+
+const byId = (id: string): HTMLElement => document.getElementById(id)!;
+
+function openItem(context: Context, item: Item): Screen {
+  switch (item.kind) {
+    case 'light_field': return new LightFieldScreen(context, item);
+    case 'event_images': return new EventsScreen(context, item);
+    case 'recording': return new RecordingScreen(context, item);
+    case 'model': return new ModelScreen(context, item);
+  }
+}
+
+/** Comparisons first: whoever gives two light fields wants to compare them. */
+function makeTabs({ items, comparisons }: Source['document']): Tab[] {
+  const compared = comparisons.map((figures): Tab | null => {
+    const [first, second] = [items[figures.first], items[figures.second]];
+    if (first?.kind !== 'light_field' || second?.kind !== 'light_field') return null;
+    return { name: `${first.name} and ${second.name}`, open: (context) => new LightFieldScreen(context, first, { item: second, figures }) };
+  });
+  const single = items.map((item): Tab => ({ name: item.name, open: (context) => openItem(context, item) }));
+  return [...compared.filter((tab) => tab !== null), ...single];
+}
+
+class Page {
+  private readonly state = new State();
+  private readonly tabs: Tab[];
+  private screen: Screen | null = null;
+  private panel: Panel | null = null;
+  private opened = -1;
+
+  constructor(private readonly source: Source, private readonly painter: Painter) {
+    this.tabs = makeTabs(source.document);
+    this.addHeader();
+    applyTheme(this.state);
+    this.state.onChange((key) => {
+      if (key === 'theme' || key === 'tab') applyTheme(this.state);
+      if (key === 'tab' && this.chosen() !== this.opened) return this.open();
+      this.panel?.follow();
+      this.screen?.follow(key);
+    });
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.screen?.follow('theme'));
+    new ResizeObserver(() => this.screen?.layout()).observe(byId('stage'));
+    addEventListener('keydown', (event) => this.press(event));
+    this.open();
+  }
+
+  private chosen(): number {
+    return Math.min(Math.max(Math.round(this.state.get('tab')), 0), this.tabs.length - 1);
+  }
+
+  private addHeader(): void {
+    this.tabs.forEach(({ name }, i) => {
+      const button = element('button', { type: 'button', role: 'tab', title: name }, name);
+      button.addEventListener('click', () => this.state.set('tab', i));
+      byId('tabs').append(button);
+    });
+    const actions: [string, string, () => void][] = [
+      ['Save', 'Save the picture as PNG', () => this.save()],
+      ['Theme', 'Dark or light', () => this.nextTheme()],
+      ['Keys', 'Show the keys', () => showHelp(this.screen?.keys ?? [])],
+    ];
+    for (const [text, label, action] of actions) {
+      const button = element('button', { type: 'button', 'aria-label': label, title: label }, text);
+      button.addEventListener('click', action);
+      byId('actions').append(button);
+    }
+  }
+
+  private open(): void {
+    this.screen?.close();
+    this.opened = this.chosen();
+    const tab = this.tabs[this.opened]!;
+    document.title = `${tab.name} - e2lf`;
+    [...byId('tabs').children].forEach((button, i) => button.setAttribute('aria-selected', String(i === this.opened)));
+    const stage = byId('stage');
+    stage.replaceChildren();
+    this.panel = new Panel(byId('controls'), this.state);
+    const { source, painter, state, panel } = this;
+    this.screen = tab.open({ document: source.document, source, painter, state, panel, stage, say, fail });
+    this.panel.follow();
+    this.screen.layout();
+    this.screen.follow('tab');
+  }
+
+  private nextTheme(): void {
+    const next = (themes.indexOf(this.state.get('theme')) + 1) % themes.length;
+    this.state.set('theme', themes[next]!);
+    say(`colours: ${themes[next]}`);
+  }
+
+  private save(): void {
+    const pictures = this.screen?.pictures() ?? [];
+    savePictures(this.tabs[this.opened]!.name, pictures).then((count) => say(`${count} saved`)).catch(fail);
+  }
+
+  private press(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.altKey || event.metaKey || document.querySelector('dialog[open]')) return;
+    // Sliders and lists use arrows and letters themselves.
+    if (event.target instanceof HTMLSelectElement || (event.target instanceof HTMLInputElement && event.key.startsWith('Arrow'))) return;
+    if (event.target instanceof HTMLButtonElement && event.key === ' ') return;
+    if (this.screen?.press(event.key)) return event.preventDefault();
+    if (event.key === '?') showHelp(this.screen?.keys ?? []);
+    else if (event.key === 's') this.save();
+    else if (event.key === 't') this.nextTheme();
+    else if (/^[1-9]$/.test(event.key) && Number(event.key) <= this.tabs.length) this.state.set('tab', Number(event.key) - 1);
+  }
+}
+
+function say(text: string): void {
+  byId('status').textContent = text;
+}
+
+function fail(error: unknown): void {
+  const text = error instanceof Error ? error.message : String(error);
+  byId('stage').replaceChildren(element('p', { role: 'alert', class: 'error' }, text));
+}
+
+openSource().then((source) => new Page(source, new Painter())).catch(fail);

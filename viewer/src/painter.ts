@@ -1,0 +1,152 @@
+// Draws with WebGL 2 off screen and copies the result to canvases of the page.
+import { vertexShader } from './shaders';
+
+export type Uniform = number | boolean | number[] | WebGLTexture;
+
+/** An array of pictures of one size on the graphics card: 8 bits, grey or colour. */
+export interface Pictures {
+  texture: WebGLTexture;
+  isGrey: boolean;
+}
+
+interface Program {
+  program: WebGLProgram;
+  types: Map<string, { at: WebGLUniformLocation; type: number; unit: number }>;
+}
+
+export class Painter {
+  readonly gl: WebGL2RenderingContext;
+  private readonly canvas = document.createElement('canvas');
+  private readonly programs = new Map<string, Program>();
+
+  constructor() {
+    const gl = this.canvas.getContext('webgl2', { alpha: false, antialias: false, preserveDrawingBuffer: true });
+    if (!gl) throw new Error('This browser has no WebGL 2; try another one, or switch its graphics acceleration on.');
+    this.gl = gl;
+    gl.bindVertexArray(gl.createVertexArray());
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+  }
+
+  /** Makes room for `count` pictures; they are black until they are put(). */
+  pictures(width: number, height: number, count: number, isGrey: boolean): Pictures {
+    const gl = this.gl;
+    const side = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
+    const layers = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS) as number;
+    if (Math.max(width, height) > side || count > layers) {
+      throw new Error(`This browser takes ${layers} views of ${side} px at most; show fewer with --views or --step.`);
+    }
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
+    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, isGrey ? gl.R8 : gl.RGBA8, width, height, count);
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) {
+      gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, gl.CLAMP_TO_EDGE);
+    }
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
+      gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, gl.LINEAR);
+    }
+    return { texture, isGrey };
+  }
+
+  put(pictures: Pictures, number: number, bitmap: ImageBitmap): void {
+    const gl = this.gl;
+    const format = pictures.isGrey ? gl.RED : gl.RGBA;
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, pictures.texture);
+    gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, number, bitmap.width, bitmap.height, 1, format, gl.UNSIGNED_BYTE, bitmap);
+  }
+
+  /** A table of float32 [row of 4] for texelFetch; replaces what was in `table`. */
+  table(table: WebGLTexture | null, rows: Float32Array): WebGLTexture {
+    const gl = this.gl;
+    const made = table ?? gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, rows.length / 4, 1, 0, gl.RGBA, gl.FLOAT, rows);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    return made;
+  }
+
+  /** Runs a program over width x height pixels and copies the picture to `target`, which takes that size. */
+  paint(target: HTMLCanvasElement, width: number, height: number, shader: string, values: Record<string, Uniform>): void {
+    this.run(width, height, shader, values);
+    if (target.width !== width || target.height !== height) {
+      target.width = width;
+      target.height = height;
+    }
+    const top = this.canvas.height - height;
+    target.getContext('2d')!.drawImage(this.canvas, 0, top, width, height, 0, 0, width, height);
+  }
+
+  /** The same, read back: RGBA bytes, the bottom row first. */
+  read(width: number, height: number, shader: string, values: Record<string, Uniform>): Uint8Array {
+    this.run(width, height, shader, values);
+    const bytes = new Uint8Array(4 * width * height);
+    this.gl.readPixels(0, 0, width, height, this.gl.RGBA, this.gl.UNSIGNED_BYTE, bytes);
+    return bytes;
+  }
+
+  /** Waits until everything is drawn, to measure it. */
+  finish(): void {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
+  private run(width: number, height: number, shader: string, values: Record<string, Uniform>): void {
+    const gl = this.gl;
+    if (gl.isContextLost()) throw new Error('The graphics card was reset; reload the page.');
+    // Growing only: a new size costs more than a picture.
+    if (this.canvas.width < width) this.canvas.width = width;
+    if (this.canvas.height < height) this.canvas.height = height;
+    const { program, types } = this.program(shader);
+    gl.useProgram(program);
+    gl.viewport(0, 0, width, height);
+    for (const [name, value] of Object.entries(values)) {
+      const uniform = types.get(name);
+      if (uniform) this.setUniform(uniform, value);
+    }
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  private setUniform(uniform: { at: WebGLUniformLocation; type: number; unit: number }, value: Uniform): void {
+    const gl = this.gl;
+    switch (uniform.type) {
+      case gl.FLOAT: gl.uniform1f(uniform.at, value as number); break;
+      case gl.FLOAT_VEC2: gl.uniform2fv(uniform.at, value as number[]); break;
+      case gl.FLOAT_VEC3: gl.uniform3fv(uniform.at, value as number[]); break;
+      case gl.INT: case gl.BOOL: gl.uniform1i(uniform.at, Number(value)); break;
+      case gl.SAMPLER_2D: case gl.SAMPLER_2D_ARRAY:
+        gl.activeTexture(gl.TEXTURE0 + uniform.unit);
+        gl.bindTexture(uniform.type === gl.SAMPLER_2D ? gl.TEXTURE_2D : gl.TEXTURE_2D_ARRAY, value as WebGLTexture);
+        gl.uniform1i(uniform.at, uniform.unit);
+        break;
+      default: throw new Error(`uniform of an unexpected type ${uniform.type}`);
+    }
+  }
+
+  private program(shader: string): Program {
+    const known = this.programs.get(shader);
+    if (known) return known;
+    const gl = this.gl;
+    const program = gl.createProgram();
+    for (const [type, text] of [[gl.VERTEX_SHADER, vertexShader], [gl.FRAGMENT_SHADER, shader]] as const) {
+      const part = gl.createShader(type)!;
+      gl.shaderSource(part, text);
+      gl.compileShader(part);
+      gl.attachShader(program, part);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
+      const logs = gl.getAttachedShaders(program)!.map((part) => gl.getShaderInfoLog(part));
+      throw new Error(`The graphics card refused a program: ${logs.join(' ')} ${gl.getProgramInfoLog(program)}`);
+    }
+    const types: Program['types'] = new Map();
+    const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) as number;
+    let units = 0;
+    for (let i = 0; i < count; ++i) {
+      const info = gl.getActiveUniform(program, i)!;
+      const isSampler = info.type === gl.SAMPLER_2D || info.type === gl.SAMPLER_2D_ARRAY;
+      types.set(info.name, { at: gl.getUniformLocation(program, info.name)!, type: info.type, unit: isSampler ? units++ : 0 });
+    }
+    const made = { program, types };
+    this.programs.set(shader, made);
+    return made;
+  }
+}

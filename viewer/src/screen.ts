@@ -1,0 +1,43 @@
+// What a screen is made from, and what it must do.
+import type { Panel } from './dom';
+import type { ViewDocument, Source } from './document';
+import type { Painter } from './painter';
+import type { Key, State } from './state';
+
+export interface Context {
+  document: ViewDocument;
+  source: Source;
+  state: State;
+  painter: Painter;
+  stage: HTMLElement;
+  panel: Panel;
+  /** Shows a line at the foot of the page. */
+  say(text: string): void;
+  /** Shows an error in place of the screen. */
+  fail(error: unknown): void;
+}
+
+export interface Screen {
+  /** The state has changed; `key` says what, `tab` = anything. */
+  follow(key: Key): void;
+  /** The stage has another size. */
+  layout(): void;
+  /** True where the key was for this screen. */
+  press(key: string): boolean;
+  /** The pictures for a screenshot, with names for their files. */
+  pictures(): { name: string; canvas: HTMLCanvasElement }[];
+  /** The keys it knows, for the help. */
+  keys: [keys: string, does: string][];
+  close(): void;
+}
+
+/** The largest size that keeps the proportions of a picture in a box; small pictures grow to four times their size. */
+export function fit(width: number, height: number, boxWidth: number, boxHeight: number): [number, number] {
+  const scale = Math.max(Math.min(boxWidth / width, boxHeight / height, 4), 16 / Math.max(width, height));
+  return [Math.floor(width * scale), Math.floor(height * scale)];
+}
+
+export function setSize(target: HTMLElement, width: number, height: number): void {
+  target.style.width = `${width}px`;
+  target.style.height = `${height}px`;
+}

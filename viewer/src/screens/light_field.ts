@@ -1,0 +1,257 @@
+// A light field, or two of them to compare: parallax, refocus, synthetic aperture, EPIs, all views, gain and gamma.
+import { nearestView, shapes } from '../aperture';
+import { ApertureMap } from '../aperture_map';
+import { busy } from '../busy';
+import type { Comparison, LightFieldItem } from '../document';
+import { canvas, clamp, element, placeOn } from '../dom';
+import { FrameClock } from '../frame_clock';
+import { Camera, LightFieldViews, lightFieldUniforms, maxDisparity, toneUniforms } from '../light_field';
+import { Pane } from '../pane';
+import type { Uniform } from '../painter';
+import { fit, setSize, type Context, type Screen } from '../screen';
+import { epiShader, gridShader, pictureShader } from '../shaders';
+import type { Key } from '../state';
+
+const keysWhileMoving: Key[] = ['x', 'y', 'focus', 'tiltx', 'tilty', 'size', 'split', 'gain', 'gamma', 'boost'];
+const modes: Record<string, number> = { first: 0, second: 1, swipe: 2, difference: 3 };
+const swipeMode = 2;
+
+export class LightFieldScreen implements Screen {
+  readonly keys: [string, string][] = [
+    ['arrows', 'move the viewpoint'],
+    ['+ and -', 'focus nearer and farther'],
+    ['a and A', 'smaller and larger aperture'],
+    ['g', 'all views'],
+    ['0', 'everything as at the start'],
+    ['< and >', 'the cycle before and after'],
+  ];
+  private readonly first: LightFieldViews;
+  private readonly second: LightFieldViews;
+  private readonly camera: Camera;
+  private readonly map: ApertureMap;
+  private readonly clock = new FrameClock((scale) => this.paint(scale));
+  private readonly epiClock = new FrameClock(() => this.paint(0));
+  private readonly panes: { pane: Pane; isSecond: boolean }[] = [];
+  private readonly sheet = canvas('All views. Press on one to look from there.', 'sheet');
+  private readonly quality = element('p', { class: 'quality' });
+  private swipeSlider: HTMLElement | null = null;
+  private boostSlider: HTMLElement | null = null;
+  private isClosed = false;
+
+  constructor(
+    private readonly context: Context,
+    item: LightFieldItem,
+    private readonly comparison?: { item: LightFieldItem; figures: Comparison },
+  ) {
+    const { source, painter, state } = context;
+    this.first = new LightFieldViews(item, source, painter);
+    this.second = comparison ? new LightFieldViews(comparison.item, source, painter) : this.first;
+    this.camera = new Camera(painter);
+    this.map = new ApertureMap(state, item.views, context.say);
+    this.addControls();
+    this.addPane(item.name, false);
+    if (comparison) this.addPane(comparison.item.name, true);
+    this.sheet.addEventListener('click', (event) => this.choose(placeOn(this.sheet, event)));
+    context.stage.append(this.sheet);
+    this.load();
+  }
+
+  private get item(): LightFieldItem {
+    return this.first.item;
+  }
+
+  private addPane(name: string, isSecond: boolean): void {
+    const focusAt = (x: number, y: number) => this.focusAt(isSecond ? this.second : this.first, x, y);
+    const pane = new Pane(name, this.item, this.context.state, focusAt);
+    this.panes.push({ pane, isSecond });
+    this.context.stage.append(pane.root);
+  }
+
+  private addControls(): void {
+    const { panel, state } = this.context;
+    const [rows, columns] = this.item.views;
+    const signed = (value: number) => (value > 0 ? '+' : '') + value.toFixed(2);
+    if (this.comparison) {
+      this.swipeSlider = panel.slider('split', 'Swipe', { low: 0, high: 1, step: 0.005, text: (value) => `${Math.round(100 * value)} %` });
+      this.boostSlider = panel.slider('boost', 'Differences times', { low: 1, high: 20, step: 0.5, text: (value) => value.toFixed(1) });
+      panel.group('Compare',
+        panel.choice('compare', 'Show', { side: 'side by side', swipe: 'swipe', difference: 'difference', first: 'the first', second: 'the second' }),
+        this.swipeSlider, this.boostSlider, this.quality);
+    } else {
+      panel.group('Show', panel.choice('show', 'Show', { picture: 'one picture', grid: 'all views' }));
+    }
+    panel.group('Viewpoint', this.map.canvas,
+      panel.slider('x', 'To the right', { low: -(columns - 1) / 2, high: (columns - 1) / 2, step: 0.05, text: signed }),
+      panel.slider('y', 'Down', { low: -(rows - 1) / 2, high: (rows - 1) / 2, step: 0.05, text: signed }));
+    panel.group('Focus',
+      panel.slider('focus', 'Disparity, px per view', { low: -maxDisparity, high: maxDisparity, step: 0.01, text: signed }),
+      panel.slider('tiltx', 'Tilt to the right', { low: -4, high: 4, step: 0.05, text: signed }),
+      panel.slider('tilty', 'Tilt downwards', { low: -4, high: 4, step: 0.05, text: signed }));
+    panel.group('Aperture',
+      panel.slider('size', 'Radius, views', { low: 0, high: Math.ceil(Math.hypot(rows, columns) / 2), step: 0.05 }),
+      panel.choice('shape', 'Shape', shapes));
+    panel.group('Brightness',
+      panel.slider('gain', 'Gain', { low: 0.1, high: 8, step: 0.05 }),
+      panel.slider('gamma', 'Gamma', { low: 0.4, high: 3, step: 0.05 }));
+    if (this.item.cycles.length > 1) {
+      const label = (cycle: number) => this.item.cycles[cycle]?.label ?? '';
+      panel.group('Time', panel.slider('cycle', 'Cycle', { low: 0, high: this.item.cycles.length - 1, step: 1, text: label }));
+    }
+    panel.root.append(panel.button('Reset', () => state.reset()));
+  }
+
+  private load(): void {
+    const cycle = this.context.state.get('cycle');
+    const all = this.comparison ? [this.first, this.second] : [this.first];
+    for (const views of all) {
+      const end = busy();
+      views.load(cycle, (share) => {
+        if (this.isClosed) return;
+        this.context.say(share < 1 ? `loading views, ${Math.round(100 * share)} %` : '');
+        this.clock.ask(false, this.units());
+      }).catch((error) => this.context.fail(error)).finally(end);
+    }
+  }
+
+  follow(key: Key): void {
+    if (key === 'cycle' || key === 'tab') this.load();
+    if (key === 'show' || key === 'compare' || key === 'tab') this.layout();
+    if (key === 'row' || key === 'column') this.epiClock.ask(false, 1);
+    else this.clock.ask(keysWhileMoving.includes(key), this.units());
+  }
+
+  layout(): void {
+    const { stage, state } = this.context;
+    const isGrid = !this.comparison && state.get('show') === 'grid';
+    const isSide = state.get('compare') === 'side';
+    this.sheet.hidden = !isGrid;
+    if (this.swipeSlider) this.swipeSlider.hidden = state.get('compare') !== 'swipe';
+    if (this.boostSlider) this.boostSlider.hidden = state.get('compare') !== 'difference';
+    this.panes.forEach(({ pane }, i) => (pane.root.hidden = isGrid || (i === 1 && !isSide)));
+    const isWide = stage.clientWidth >= stage.clientHeight;
+    const both = this.comparison && isSide ? 2 : 1;
+    const width = stage.clientWidth / (isWide ? both : 1) - 16;
+    const height = stage.clientHeight / (isWide ? 1 : both) - 16;
+    for (const { pane } of this.panes) pane.layout(width, height);
+    const [rows, columns] = this.item.views;
+    setSize(this.sheet, ...fit(this.item.width * columns, this.item.height * rows, stage.clientWidth - 16, stage.clientHeight - 16));
+    this.clock.ask(false, this.units());
+  }
+
+  private units(): number {
+    const isSide = this.comparison && ['side', 'difference'].includes(this.context.state.get('compare'));
+    return this.item.width * this.item.height * (this.camera.numTaps || 4) * (isSide ? 2 : 1);
+  }
+
+  /** Scale 0: the EPIs alone. Returns how many pixels of views were read. */
+  private paint(scale: number): number {
+    if (this.isClosed) return 1;
+    try {
+      return this.paintPanes(scale);
+    } catch (error) {
+      this.context.fail(error);
+      return 1;
+    }
+  }
+
+  private paintPanes(scale: number): number {
+    const { painter, state } = this.context;
+    const common = { ...lightFieldUniforms(this.first, this.second), ...toneUniforms(state) };
+    const camera = this.camera.uniforms(state, this.item.views);
+    const width = Math.max(1, Math.round(this.item.width * scale));
+    const height = Math.max(1, Math.round(this.item.height * scale));
+    for (const { pane, isSecond } of this.panes) {
+      if (pane.root.hidden) continue;
+      const mode = this.comparison ? (modes[state.get('compare')] ?? Number(isSecond)) : 0;
+      const split = state.get('split');
+      const values = { ...common, ...camera, mode, split, boost: state.get('boost') };
+      if (scale > 0) painter.paint(pane.picture, width, height, pictureShader, values);
+      this.paintEpis(pane, common, mode);
+      pane.drawLines(mode === swipeMode ? split : null);
+    }
+    if (!this.sheet.hidden && scale > 0) this.paintSheet(common);
+    painter.finish();
+    this.showFigures();
+    this.map.draw(this.camera.weights);
+    return width * height * this.camera.numTaps;
+  }
+
+  private paintEpis(pane: Pane, common: Record<string, Uniform>, mode: number): void {
+    const { painter, state } = this.context;
+    const { row, column } = pane.cut();
+    const [rows, columns] = this.item.views;
+    const view = nearestView(this.item.views, { x: state.get('x'), y: state.get('y') });
+    const isSecond = mode === swipeMode ? column / this.item.width >= state.get('split') : mode > 0;
+    const values = { ...common, isSecond };
+    painter.paint(pane.rowEpi, this.item.width, columns, epiShader,
+      { ...values, isVertical: false, fixedView: Math.floor(view / columns), fixedPixel: row });
+    painter.paint(pane.columnEpi, rows, this.item.height, epiShader,
+      { ...values, isVertical: true, fixedView: view % columns, fixedPixel: column });
+  }
+
+  private paintSheet(common: Record<string, Uniform>): void {
+    const ratio = Math.min(devicePixelRatio, 2);
+    const [width, height] = [Math.round(this.sheet.clientWidth * ratio), Math.round(this.sheet.clientHeight * ratio)];
+    if (width > 0 && height > 0) this.context.painter.paint(this.sheet, width, height, gridShader, { ...common, isSecond: false });
+  }
+
+  private showFigures(): void {
+    if (!this.comparison) return;
+    const psnr = this.comparison.figures.psnr_db[Math.round(this.context.state.get('cycle'))];
+    this.map.showPsnr(psnr);
+    if (!psnr) return;
+    const known = psnr.filter((value): value is number => value !== null);
+    const mean = known.reduce((sum, value) => sum + value, 0) / known.length;
+    this.quality.textContent = known.length < psnr.length ? `${psnr.length - known.length} views are equal`
+      : `PSNR ${mean.toFixed(2)} dB, views ${Math.min(...known).toFixed(1)} to ${Math.max(...known).toFixed(1)} dB`;
+  }
+
+  private focusAt(views: LightFieldViews, x: number, y: number): void {
+    const disparity = views.disparityAt(x, y);
+    this.context.state.set('tiltx', 0);
+    this.context.state.set('tilty', 0);
+    this.context.state.set('focus', disparity);
+    this.context.say(`focus on x ${Math.floor(x)}, y ${Math.floor(y)}: disparity ${disparity.toFixed(2)} px per view`);
+  }
+
+  private choose(place: { x: number; y: number }): void {
+    const [rows, columns] = this.item.views;
+    const { state } = this.context;
+    state.set('x', clamp(Math.floor(place.x * columns), 0, columns - 1) - (columns - 1) / 2);
+    state.set('y', clamp(Math.floor(place.y * rows), 0, rows - 1) - (rows - 1) / 2);
+    state.set('show', 'picture');
+  }
+
+  press(key: string): boolean {
+    const { state } = this.context;
+    const [rows, columns] = this.item.views;
+    const move = (name: 'x' | 'y', by: number, count: number) => state.set(name, clamp(state.get(name) + by, -(count - 1) / 2, (count - 1) / 2));
+    switch (key) {
+      case 'ArrowLeft': move('x', -0.5, columns); return true;
+      case 'ArrowRight': move('x', 0.5, columns); return true;
+      case 'ArrowUp': move('y', -0.5, rows); return true;
+      case 'ArrowDown': move('y', 0.5, rows); return true;
+      case '+': state.set('focus', Math.min(state.get('focus') + 0.05, maxDisparity)); return true;
+      case '-': state.set('focus', Math.max(state.get('focus') - 0.05, -maxDisparity)); return true;
+      case 'a': state.set('size', Math.max(state.get('size') - 0.5, 0)); return true;
+      case 'A': state.set('size', Math.min(state.get('size') + 0.5, Math.hypot(rows, columns) / 2)); return true;
+      case 'g': state.set('show', state.get('show') === 'grid' ? 'picture' : 'grid'); return true;
+      case '0': state.reset(); return true;
+      case '<': state.set('cycle', Math.max(state.get('cycle') - 1, 0)); return true;
+      case '>': state.set('cycle', Math.min(state.get('cycle') + 1, this.item.cycles.length - 1)); return true;
+      default: return false;
+    }
+  }
+
+  pictures(): { name: string; canvas: HTMLCanvasElement }[] {
+    if (!this.sheet.hidden) return [{ name: 'views', canvas: this.sheet }];
+    const shown = this.panes.filter(({ pane }) => !pane.root.hidden);
+    return shown.map(({ pane, isSecond }) => ({ name: isSecond ? 'second' : 'picture', canvas: pane.picture }));
+  }
+
+  close(): void {
+    this.isClosed = true;
+    const { gl } = this.context.painter;
+    for (const views of new Set([this.first, this.second])) gl.deleteTexture(views.texture);
+  }
+}

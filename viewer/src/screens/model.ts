@@ -1,0 +1,27 @@
+// A model: its aperture patterns, and what `e2lf model info` says of it.
+import type { ModelItem } from '../document';
+import { element } from '../dom';
+import { patternFigure } from '../patterns';
+import type { Context, Screen } from '../screen';
+
+export class ModelScreen implements Screen {
+  readonly keys: [string, string][] = [];
+  private readonly patterns: HTMLElement;
+
+  constructor(context: Context, item: ModelItem) {
+    const figures = item.codes?.patterns.map((_, number) => patternFigure(item.codes!, number, 180)) ?? [];
+    const none = figures.length === 0 ? [element('p', {}, 'This model holds no aperture patterns: they belong to a camera.')] : [];
+    this.patterns = element('div', { class: 'patterns' }, ...figures, ...none);
+    context.stage.append(element('div', { class: 'model' }, this.patterns, element('pre', {}, item.text)));
+  }
+
+  follow(): void {}
+  layout(): void {}
+  press(): boolean {
+    return false;
+  }
+  pictures(): { name: string; canvas: HTMLCanvasElement }[] {
+    return [...this.patterns.querySelectorAll('canvas')].map((canvas, i) => ({ name: `pattern-${i + 1}`, canvas }));
+  }
+  close(): void {}
+}

@@ -1,0 +1,110 @@
+// The programs that run on every pixel. Pictures are addressed from the top left: `place` is in 0..1.
+
+export const vertexShader = `#version 300 es
+out vec2 place;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
+  place = vec2(corner.x, 1.0 - corner.y);
+  gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
+}`;
+
+const head = `#version 300 es
+precision highp float;
+precision highp sampler2DArray;
+in vec2 place;
+out vec4 colour;
+uniform sampler2DArray first, second;
+uniform bool firstIsGrey, secondIsGrey;
+uniform vec2 size;    // of a view, px
+uniform float gain, power;
+
+vec3 sampled(bool isSecond, vec3 at) {
+  vec3 value = isSecond ? texture(second, at).rgb : texture(first, at).rgb;
+  return (isSecond ? secondIsGrey : firstIsGrey) ? value.rrr : value;
+}
+vec4 shown(vec3 light) { return vec4(pow(clamp(gain * light, 0.0, 1.0), vec3(power)), 1.0); }
+`;
+
+// sum_v w_v L_v(p + d (v - middle)) / sum_v w_v, as lightfield::refocus, with linear interpolation. `taps` holds, for each
+// view with some weight: its number, its offset from the middle of the grid (x, y) and its weight.
+export const pictureShader = `${head}
+uniform highp sampler2D taps;
+uniform int numTaps;
+uniform vec3 focus;    // disparity in the middle, and its change over the width and the height
+uniform int mode;      // 0 first, 1 second, 2 swipe, 3 difference
+uniform float split, boost;
+
+vec3 light(bool isSecond) {
+  vec2 p = place * size;
+  float disparity = focus.x + dot(focus.yz, place - 0.5);
+  vec3 sum = vec3(0.0);
+  float weight = 0.0;
+  for (int i = 0; i < numTaps; ++i) {
+    vec4 tap = texelFetch(taps, ivec2(i, 0), 0);
+    sum += tap.w * sampled(isSecond, vec3((p + disparity * tap.yz) / size, tap.x));
+    weight += tap.w;
+  }
+  return sum / weight;
+}
+void main() {
+  if (mode == 3) {
+    vec3 difference = light(true) - light(false);
+    float value = clamp(boost * dot(difference, vec3(0.299, 0.587, 0.114)), -1.0, 1.0);
+    // White where both agree, red where the second is brighter, blue where it is darker.
+    colour = value > 0.0 ? vec4(1.0, 1.0 - value, 1.0 - value, 1.0) : vec4(1.0 + value, 1.0 + value, 1.0, 1.0);
+    return;
+  }
+  colour = shown(light(mode == 1 || (mode == 2 && place.x >= split)));
+}`;
+
+// A slice through the light field: views along y, pixels along x (or the other way round).
+export const epiShader = `${head}
+uniform vec2 grid;     // columns, rows
+uniform float fixedView, fixedPixel;
+uniform bool isVertical, isSecond;
+void main() {
+  float along = isVertical ? place.y : place.x, across = isVertical ? place.x : place.y;
+  float view = floor(across * (isVertical ? grid.y : grid.x));
+  float number = isVertical ? view * grid.x + fixedView : fixedView * grid.x + view;
+  vec2 at = isVertical ? vec2((fixedPixel + 0.5) / size.x, along) : vec2(along, (fixedPixel + 0.5) / size.y);
+  colour = shown(sampled(isSecond, vec3(at, number)));
+}`;
+
+// All views side by side.
+export const gridShader = `${head}
+uniform vec2 grid;
+uniform bool isSecond;
+void main() {
+  vec2 cell = floor(place * grid);
+  colour = shown(sampled(isSecond, vec3(fract(place * grid), cell.y * grid.x + cell.x)));
+}`;
+
+// How little the views agree around a point when they are shifted by a disparity: one pixel per disparity, from
+// `low` to `high`. The mean over a window of the variance over views, as a number of 24 bits.
+export const matchShader = `${head}
+uniform vec2 grid, centre;    // the point, px
+uniform float low, high;
+const int reach = 4;
+void main() {
+  float disparity = mix(low, high, place.x);
+  vec2 middle = (grid - 1.0) * 0.5;
+  float total = 0.0;
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      float sum = 0.0, squares = 0.0;
+      for (float row = 0.0; row < grid.y; ++row) {
+        for (float column = 0.0; column < grid.x; ++column) {
+          vec2 p = centre + vec2(dx, dy) + disparity * (vec2(column, row) - middle);
+          float value = dot(sampled(false, vec3(p / size, row * grid.x + column)), vec3(0.299, 0.587, 0.114));
+          sum += value;
+          squares += value * value;
+        }
+      }
+      float views = grid.x * grid.y;
+      total += squares / views - (sum / views) * (sum / views);
+    }
+  }
+  float cost = sqrt(max(total, 0.0)) / float(2 * reach + 1) * 2.0;    // a deviation is at most 1/2
+  float scaled = floor(clamp(cost, 0.0, 1.0) * 16777215.0);
+  colour = vec4(floor(scaled / 65536.0), floor(mod(scaled, 65536.0) / 256.0), mod(scaled, 256.0), 255.0) / 255.0;
+}`;

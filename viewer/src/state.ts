@@ -1,0 +1,98 @@
+// What is being looked at, and how: kept in the URL behind '#', so that a link shows the same.
+
+const defaults = {
+  tab: 0,
+  theme: 'system',
+  // Light fields
+  x: 0, // viewpoint, in view steps from the middle of the grid, to the right
+  y: 0, // and downwards
+  focus: 0, // disparity of the plane in focus, px per view step, in the middle of the picture
+  tiltx: 0, // how much it changes from the left edge to the right one
+  tilty: 0, // and from the top to the bottom
+  size: 0, // radius of the synthetic aperture, in view steps; 0 = one view
+  shape: 'round',
+  show: 'picture',
+  gain: 1,
+  gamma: 1,
+  cycle: 0,
+  row: -1, // where the EPIs are cut, px; -1 = in the middle
+  column: -1,
+  compare: 'side',
+  split: 0.5, // of swipe, share of the width
+  boost: 4, // of differences
+  // Events
+  image: 0, // transition
+  limit: 0, // events that have the full colour; 0 = what suits the image
+  frame: 0,
+  from: 0, // the stretch of time on the axis, in shares of the recording
+  to: 1,
+};
+
+export type Values = typeof defaults;
+export type Key = keyof Values;
+
+type Listener = (changed: Key) => void;
+
+export class State {
+  private values: Values = { ...defaults };
+  private listeners: Listener[] = [];
+  private hashTimer = 0;
+
+  constructor() {
+    this.readHash();
+    addEventListener('hashchange', () => {
+      if (location.hash === this.hash()) return;
+      this.values = { ...defaults };
+      this.readHash();
+      this.announce('tab');
+    });
+  }
+
+  get<K extends Key>(key: K): Values[K] {
+    return this.values[key];
+  }
+
+  set<K extends Key>(key: K, value: Values[K]): void {
+    if (this.values[key] === value) return;
+    this.values[key] = value;
+    this.announce(key);
+    // Browsers refuse addresses that change too often.
+    clearTimeout(this.hashTimer);
+    this.hashTimer = window.setTimeout(() => history.replaceState(null, '', this.hash()), 200);
+  }
+
+  /** Back to the defaults, but for what is looked at and the colours of the page. */
+  reset(): void {
+    const { tab, theme } = this.values;
+    this.values = { ...defaults, tab, theme };
+    history.replaceState(null, '', this.hash());
+    this.announce('tab');
+  }
+
+  onChange(listener: Listener): void {
+    this.listeners.push(listener);
+  }
+
+  private announce(key: Key): void {
+    for (const listener of this.listeners) listener(key);
+  }
+
+  private hash(): string {
+    const parts: string[] = [];
+    for (const [key, value] of Object.entries(this.values)) {
+      if (value === defaults[key as Key]) continue;
+      parts.push(`${key}=${typeof value === 'number' ? +value.toFixed(4) : value}`);
+    }
+    return `#${parts.join('&')}`;
+  }
+
+  /** Takes what is known and of the right type; whoever uses a value keeps it in its range. */
+  private readHash(): void {
+    for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
+      if (!(key in defaults)) continue;
+      const isNumber = typeof defaults[key as Key] === 'number';
+      if (isNumber && (text === '' || !Number.isFinite(Number(text)))) continue;
+      Object.assign(this.values, { [key]: isNumber ? Number(text) : text });
+    }
+  }
+}

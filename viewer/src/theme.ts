@@ -1,0 +1,15 @@
+// Dark or light, as the system says or as chosen.
+import type { State } from './state';
+
+export const themes = ['system', 'dark', 'light'];
+
+export function applyTheme(state: State): void {
+  const theme = state.get('theme');
+  document.documentElement.dataset['theme'] = themes.includes(theme) ? theme : 'system';
+}
+
+/** Whether the page is dark now. */
+export function isDark(): boolean {
+  const theme = document.documentElement.dataset['theme'];
+  return theme === 'dark' || (theme !== 'light' && matchMedia('(prefers-color-scheme: dark)').matches);
+}

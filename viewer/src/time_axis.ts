@@ -1,0 +1,128 @@
+// The event rate of a recording over time: ON above the line, OFF below; triggers as ticks, found cycles shaded, the frame
+// that is shown as a bar. Dragging chooses the frame, the wheel zooms.
+import type { RecordingItem } from './document';
+import { canvas, clamp, context2d, placeOn } from './dom';
+import type { State } from './state';
+
+const leastShare = 1e-3; // of the recording on the axis
+const footPx = 22;
+
+export class TimeAxis {
+  readonly canvas: HTMLCanvasElement;
+  private readonly beginUs: number;
+  private readonly lengthUs: number;
+
+  constructor(
+    private readonly item: RecordingItem,
+    private readonly state: State,
+    onTime: (timeUs: number) => void,
+  ) {
+    const { rate, frames } = item;
+    this.beginUs = frames[0]?.begin_us ?? rate.begin_us;
+    this.lengthUs = Math.max((frames.at(-1)?.end_us ?? rate.begin_us + rate.bin_us * rate.on.length) - this.beginUs, 1);
+    this.canvas = canvas('Event rate over time with triggers and cycles. Drag to choose a time, turn the wheel to zoom.', 'axis');
+    this.canvas.addEventListener('pointerdown', (event) => {
+      this.canvas.setPointerCapture(event.pointerId);
+      onTime(this.timeAt(placeOn(this.canvas, event).x));
+    });
+    this.canvas.addEventListener('pointermove', (event) => {
+      if (this.canvas.hasPointerCapture(event.pointerId)) onTime(this.timeAt(placeOn(this.canvas, event).x));
+    });
+    this.canvas.addEventListener('wheel', (event) => {
+      event.preventDefault();
+      this.zoom(event.deltaY > 0 ? 1.25 : 0.8, placeOn(this.canvas, event).x);
+    }, { passive: false });
+  }
+
+  zoom(factor: number, at: number): void {
+    const { from, to } = this.range();
+    const length = clamp((to - from) * factor, leastShare, 1);
+    const begin = clamp(from + at * (to - from - length), 0, 1 - length);
+    this.state.set('from', begin);
+    this.state.set('to', begin + length);
+  }
+
+  private range(): { from: number; to: number } {
+    const from = clamp(this.state.get('from'), 0, 1 - leastShare);
+    return { from, to: clamp(this.state.get('to'), from + leastShare, 1) };
+  }
+
+  private timeAt(share: number): number {
+    const { from, to } = this.range();
+    return this.beginUs + (from + share * (to - from)) * this.lengthUs;
+  }
+
+  draw(frame: number): void {
+    const ratio = Math.min(devicePixelRatio, 2);
+    this.canvas.width = Math.round(this.canvas.clientWidth * ratio);
+    this.canvas.height = Math.round(this.canvas.clientHeight * ratio);
+    const context = context2d(this.canvas);
+    context.scale(ratio, ratio);
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight - footPx];
+    const { from, to } = this.range();
+    const x = (timeUs: number) => (((timeUs - this.beginUs) / this.lengthUs - from) / (to - from)) * width;
+    const style = (name: string) => getComputedStyle(this.canvas).getPropertyValue(name);
+    this.drawCycles(context, x, height, style);
+    this.drawRate(context, x, width, height, style);
+    context.fillStyle = style('--ink');
+    for (const [timeUs] of this.item.triggers) context.fillRect(x(timeUs), height - 6, 1, 6);
+    const shown = this.item.frames[frame];
+    if (shown) {
+      context.fillStyle = style('--accent');
+      context.globalAlpha = 0.45;
+      context.fillRect(x(shown.begin_us), 0, Math.max(x(shown.end_us) - x(shown.begin_us), 2), height);
+      context.globalAlpha = 1;
+    }
+    this.drawTicks(context, x, from, to, width, height, style);
+  }
+
+  private drawCycles(context: CanvasRenderingContext2D, x: (timeUs: number) => number, height: number, style: (name: string) => string): void {
+    context.font = '11px sans-serif';
+    for (const cycle of this.item.cycles) {
+      context.fillStyle = style('--raised');
+      for (const [begin, end] of cycle.slices) context.fillRect(x(begin), 0, Math.max(x(end) - x(begin) - 1, 1), height);
+      const first = cycle.slices[0];
+      const last = cycle.slices.at(-1);
+      context.fillStyle = style('--dim');
+      if (first && last && x(last[1]) - x(first[0]) > 24) context.fillText(String(cycle.number), x(first[0]) + 3, 12);
+    }
+  }
+
+  private drawRate(context: CanvasRenderingContext2D, x: (timeUs: number) => number, width: number, height: number, style: (name: string) => string): void {
+    const { begin_us, bin_us, on, off } = this.item.rate;
+    const most = Math.max(1, ...on, ...off);
+    const middle = height / 2;
+    const barWidth = Math.max(x(begin_us + bin_us) - x(begin_us), 1);
+    for (let i = 0; i < on.length; ++i) {
+      const left = x(begin_us + i * bin_us);
+      if (left + barWidth < 0 || left > width) continue;
+      context.fillStyle = style('--on');
+      context.fillRect(left, middle - (on[i]! / most) * middle, barWidth, (on[i]! / most) * middle);
+      context.fillStyle = style('--off');
+      context.fillRect(left, middle, barWidth, (off[i]! / most) * middle);
+    }
+    context.fillStyle = style('--dim');
+    context.fillRect(0, middle, width, 1);
+    const text = `top: ${(most / bin_us).toPrecision(2)} M events/s`;
+    const textWidth = context.measureText(text).width;
+    context.fillStyle = style('--surface');
+    context.fillRect(width - textWidth - 12, 0, textWidth + 12, 18);
+    context.fillStyle = style('--dim');
+    context.fillText(text, width - textWidth - 6, 13);
+  }
+
+  private drawTicks(context: CanvasRenderingContext2D, x: (timeUs: number) => number, from: number, to: number, width: number, height: number, style: (name: string) => string): void {
+    const spanUs = (to - from) * this.lengthUs;
+    const rough = (spanUs * 90) / width; // one tick every 90 px
+    const power = 10 ** Math.floor(Math.log10(rough));
+    const stepUs = [1, 2, 5, 10].map((factor) => factor * power).find((step) => step >= rough)!;
+    context.fillStyle = style('--dim');
+    context.textAlign = 'center';
+    const firstTick = Math.ceil((this.beginUs + from * this.lengthUs) / stepUs);
+    for (let tick = firstTick; tick * stepUs <= this.beginUs + to * this.lengthUs; ++tick) {
+      context.fillRect(x(tick * stepUs), height, 1, 4);
+      const text = `${+((tick * stepUs) / 1000).toFixed(3)} ms`;
+      context.fillText(text, clamp(x(tick * stepUs), 24, width - 24), height + 16);
+    }
+  }
+}
