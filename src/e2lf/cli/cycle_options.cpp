@@ -175,6 +175,17 @@ Json cycle_json(const cycles::Cycle& cycle) {
           {"confidence", cycle.confidence}};
 }
 
+bool holds_event_images(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return fs::exists(path / "event_image_00000.npy", error);
+  if (path.extension() == ".npz") {
+    const auto arrays = read_npz(path);
+    return arrays.ok() && arrays->count("events") == 1 && arrays->at("events").fields.empty() &&
+           arrays->at("events").shape.size() > 2;
+  }
+  return false;
+}
+
 bool is_recording(const fs::path& path) {
   std::error_code error;
   if (is_live(path)) return true;

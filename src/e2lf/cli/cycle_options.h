@@ -66,6 +66,9 @@ class ConfidenceWatch {
 /// One cycle: number, times, events, confidence.
 [[nodiscard]] Json cycle_json(const cycles::Cycle& cycle);
 
+/// Whether a path is surely event images: a folder of event_image_00000.npy ..., an .npz with `events` of counts.
+[[nodiscard]] bool holds_event_images(const std::filesystem::path& path);
+
 /// Whether a path is a recording rather than event images: no folder, no .npz of event images, no .npy of counts.
 [[nodiscard]] bool is_recording(const std::filesystem::path& path);
 

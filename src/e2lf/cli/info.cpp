@@ -4,6 +4,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/info_recording.h"
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/number_check.h"
@@ -97,17 +98,6 @@ Result<Description> describe_light_field(const fs::path& path, const LightFieldF
                          " views of ", shape.width, "x", shape.height, " px, ", shape.channels == 1 ? "grey" : "colour",
                          ", values ", *low, "..", *high, "\n"),
                      std::move(json)};
-}
-
-bool holds_event_images(const fs::path& path) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) return fs::exists(path / "event_image_00000.npy", error);
-  if (path.extension() == ".npz") {
-    const auto arrays = read_npz(path);
-    return arrays.ok() && arrays->count("events") == 1 && arrays->at("events").fields.empty() &&
-           arrays->at("events").shape.size() > 2;
-  }
-  return false;
 }
 
 /// Fails where a file or folder is not there or may not be looked into.

@@ -23,6 +23,7 @@ const std::vector<VerbEntry>& verbs() {
       {"simulate", "light field -> event images or a recording", run_simulate},
       {"reconstruct", "event images or a recording -> light field", run_reconstruct},
       {"eval", "compare a reconstruction with the truth", run_eval},
+      {"view", "look at light fields, events, recordings and models in a browser", run_view},
       {"pack", "light fields and photographs -> one file to train on", run_pack},
       {"train", "learn aperture patterns and a network together", run_train},
       {"resume", "continue a training run", run_resume},

@@ -104,5 +104,6 @@ int run_reconstruct(const std::vector<std::string>& arguments);
 int run_resume(const std::vector<std::string>& arguments);
 int run_simulate(const std::vector<std::string>& arguments);
 int run_train(const std::vector<std::string>& arguments);
+int run_view(const std::vector<std::string>& arguments);
 
 }  // namespace e2lf::cli

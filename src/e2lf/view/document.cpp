@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/view/document.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <zlib.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/eval/metrics.h"
+#include "e2lf/model/summary.h"
+
+namespace e2lf::view {
+namespace {
+
+Json codes_json(const capture::Codes& codes) {
+  Json patterns = Json::array();
+  for (size_t n = 0; n < codes.num_patterns; ++n) patterns.push_back(codes.pattern(n));
+  return {{"views", {codes.views_y, codes.views_x}}, {"patterns", std::move(patterns)}};
+}
+
+Json number_or_null(double value) {
+  return std::isfinite(value) ? Json(std::round(value * 1000.0) / 1000.0) : Json();
+}
+
+}  // namespace
+
+size_t Document::add_part(Part part) {
+  parts_.push_back(std::move(part));
+  return parts_.size() - 1;
+}
+
+void Document::add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles) {
+  const lightfield::Shape& shape = cycles->shape();
+  Json described = Json::array();
+  for (size_t cycle = 0; cycle < cycles->size(); ++cycle) {
+    Json views = Json::array();
+    for (size_t view = 0; view < shape.num_views(); ++view) {
+      views.push_back(add_part([cycles, cycle, view] { return cycles->png(cycle, view); }));
+    }
+    described.push_back({{"label", cycles->label(cycle)}, {"views", std::move(views)}});
+  }
+  add_item({{"kind", "light_field"},
+            {"name", name},
+            {"views", {shape.views_y, shape.views_x}},
+            {"height", shape.height},
+            {"width", shape.width},
+            {"channels", shape.channels},
+            {"cycles", std::move(described)}});
+}
+
+void Document::add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,
+                                const capture::Codes* codes) {
+  Json described = Json::array();
+  for (size_t cycle = 0; cycle < cycles.size(); ++cycle) {
+    described.push_back({{"label", cat("cycle ", cycle)}, {"counts", add_part(counts_part(cycles[cycle].counts))}});
+  }
+  const capture::EventImages& first = cycles.front();
+  Json item = {{"kind", "event_images"}, {"name", name},         {"transitions", first.transitions},
+               {"height", first.height}, {"width", first.width}, {"cycles", std::move(described)}};
+  if (codes != nullptr && codes->num_patterns == first.transitions + 1) item["codes"] = codes_json(*codes);
+  add_item(std::move(item));
+}
+
+void Document::add_model(const model::Model& model) {
+  Json item = {{"kind", "model"}, {"name", model.name}, {"text", model::summary_text(model)}};
+  if (model.codes) item["codes"] = codes_json(*model.codes);
+  add_item(std::move(item));
+}
+
+void Document::add_comparison(size_t first, size_t second, const std::vector<std::vector<double>>& psnr_db) {
+  Json cycles = Json::array();
+  for (const std::vector<double>& views : psnr_db) {
+    Json figures = Json::array();
+    for (const double value : views) figures.push_back(number_or_null(value));
+    cycles.push_back(std::move(figures));
+  }
+  comparisons_.push_back({{"first", first}, {"second", second}, {"psnr_db", std::move(cycles)}});
+}
+
+std::string Document::description() const {
+  const Json json = {{"format", "e2lf-view"}, {"version", 1}, {"items", items_}, {"comparisons", comparisons_}};
+  std::string text;
+  // File names may hold anything; bytes that are no UTF-8 are replaced. No "</script>" may end the element.
+  for (const char letter : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+    if (letter == '<') {
+      text += "\\u003c";
+    } else {
+      text += letter;
+    }
+  }
+  return text;
+}
+
+Part counts_part(std::span<const int16_t> counts) {
+  static_assert(std::endian::native == std::endian::little);
+  uLongf size = compressBound(counts.size_bytes());
+  auto bytes = std::make_shared<std::vector<uint8_t>>(size);
+  const int code =
+      compress2(bytes->data(), &size, reinterpret_cast<const Bytef*>(counts.data()), counts.size_bytes(), Z_BEST_SPEED);
+  E2LF_REQUIRE(code == Z_OK, "zlib compresses into a buffer of compressBound() bytes");
+  bytes->resize(size);
+  bytes->shrink_to_fit();
+  return [bytes]() -> Result<std::vector<uint8_t>> { return *bytes; };
+}
+
+std::vector<double> psnr_of_views(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
+  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields of one shape are compared");
+  const lightfield::Shape& shape = truth.shape();
+  const auto clamped = [](std::span<const float> values) {
+    std::vector<float> result(values.begin(), values.end());
+    for (float& value : result) value = std::clamp(value, 0.0F, 1.0F);
+    return result;
+  };
+  std::vector<double> psnr_db;
+  for (size_t view = 0; view < shape.num_views(); ++view) {
+    const size_t row = view / shape.views_x, column = view % shape.views_x;
+    psnr_db.push_back(eval::psnr_from_mse(
+        eval::mean_squared_error(clamped(truth.view(row, column)), clamped(reconstruction.view(row, column)))));
+  }
+  return psnr_db;
+}
+
+}  // namespace e2lf::view

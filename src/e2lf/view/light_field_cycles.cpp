@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/view/light_field_cycles.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+#include "e2lf/lightfield/image.h"
+
+namespace e2lf::view {
+namespace fs = std::filesystem;
+namespace {
+
+/// The folders cycle_NNNNN in a folder, in order.
+std::vector<fs::path> cycle_folders(const fs::path& path) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, error)) {
+    if (entry.path().filename().string().starts_with("cycle_") && entry.is_directory(error)) {
+      folders.push_back(entry.path());
+    }
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+/// A folder of results may hold the light field as an array in place of views.
+fs::path stored_at(const fs::path& path) {
+  std::error_code error;
+  const fs::path array = path / "lightfield.npy";
+  return fs::exists(array, error) ? array : path;
+}
+
+/// What the browser's graphics memory takes: a byte for grey, four for colour.
+uint64_t browser_bytes(const lightfield::Shape& shape) {
+  return uint64_t{shape.num_views()} * shape.height * shape.width * (shape.channels == 1 ? 1 : 4);
+}
+
+}  // namespace
+
+bool holds_cycles(const fs::path& path) {
+  return !cycle_folders(path).empty();
+}
+
+Result<std::shared_ptr<LightFieldCycles>> LightFieldCycles::open(const fs::path& path,
+                                                                 const lightfield::ReadOptions& options) {
+  std::vector<fs::path> paths = cycle_folders(path);
+  if (paths.empty()) paths.push_back(path);
+  std::shared_ptr<LightFieldCycles> cycles(new LightFieldCycles(std::move(paths), options));
+  E2LF_ASSIGN_OR_RETURN(const auto first, lightfield::read_light_field(stored_at(cycles->paths_.front()), options));
+  cycles->shape_ = first.shape();
+  if (browser_bytes(first.shape()) > kMostBytes) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("its ", first.shape().num_views(), " views need ", browser_bytes(first.shape()) >> 20,
+                     " MiB in the browser, more than ", kMostBytes >> 20, "; show fewer with --views or --step"),
+                 path.string()};
+  }
+  return cycles;
+}
+
+std::string LightFieldCycles::label(size_t cycle) const {
+  std::string name = paths_[cycle].filename().string();
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+Result<std::shared_ptr<const lightfield::LightField>> LightFieldCycles::read(size_t cycle) {
+  const std::lock_guard lock(mutex_);
+  if (kept_ && kept_cycle_ == cycle) return kept_;
+  E2LF_ASSIGN_OR_RETURN(auto light_field, lightfield::read_light_field(stored_at(paths_[cycle]), options_));
+  if (!(light_field.shape() == shape_)) {
+    return Error{ErrorCode::kShape, "has other sizes than the first cycle; show it alone", paths_[cycle].string()};
+  }
+  kept_ = std::make_shared<const lightfield::LightField>(std::move(light_field));
+  kept_cycle_ = cycle;
+  return kept_;
+}
+
+Result<std::vector<uint8_t>> LightFieldCycles::png(size_t cycle, size_t view) {
+  E2LF_ASSIGN_OR_RETURN(const auto light_field, read(cycle));
+  const std::span<const float> pixels = light_field->view(view / shape_.views_x, view % shape_.views_x);
+  lightfield::Image image(shape_.width, shape_.height, shape_.channels);
+  image.pixels.assign(pixels.begin(), pixels.end());
+  return lightfield::encode_png(lightfield::to_bytes(image));
+}
+
+}  // namespace e2lf::view

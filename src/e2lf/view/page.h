@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
+#include "e2lf/view/document.h"
+
+namespace e2lf::view {
+
+/// The page of the viewer, one HTML file without data, as built from viewer/.
+[[nodiscard]] std::string_view empty_page();
+
+/// Writes the page with the document in it: one file that opens without a server. Parts are base64, a third larger than
+/// they are. Fails as the parts do, and with kIo.
+[[nodiscard]] Result<void> write_page(const std::filesystem::path& path, const Document& document,
+                                      const ProgressFn& progress = {});
+
+/// Bytes as base64 (RFC 4648), with padding.
+[[nodiscard]] std::string base64(std::span<const uint8_t> bytes);
+
+}  // namespace e2lf::view

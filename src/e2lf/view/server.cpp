@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/view/server.h"
+
+#include <charconv>
+#include <chrono>
+#include <httplib.h>
+#include <random>
+#include <thread>
+
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/view/page.h"
+
+namespace e2lf::view {
+namespace {
+
+constexpr const char* kHost = "127.0.0.1";
+constexpr std::chrono::milliseconds kStopPoll{100};
+
+/// 32 hexadecimal digits from the system's random device.
+std::string random_secret() {
+  std::random_device device;
+  std::string text;
+  for (int i = 0; i < 32; ++i) text += "0123456789abcdef"[device() & 15U];
+  return text;
+}
+
+/// Takes the same time wherever the first difference is.
+bool is_equal_secretly(const std::string& text, const std::string& secret) {
+  if (text.size() != secret.size()) return false;
+  unsigned difference = 0;
+  for (size_t i = 0; i < text.size(); ++i) difference |= static_cast<unsigned char>(text[i] ^ secret[i]);
+  return difference == 0;
+}
+
+/// Scripts, styles and pictures are the page's own; nothing may frame it, and it talks to nobody else.
+void set_headers(httplib::Response& response) {
+  response.set_header("Content-Security-Policy",
+                      "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+                      "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+  response.set_header("X-Content-Type-Options", "nosniff");
+  response.set_header("Referrer-Policy", "no-referrer");
+  response.set_header("Cross-Origin-Resource-Policy", "same-origin");
+  response.set_header("Cross-Origin-Opener-Policy", "same-origin");
+  response.set_header("Cache-Control", "no-store");
+}
+
+void refuse(httplib::Response& response, int status, const char* text) {
+  response.status = status;
+  response.set_content(text, "text/plain");
+}
+
+}  // namespace
+
+class Server::Impl {
+ public:
+  Impl(Document document, std::string secret)
+      : document_(std::move(document)), description_(document_.description()), secret_(std::move(secret)) {
+    server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+      answer(request, response);
+      return httplib::Server::HandlerResponse::Handled;
+    });
+    // The default lets a second server take the same port.
+    server_.set_socket_options([](socket_t socket) {
+      const int yes = 1;
+      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
+    server_.set_payload_max_length(0);
+  }
+
+  Result<void> bind(uint16_t port) {
+    const int bound = port == 0 ? server_.bind_to_any_port(kHost) : (server_.bind_to_port(kHost, port) ? port : -1);
+    if (bound <= 0) {
+      return Error{ErrorCode::kIo, cat("cannot listen on port ", port, "; give another --port, or none for a free one"),
+                   kHost};
+    }
+    port_ = bound;
+    return {};
+  }
+
+  [[nodiscard]] std::string url() const { return cat("http://", kHost, ":", port_, "/", secret_, "/"); }
+
+  Result<void> run() {
+    std::thread stopper([this] {
+      while (!stop_requested() && !has_ended_) std::this_thread::sleep_for(kStopPoll);
+      server_.stop();
+    });
+    const bool is_good = server_.listen_after_bind();
+    has_ended_ = true;
+    stopper.join();
+    if (is_good || stop_requested()) return {};
+    return Error{ErrorCode::kIo, "the server failed; try again", url()};
+  }
+
+ private:
+  /// Whether a Host or an Origin without its scheme is this server.
+  [[nodiscard]] bool is_own(const std::string& host) const {
+    return host == cat(kHost, ":", port_) || host == cat("localhost:", port_);
+  }
+
+  [[nodiscard]] bool is_from_own_page(const httplib::Request& request) const {
+    const std::string origin = request.get_header_value("Origin");
+    const std::string site = request.get_header_value("Sec-Fetch-Site");
+    return is_own(request.get_header_value("Host")) &&
+           (!request.has_header("Origin") || (origin.starts_with("http://") && is_own(origin.substr(7)))) &&
+           (site.empty() || site == "same-origin" || site == "none");
+  }
+
+  void answer(const httplib::Request& request, httplib::Response& response) const {
+    set_headers(response);
+    if (!is_from_own_page(request)) return refuse(response, 403, "only pages of this server may ask");
+    if (request.method != "GET" && request.method != "HEAD") return refuse(response, 405, "only GET");
+    const std::string& path = request.path;
+    const size_t end = path.find('/', 1);
+    if (end == std::string::npos || !is_equal_secretly(path.substr(1, end - 1), secret_)) {
+      return refuse(response, 404, "the address lacks the secret that e2lf view printed");
+    }
+    send(path.substr(end + 1), response);
+  }
+
+  void send(const std::string& name, httplib::Response& response) const {
+    if (name.empty()) return response.set_content(empty_page().data(), empty_page().size(), "text/html; charset=utf-8");
+    if (name == "document.json") return response.set_content(description_, "application/json");
+    size_t number = 0;
+    const char* const end = name.data() + name.size();
+    if (!name.starts_with("part/") || std::from_chars(name.data() + 5, end, number).ptr != end ||
+        number >= document_.parts().size()) {
+      return refuse(response, 404, "there is no such part");
+    }
+    const auto bytes = document_.parts()[number]();
+    if (!bytes) return refuse(response, 500, bytes.error().text().c_str());
+    response.set_content(reinterpret_cast<const char*>(bytes->data()), bytes->size(), "application/octet-stream");
+  }
+
+  Document document_;
+  std::string description_, secret_;
+  int port_ = 0;
+  std::atomic<bool> has_ended_ = false;
+  httplib::Server server_;
+};
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Server::Server(Server&&) noexcept = default;
+Server& Server::operator=(Server&&) noexcept = default;
+Server::~Server() = default;
+
+Result<Server> Server::create(Document document, uint16_t port) {
+  auto impl = std::make_unique<Impl>(std::move(document), random_secret());
+  E2LF_RETURN_IF_ERROR(impl->bind(port));
+  return Server(std::move(impl));
+}
+
+std::string Server::url() const {
+  return impl_->url();
+}
+
+Result<void> Server::run() {
+  return impl_->run();
+}
+
+}  // namespace e2lf::view

@@ -1,0 +1,31 @@
+# The viewer in a browser: every picture against known numbers, and what its server must not do.
+viewer=$TESTSUITE/../viewer
+"$E2LF" view --help | grep -q "This build has no viewer" && skip "this build has no viewer (npm or libcpp-httplib-dev was not found)"
+command -v chromium >/dev/null || skip "chromium is not installed"
+
+py "$viewer/test/inputs.py" .
+mkdir -p cycles/cycle_00000 cycles/cycle_00001 linked
+cp light.npy cycles/cycle_00000/lightfield.npy
+cp other.npy cycles/cycle_00001/lightfield.npy
+cp light.npy linked/lightfield.npy
+echo treasure >secret.txt
+ln -s ../secret.txt linked/secret.txt
+
+"$E2LF" demo -o demo --width 64 --height 48 --quiet
+"$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o capture.raw --quiet
+"$E2LF" view light.npy --export light.html --quiet
+exists light.html light.html.run.json
+fails 1 "give --overwrite" "$E2LF" view light.npy --export light.html
+fails 1 "holds no light field" "$E2LF" view linked/.. --export none.html
+fails 1 "check the path" "$E2LF" view nowhere
+absent none.html
+"$E2LF" view light.npy other.npy --export compare.html --quiet
+"$E2LF" view colour.npy --export colour.html --quiet
+"$E2LF" view cycles --export cycles.html --quiet
+"$E2LF" view events.npz --export events.html --quiet
+"$E2LF" view capture.raw --frames 20 --export recording.html --quiet
+"$E2LF" view "$TESTSUITE/../models/e2lf-n4.safetensors" --export model.html --quiet
+
+# The page's figures are those of eval.
+"$E2LF" eval light.npy other.npy --json >eval.json
+E2LF=$E2LF node "$viewer/test/run.mjs"

@@ -1,0 +1,73 @@
+// A page of the viewer in Debian's chromium, without a screen and with software rendering.
+import assert from 'node:assert/strict';
+import { chromium } from 'playwright-core';
+
+const flags = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+const patienceMs = 120_000; // machines of continuous integration are slow
+
+let browser;
+
+export async function startBrowser() {
+  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: flags, timeout: patienceMs });
+}
+
+export async function stopBrowser() {
+  await browser.close();
+}
+
+/** Opens an address; `check` gets the page. Whatever the console says but a log is a failure. */
+export async function withPage(url, options, check) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: 'dark', ...options });
+  context.setDefaultTimeout(patienceMs);
+  const page = await context.newPage();
+  const complaints = [];
+  page.on('console', (message) => message.type() !== 'log' && complaints.push(message.text()));
+  page.on('pageerror', (error) => complaints.push(error.message));
+  await page.goto(url);
+  await settle(page);
+  await check(page);
+  assert.deepEqual(complaints, [], 'the console is silent');
+  await context.close();
+}
+
+/** Until everything that was asked for is shown. */
+export async function settle(page) {
+  await page.waitForFunction(() => new Promise((resolve) => {
+    const isBusy = () => document.getElementById('stage').getAttribute('aria-busy') !== 'false';
+    setTimeout(() => requestAnimationFrame(() => requestAnimationFrame(() => resolve(!isBusy()))), 20);
+  }));
+}
+
+/** Sets what the address behind '#' holds. */
+export async function look(page, hash) {
+  await page.evaluate((text) => { location.hash = text; }, hash);
+  await settle(page);
+}
+
+/** One row of a canvas as numbers of one channel (0 red, 1 green, 2 blue). */
+export async function rowOf(page, selector, y, channel = 0) {
+  return page.evaluate(([where, row, which]) => {
+    const canvas = [...document.querySelectorAll(where)].find((one) => one.offsetParent !== null);
+    const { data } = canvas.getContext('2d').getImageData(0, row, canvas.width, 1);
+    return Array.from({ length: canvas.width }, (_, x) => data[4 * x + which]);
+  }, [selector, y, channel]);
+}
+
+export async function sizeOf(page, selector) {
+  return page.evaluate((where) => {
+    const canvas = [...document.querySelectorAll(where)].find((one) => one.offsetParent !== null);
+    return [canvas.width, canvas.height];
+  }, selector);
+}
+
+/** The state in the address, once it has been written there. */
+export async function stateOf(page) {
+  await page.waitForTimeout(300);
+  return Object.fromEntries(new URLSearchParams(new URL(page.url()).hash.slice(1)));
+}
+
+export function assertNear(got, expected, tolerance, what) {
+  assert.equal(got.length, expected.length, `${what}: length`);
+  const far = got.findIndex((value, i) => !(Math.abs(value - expected[i]) <= tolerance));
+  assert.equal(far, -1, `${what}: ${got[far]} instead of ${expected[far]} at ${far}`);
+}

@@ -1,0 +1,51 @@
+// Event images, recordings and models.
+import assert from 'node:assert/strict';
+import { look, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
+
+const large = '.events > canvas.counts';
+
+export const tests = {
+  'event images: colours, histogram, patterns, cycles': ({ url, expected }) => withPage(url('events.html', 'image=1&limit=4'), {}, async (page) => {
+    assert.deepEqual(await sizeOf(page, large), [64, 48]);
+    const [red, blue] = [await rowOf(page, large, 4, 0), await rowOf(page, large, 4, 2)];
+    assert.ok(red[3] > blue[3] + 50 && blue[11] > red[11] + 50, 'ON is red, OFF is blue');
+    const box = await page.locator(large).boundingBox();
+    await page.mouse.move(box.x + (40.5 / 64) * box.width, box.y + (30.5 / 48) * box.height);
+    const wanted = `33x33 px around x 40, y 30: ${expected.events_around.toFixed(2)} events per pixel; here ${expected.events_here}`;
+    assert.equal(await page.locator('.figures').textContent(), wanted);
+    assert.equal(await page.getByRole('img', { name: /pattern \d: / }).count(), 6);
+    assert.equal(await page.getByRole('img', { name: 'pattern 2: 50.0 % open' }).count(), 2);
+    const before = await rowOf(page, large, 30);
+    await page.getByRole('button', { name: 'Show transition 3' }).click();
+    assert.equal((await stateOf(page)).image, '2');
+    assert.notDeepEqual(await rowOf(page, large, 30), before);
+    await look(page, 'image=1&limit=4&cycle=1');
+    assert.notDeepEqual(await rowOf(page, large, 30), before);
+  }),
+
+  'a recording: frames, rate, triggers, zoom': ({ url }) => withPage(url('recording.html', ''), {}, async (page) => {
+    const picture = '#stage > canvas.counts';
+    assert.deepEqual(await sizeOf(page, picture), [64, 48]);
+    const box = await page.locator('canvas.axis').boundingBox();
+    await page.mouse.click(box.x + box.width / 2, box.y + 40);
+    await settle(page);
+    const frame = Number((await stateOf(page)).frame);
+    assert.ok(Math.abs(frame - 10) <= 1, `the middle of 20 frames, ${frame}`);
+    await page.mouse.wheel(0, -100);
+    const { from, to } = await stateOf(page);
+    assert.ok(Math.abs(Number(from) - 0.1) < 0.01 && Math.abs(Number(to) - 0.9) < 0.01, `zoomed to ${from}..${to}`);
+    await page.getByRole('button', { name: 'Play' }).click();
+    await page.waitForFunction((start) => Number(document.querySelector('input[name=frame]').value) !== start, frame);
+    await page.getByRole('button', { name: 'Stop' }).click();
+    const description = JSON.parse(await page.locator('#e2lf-document').textContent()).items[0];
+    assert.equal(description.frames.length, 20);
+    const counted = [...description.rate.on, ...description.rate.off].reduce((sum, value) => sum + value, 0);
+    assert.equal(counted, description.events);
+    assert.ok(description.triggers.length >= 4 && description.cycles.length >= 1, 'triggers and cycles');
+  }),
+
+  'a model shows its patterns and what is known of it': ({ url }) => withPage(url('model.html', ''), {}, async (page) => {
+    assert.equal(await page.getByRole('img', { name: /pattern \d: / }).count(), 4);
+    assert.match(await page.locator('pre').textContent(), /e2lf-n4/);
+  }),
+};

@@ -1,0 +1,101 @@
+// Light fields: every picture against numbers that inputs.py computes.
+import assert from 'node:assert/strict';
+import { assertNear, look, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
+
+const row = 20, column = 30;
+
+export const tests = {
+  'a viewpoint on a view shows that view': ({ url, expected }) => withPage(url('light.html', 'x=0.5&y=0.5'), {}, async (page) => {
+    assert.deepEqual(await sizeOf(page, 'canvas.picture'), [64, 48]);
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.views[4][4], 0, 'view 4, 4');
+    await look(page, 'x=-3.5&y=3.5');
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.views[7][0], 0, 'view 7, 0');
+    await look(page, 'x=1&y=0.5');
+    const between = expected.views[4][4].map((value, i) => (value + expected.views[4][5][i]) / 2);
+    assertNear(await rowOf(page, 'canvas.picture', row), between, 1, 'between two views');
+  }),
+
+  'focus and aperture are those of lightfield::refocus': ({ url, expected }) => withPage(url('light.html', 'focus=2&size=3'), {}, async (page) => {
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.focused, 1, 'in focus');
+    await look(page, 'focus=0&size=3');
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.defocused, 1, 'out of focus');
+    await look(page, 'size=1&x=1.5&y=-0.5');
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.moved, 1, 'a small aperture off the middle');
+    await look(page, 'size=3&shape=row&y=0.5');
+    const mean = expected.views[4][0].map((_, x) => [0, 1, 2, 3, 4, 5, 6, 7].reduce((sum, view) => sum + [1, 1, 1, 1, 1, 1, 1, 1][view] * expected.views[4][view][x], 0) / 8);
+    assertNear(await rowOf(page, 'canvas.picture', row), mean, 1, 'a row of views');
+  }),
+
+  'a tilted plane is in focus where it should be': ({ url, expected }) => withPage(url('light.html', 'focus=2&size=3&tiltx=4'), {}, async (page) => {
+    const got = await rowOf(page, 'canvas.picture', row);
+    assertNear(got.slice(31, 33), expected.focused.slice(31, 33), 6, 'in the middle');
+    const far = got.reduce((sum, value, i) => sum + Math.abs(value - expected.focused[i]), 0) / got.length;
+    assert.ok(far > 8, `blurred elsewhere, ${far}`);
+  }),
+
+  'gain and gamma': ({ url, expected }) => withPage(url('light.html', 'x=0.5&y=0.5&gain=0.5&gamma=2'), {}, async (page) => {
+    const wanted = expected.views[4][4].map((value) => 255 * Math.sqrt((0.5 * value) / 255));
+    assertNear(await rowOf(page, 'canvas.picture', row), wanted, 1, 'tones');
+  }),
+
+  'EPIs follow the cursor': ({ url, expected }) => withPage(url('light.html', 'x=0.5&y=0.5'), {}, async (page) => {
+    const box = await page.locator('canvas.picture').boundingBox();
+    await page.mouse.move(box.x + ((column + 0.5) / 64) * box.width, box.y + ((row + 0.5) / 48) * box.height);
+    await settle(page);
+    assert.deepEqual(await sizeOf(page, '.pane > canvas:last-child'), [64, 8]);
+    for (const view of [0, 3, 7]) assertNear(await rowOf(page, '.pane > canvas:last-child', view), expected.views[4][view], 0, `row EPI, view ${view}`);
+    assert.deepEqual(await sizeOf(page, '.frame + canvas'), [8, 48]);
+    const across = expected.view_columns[0].map((_, view) => expected.view_columns[view][4][row]);
+    assertNear(await rowOf(page, '.frame + canvas', row), across, 0, 'column EPI');
+  }),
+
+  'a click focuses on the point': ({ url }) => withPage(url('light.html', ''), {}, async (page) => {
+    await page.locator('canvas.picture').click({ position: { x: 120, y: 90 } });
+    await settle(page);
+    const { focus } = await stateOf(page);
+    assert.ok(Math.abs(Number(focus) - 2) < 0.05, `disparity 2, found ${focus}`);
+  }),
+
+  'dragging moves the viewpoint, the wheel the focus': ({ url, expected }) => withPage(url('light.html', ''), {}, async (page) => {
+    const box = await page.locator('canvas.picture').boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width, box.y + box.height / 2, { steps: 4 });
+    await page.mouse.up();
+    await page.mouse.wheel(0, -100);
+    await settle(page);
+    const state = await stateOf(page);
+    assert.equal(Number(state.x), 3.5);
+    assert.equal(Number(state.focus), 0.05);
+    await look(page, 'x=3.5&y=0.5');
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.views[4][7], 0, 'the last view of its row');
+  }),
+
+  'all views, and one of them by a click': ({ url }) => withPage(url('light.html', 'show=grid'), {}, async (page) => {
+    const box = await page.locator('canvas.sheet').boundingBox();
+    await page.mouse.click(box.x + (2.5 / 8) * box.width, box.y + (5.5 / 8) * box.height);
+    await settle(page);
+    const state = await stateOf(page);
+    assert.deepEqual([Number(state.x), Number(state.y), state.show], [-1.5, 1.5, undefined]);
+  }),
+
+  'pressing on the map of views goes there': ({ url, expected }) => withPage(url('light.html', ''), {}, async (page) => {
+    const box = await page.locator('canvas.map').boundingBox();
+    await page.mouse.click(box.x + (1.5 / 8) * box.width, box.y + (6.5 / 8) * box.height);
+    await settle(page);
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.views[6][1], 0, 'view 6, 1');
+  }),
+
+  'colour stays colour': ({ url }) => withPage(url('colour.html', ''), {}, async (page) => {
+    for (const [channel, value] of [[0, 255], [1, 128], [2, 64]]) {
+      assertNear(await rowOf(page, 'canvas.picture', 5, channel), new Array(24).fill(value), 0, `channel ${channel}`);
+    }
+  }),
+
+  'the time slider shows another cycle': ({ url, expected }) => withPage(url('cycles.html', 'x=0.5&y=0.5'), {}, async (page) => {
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.views[4][4], 0, 'cycle 0');
+    await page.getByLabel('Cycle').fill('1');
+    await settle(page);
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.other, 0, 'cycle 1');
+  }),
+};

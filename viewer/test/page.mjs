@@ -1,0 +1,72 @@
+// The page around the pictures: address, keys, theme, help, screenshot, names, small screens.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
+
+const pages = ['light.html', 'compare.html', 'events.html', 'recording.html', 'model.html'];
+
+async function nameless(page) {
+  return page.evaluate(() => [...document.querySelectorAll('button, input, select, canvas')].filter((control) => {
+    const label = control.closest('label')?.querySelector('span')?.textContent;
+    return !(control.getAttribute('aria-label') || label || (control.tagName === 'BUTTON' && control.textContent));
+  }).map((control) => control.outerHTML));
+}
+
+export const tests = {
+  'the address shows the same again': ({ url }) => withPage(url('light.html', ''), {}, async (page) => {
+    await page.getByLabel('Radius, views').fill('2');
+    await page.getByLabel('Shape').selectOption('square');
+    await page.getByLabel('Disparity').fill('-1.5');
+    await settle(page);
+    assert.deepEqual(await stateOf(page), { focus: '-1.5', size: '2', shape: 'square' });
+    const seen = await rowOf(page, 'canvas.picture', 20);
+    await withPage(page.url(), {}, async (again) => assert.deepEqual(await rowOf(again, 'canvas.picture', 20), seen));
+  }),
+
+  'a damaged address is harmless': ({ url }) => withPage(url('light.html', 'x=1e99&cycle=-7&tab=99&shape=<b>&focus=NaN&none=1'), {}, async (page) => {
+    assert.deepEqual(await sizeOf(page, 'canvas.picture'), [64, 48]);
+  }),
+
+  'keys': ({ url }) => withPage(url('compare.html', ''), {}, async (page) => {
+    await page.keyboard.press('ArrowRight');
+    await page.keyboard.press('+');
+    await page.keyboard.press('t');
+    assert.deepEqual(await stateOf(page), { theme: 'dark', x: '0.5', focus: '0.05' });
+    await page.keyboard.press('2');
+    await settle(page);
+    assert.equal(await page.getByRole('tab', { selected: true }).count(), 1);
+    assert.equal((await stateOf(page)).tab, '1');
+    await page.keyboard.press('?');
+    assert.ok(await page.getByRole('dialog').isVisible());
+    await page.keyboard.press('Escape');
+    assert.equal(await page.getByRole('dialog').count(), 0);
+  }),
+
+  'dark and light': ({ url }) => withPage(url('light.html', ''), { colorScheme: 'light' }, async (page) => {
+    const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    const light = await ground();
+    await page.keyboard.press('t');
+    assert.notEqual(await ground(), light);
+  }),
+
+  'a screenshot is the picture, pixel for pixel': ({ url }) => withPage(url('light.html', ''), {}, async (page) => {
+    const waiting = page.waitForEvent('download');
+    await page.getByRole('button', { name: 'Save the picture as PNG' }).click();
+    const download = await waiting;
+    assert.match(download.suggestedFilename(), /-picture\.png$/);
+    const bytes = readFileSync(await download.path());
+    assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], [64, 48]);
+  }),
+
+  'every control has a name, and nothing is wider than a phone': async ({ url }) => {
+    for (const name of pages) {
+      await withPage(url(name, ''), { viewport: { width: 390, height: 844 }, hasTouch: true }, async (page) => {
+        assert.deepEqual(await nameless(page), [], name);
+        assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name} fits`);
+        const boxes = await page.evaluate(() => [...document.querySelectorAll('#stage canvas')].filter((one) => one.offsetParent)
+          .map((one) => one.getBoundingClientRect()).filter((box) => box.left < -1 || box.right > innerWidth + 1).length);
+        assert.equal(boxes, 0, `${name}: pictures inside`);
+      });
+    }
+  },
+};
