@@ -45,7 +45,8 @@ else()
   e2lf_feature(torch OFF "E2LF_WITH_TORCH=OFF")
 endif()
 
-# The viewer: its page is made with npm's packages, which are fetched here; its server is cpp-httplib's.
+# The viewer: its page is made with npm's packages (exact versions in viewer/package.json), which are fetched here; its
+# server is cpp-httplib's.
 set(E2LF_HAS_VIEWER FALSE)
 if(E2LF_WITH_VIEWER STREQUAL "OFF" OR E2LF_FUZZ)
   e2lf_feature(viewer OFF "E2LF_WITH_VIEWER=OFF")
@@ -57,10 +58,12 @@ else()
     set(missing "npm not found")
   elseif(NOT HTTPLIB_FOUND)
     set(missing "libcpp-httplib-dev not found")
-  elseif(${PROJECT_SOURCE_DIR}/viewer/package-lock.json IS_NEWER_THAN ${PROJECT_SOURCE_DIR}/viewer/node_modules/.package-lock.json)
-    execute_process(COMMAND ${E2LF_NPM} ci --ignore-scripts --silent WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/viewer
-      RESULT_VARIABLE npm_code OUTPUT_QUIET ERROR_QUIET)
-    if(NOT npm_code EQUAL 0)
+  elseif(${PROJECT_SOURCE_DIR}/viewer/package.json IS_NEWER_THAN ${PROJECT_SOURCE_DIR}/viewer/node_modules/.installed)
+    execute_process(COMMAND ${E2LF_NPM} install --no-package-lock --ignore-scripts --silent
+      WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/viewer RESULT_VARIABLE npm_code OUTPUT_QUIET ERROR_QUIET)
+    if(npm_code EQUAL 0)
+      file(TOUCH ${PROJECT_SOURCE_DIR}/viewer/node_modules/.installed)
+    else()
       set(missing "npm could not fetch the packages of viewer/package.json")
     endif()
   endif()

@@ -26,6 +26,4 @@ absent none.html
 "$E2LF" view capture.raw --frames 20 --export recording.html --quiet
 "$E2LF" view "$TESTSUITE/../models/e2lf-n4.safetensors" --export model.html --quiet
 
-# The page's figures are those of eval.
-"$E2LF" eval light.npy other.npy --json >eval.json
 E2LF=$E2LF node "$viewer/test/run.mjs"

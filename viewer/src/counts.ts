@@ -26,7 +26,7 @@ export const limitText = (limit: number): string => (limit >= 1 ? `${limit} even
 
 /** Draws an image; `chosen` events have the full colour, 0 = what suits it. */
 export function drawCounts(target: HTMLCanvasElement, image: CountImage, chosen: number, isDark: boolean): void {
-  const limit = chosen >= 1 ? chosen : suitableLimit(image.counts);
+  const limit = chosen >= 1 ? Math.min(chosen, 1000) : suitableLimit(image.counts);
   const most = Math.max(1, Math.ceil(limit));
   const colours = new Uint32Array(2 * most + 1);
   for (let i = 0; i <= 2 * most; ++i) {

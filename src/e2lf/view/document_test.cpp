@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/view/document.h"
+
+#include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "e2lf/view/page.h"
+
+namespace e2lf::view {
+namespace {
+
+std::string base64_of(const std::string& text) {
+  return base64(std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+// RFC 4648, section 10.
+TEST(Base64, IsThatOfTheStandard) {
+  EXPECT_EQ(base64_of(""), "");
+  EXPECT_EQ(base64_of("f"), "Zg==");
+  EXPECT_EQ(base64_of("fo"), "Zm8=");
+  EXPECT_EQ(base64_of("foo"), "Zm9v");
+  EXPECT_EQ(base64_of("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64_of("\xFF\xFE\xFD"), "//79");
+}
+
+TEST(Document, NamesCannotEndTheElementOfThePage) {
+  Document document;
+  document.add_item({{"name", "</script><script>alert(1)</script>"}});
+  EXPECT_THAT(document.description(), testing::Not(testing::HasSubstr("<")));
+  EXPECT_EQ(Json::parse(document.description())["items"][0]["name"], "</script><script>alert(1)</script>");
+}
+
+TEST(Document, NamesThatAreNoUtf8AreReplaced) {
+  Document document;
+  document.add_item({{"name", "caf\xE9"}});
+  EXPECT_EQ(Json::parse(document.description())["items"][0]["name"], "caf\xEF\xBF\xBD");
+}
+
+TEST(Document, CountsComeBackFromTheirPart) {
+  const std::vector<int16_t> counts = {0, 1, -1, INT16_MAX, INT16_MIN, 7};
+  const auto bytes = counts_part(counts)();
+  ASSERT_TRUE(bytes.ok());
+  std::vector<int16_t> back(counts.size());
+  uLongf size = 2 * back.size();
+  ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(back.data()), &size, bytes->data(), bytes->size()), Z_OK);
+  EXPECT_EQ(size, 2 * back.size());
+  EXPECT_EQ(back, counts);
+}
+
+TEST(Document, CodesOfAnotherNumberOfPatternsAreLeftOut) {
+  Document document;
+  const capture::EventImages images(3, 2, 4);
+  const capture::Codes fitting(4, 8, 8), other(5, 8, 8);
+  document.add_event_images("a", {images}, &fitting);
+  document.add_event_images("b", {images}, &other);
+  const Json json = Json::parse(document.description());
+  EXPECT_EQ(json["items"][0]["codes"]["patterns"].size(), 4U);
+  EXPECT_FALSE(json["items"][1].contains("codes"));
+  EXPECT_EQ(document.parts().size(), 2U);
+}
+
+TEST(Document, PsnrIsOfClampedViews) {
+  const lightfield::Shape shape{1, 2, 4, 4, 1};
+  lightfield::LightField truth(shape), reconstruction(shape);
+  for (float& value : truth.view(0, 0)) value = 1.0F;
+  for (float& value : reconstruction.view(0, 0)) value = 1.5F;   // clamped: equal
+  for (float& value : reconstruction.view(0, 1)) value = 0.01F;  // an error of 1/100: 40 dB
+  const std::vector<double> psnr_db = psnr_of_views(truth, reconstruction);
+  EXPECT_TRUE(std::isinf(psnr_db[0]));
+  EXPECT_NEAR(psnr_db[1], 40.0, 1e-4);
+}
+
+TEST(Page, HasAPlaceForData) {
+  EXPECT_NE(empty_page().find("<!--e2lf-data-->"), std::string_view::npos);
+  EXPECT_EQ(empty_page().find("http"), std::string_view::npos) << "the page asks nobody for anything";
+}
+
+}  // namespace
+}  // namespace e2lf::view
