@@ -2,7 +2,7 @@
 "$E2LF" --help | grep -q reconstruct
 "$E2LF" version | grep -q '^e2lf [0-9]'
 fails 2 'did you mean "reconstruct"' "$E2LF" reconstuct
-for verb in demo info convert accumulate simulate reconstruct eval "codes show" "model info" "model import" "bench decode" "bench reconstruct" "bench simulate" "bench train"; do
+for verb in demo info convert accumulate simulate reconstruct eval view "codes show" "model info" "model import" "bench decode" "bench reconstruct" "bench simulate" "bench train"; do
   # shellcheck disable=SC2086
   "$E2LF" $verb --help >help.txt
   grep -q '^Example:' help.txt || fail "no example in the help of $verb"

@@ -66,6 +66,7 @@ class Server::Impl {
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
     server_.set_payload_max_length(0);
+    server_.set_keep_alive_timeout(1);  // s; how long a stop may wait
   }
 
   Result<void> bind(uint16_t port) {
