@@ -68,6 +68,7 @@ export class Panel {
       max: String(options.high),
       step: String(options.step),
       name: key,
+      'aria-label': name,
     });
     const output = element('output');
     const text = options.text ?? ((value: number) => value.toFixed(2));
@@ -78,7 +79,7 @@ export class Panel {
       output.textContent = text(value);
       input.setAttribute('aria-valuetext', text(value));
     });
-    return element('label', { class: 'slider' }, element('span', {}, name), output, input);
+    return element('label', { class: 'slider' }, element('span', {}, name), input, output);
   }
 
   choice(key: TextKey, name: string, options: Record<string, string>): HTMLElement {

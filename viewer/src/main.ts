@@ -1,4 +1,5 @@
 // Starts the page: tabs for what there is to look at, one screen at a time, keys.
+import { busy } from './busy';
 import { openSource, type Item, type Source } from './document';
 import { element, Panel } from './dom';
 import { showHelp } from './help';
@@ -92,12 +93,14 @@ class Page {
     [...byId('tabs').children].forEach((button, i) => button.setAttribute('aria-selected', String(i === this.opened)));
     const stage = byId('stage');
     stage.replaceChildren();
+    const end = busy();
     this.panel = new Panel(byId('controls'), this.state);
     const { source, painter, state, panel } = this;
     this.screen = tab.open({ document: source.document, source, painter, state, panel, stage, say, fail });
     this.panel.follow();
     this.screen.layout();
     this.screen.follow('tab');
+    end();
   }
 
   private nextTheme(): void {

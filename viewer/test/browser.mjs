@@ -15,13 +15,14 @@ export async function stopBrowser() {
   await browser.close();
 }
 
-/** Opens an address; `check` gets the page. Whatever the console says but a log is a failure. */
+/** Opens an address; `check` gets the page. Whatever the console says is a failure. */
 export async function withPage(url, options, check) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: 'dark', ...options });
   context.setDefaultTimeout(patienceMs);
   const page = await context.newPage();
   const complaints = [];
-  page.on('console', (message) => message.type() !== 'log' && complaints.push(message.text()));
+  // The tests read canvases back, which the browser thinks slow.
+  page.on('console', (message) => message.text().includes('willReadFrequently') || complaints.push(message.text()));
   page.on('pageerror', (error) => complaints.push(error.message));
   await page.goto(url);
   await settle(page);
@@ -32,15 +33,20 @@ export async function withPage(url, options, check) {
 
 /** Until everything that was asked for is shown. */
 export async function settle(page) {
-  await page.waitForFunction(() => new Promise((resolve) => {
-    const isBusy = () => document.getElementById('stage').getAttribute('aria-busy') !== 'false';
-    setTimeout(() => requestAnimationFrame(() => requestAnimationFrame(() => resolve(!isBusy()))), 20);
+  const deadline = Date.now() + patienceMs;
+  const isAtRest = () => page.evaluate(() => new Promise((resolve) => {
+    const look = () => resolve(document.getElementById('stage').getAttribute('aria-busy') === 'false');
+    requestAnimationFrame(() => requestAnimationFrame(look));
   }));
+  while (!(await isAtRest())) assert.ok(Date.now() < deadline, 'the page comes to rest');
 }
 
 /** Sets what the address behind '#' holds. */
 export async function look(page, hash) {
-  await page.evaluate((text) => { location.hash = text; }, hash);
+  await page.evaluate((text) => new Promise((resolve) => {
+    addEventListener('hashchange', resolve, { once: true });
+    location.hash = text;
+  }), hash);
   await settle(page);
 }
 
@@ -62,7 +68,7 @@ export async function sizeOf(page, selector) {
 
 /** The state in the address, once it has been written there. */
 export async function stateOf(page) {
-  await page.waitForTimeout(300);
+  await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 300)));
   return Object.fromEntries(new URLSearchParams(new URL(page.url()).hash.slice(1)));
 }
 

@@ -5,18 +5,19 @@ import { rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
 const pages = ['light.html', 'compare.html', 'events.html', 'recording.html', 'model.html'];
 
+/** Controls and pictures without a name that can be read aloud. */
 async function nameless(page) {
   return page.evaluate(() => [...document.querySelectorAll('button, input, select, canvas')].filter((control) => {
-    const label = control.closest('label')?.querySelector('span')?.textContent;
-    return !(control.getAttribute('aria-label') || label || (control.tagName === 'BUTTON' && control.textContent));
+    const isLabelled = [...(control.labels ?? [])].some((label) => label.querySelector('span')?.textContent);
+    return !(control.getAttribute('aria-label') || isLabelled || (control.tagName === 'BUTTON' && control.textContent));
   }).map((control) => control.outerHTML));
 }
 
 export const tests = {
   'the address shows the same again': ({ url }) => withPage(url('light.html', ''), {}, async (page) => {
-    await page.getByLabel('Radius, views').fill('2');
-    await page.getByLabel('Shape').selectOption('square');
-    await page.getByLabel('Disparity').fill('-1.5');
+    await page.getByRole('slider', { name: 'Radius, views' }).fill('2');
+    await page.getByRole('combobox', { name: 'Shape' }).selectOption('square');
+    await page.getByRole('slider', { name: 'Disparity' }).fill('-1.5');
     await settle(page);
     assert.deepEqual(await stateOf(page), { focus: '-1.5', size: '2', shape: 'square' });
     const seen = await rowOf(page, 'canvas.picture', 20);

@@ -124,8 +124,9 @@ class Server::Impl {
     if (name == "document.json") return response.set_content(description_, "application/json");
     size_t number = 0;
     const char* const end = name.data() + name.size();
-    if (!name.starts_with("part/") || std::from_chars(name.data() + 5, end, number).ptr != end ||
-        number >= document_.parts().size()) {
+    const bool is_part = name.starts_with("part/") && name.size() > 5 &&
+                         std::from_chars(name.data() + 5, end, number) == std::from_chars_result{end, std::errc()};
+    if (!is_part || number >= document_.parts().size()) {
       return refuse(response, 404, "there is no such part");
     }
     const auto bytes = document_.parts()[number]();
