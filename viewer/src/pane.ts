@@ -24,6 +24,7 @@ export class Pane {
   private readonly rowLine = element('div', { class: 'line row' });
   private readonly columnLine = element('div', { class: 'line column' });
   readonly splitLine = element('div', { class: 'split', hidden: '' });
+  readonly caption = element('figcaption');
   private readonly frame: HTMLElement;
 
   constructor(
@@ -36,7 +37,8 @@ export class Pane {
     this.rowEpi = canvas(`${name}: EPI of the row under the cursor`, 'epi');
     this.columnEpi = canvas(`${name}: EPI of the column under the cursor`, 'epi');
     this.frame = element('div', { class: 'frame' }, this.picture, this.rowLine, this.columnLine, this.splitLine);
-    this.root = element('figure', { class: 'pane' }, element('figcaption', {}, name), this.frame, this.columnEpi, this.rowEpi);
+    this.caption.textContent = name;
+    this.root = element('figure', { class: 'pane' }, this.caption, this.frame, this.columnEpi, this.rowEpi);
     this.listen();
   }
 

@@ -126,6 +126,7 @@ export class LightFieldScreen implements Screen {
     const isSide = state.get('compare') === 'side';
     this.sheet.hidden = !isGrid;
     if (this.swipeSlider) this.swipeSlider.hidden = state.get('compare') !== 'swipe';
+    this.panes[0]!.pane.caption.textContent = this.captionOfFirst();
     if (this.boostSlider) this.boostSlider.hidden = state.get('compare') !== 'difference';
     this.panes.forEach(({ pane }, i) => (pane.root.hidden = isGrid || (i === 1 && !isSide)));
     const isWide = stage.clientWidth >= stage.clientHeight;
@@ -136,6 +137,17 @@ export class LightFieldScreen implements Screen {
     const [rows, columns] = this.item.views;
     setSize(this.sheet, ...fit(this.item.width * columns, this.item.height * rows, stage.clientWidth - 16, stage.clientHeight - 16));
     this.clock.ask(false, this.units());
+  }
+
+  /** The first pane also shows both light fields at once, and the second one alone. */
+  private captionOfFirst(): string {
+    const [first, second] = [this.first.item.name, this.second.item.name];
+    switch (this.comparison && this.context.state.get('compare')) {
+      case 'swipe': return `left ${first}, right ${second}`;
+      case 'difference': return `${second} minus ${first}: brighter red, darker blue`;
+      case 'second': return second;
+      default: return first;
+    }
   }
 
   private units(): number {
