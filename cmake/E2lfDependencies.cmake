@@ -60,7 +60,7 @@ else()
     set(missing "libcpp-httplib-dev not found")
   elseif(${PROJECT_SOURCE_DIR}/viewer/package.json IS_NEWER_THAN ${PROJECT_SOURCE_DIR}/viewer/node_modules/.installed)
     execute_process(COMMAND ${E2LF_NPM} install --no-package-lock --ignore-scripts --silent
-      WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/viewer RESULT_VARIABLE npm_code OUTPUT_QUIET ERROR_QUIET)
+      WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/viewer RESULT_VARIABLE npm_code TIMEOUT 300 OUTPUT_QUIET ERROR_QUIET)
     if(npm_code EQUAL 0)
       file(TOUCH ${PROJECT_SOURCE_DIR}/viewer/node_modules/.installed)
     else()

@@ -16,7 +16,8 @@ ln -s ../secret.txt linked/secret.txt
 "$E2LF" view light.npy --export light.html --quiet
 exists light.html light.html.run.json
 fails 1 "give --overwrite" "$E2LF" view light.npy --export light.html
-fails 1 "holds no light field" "$E2LF" view linked/.. --export none.html
+mkdir empty
+fails 1 "holds no light field" "$E2LF" view empty --export none.html
 fails 1 "check the path" "$E2LF" view nowhere
 absent none.html
 "$E2LF" view light.npy other.npy --export compare.html --quiet
