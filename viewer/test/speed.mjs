@@ -30,6 +30,7 @@ await withPage(String(pathToFileURL(resolve(process.argv[2]))), {}, async (page)
     await page.locator('input[name=size]').fill(String(size));
     await settle(page);
     await measure(page, slider); // learns how long a picture takes
+    await settle(page);
     const { perSecond, meanWidth } = await measure(page, slider);
     console.log(`${what}: ${perSecond.toFixed(1)} pictures/s, mean width ${meanWidth.toFixed(0)} px`);
   }
