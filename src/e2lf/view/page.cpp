@@ -7,8 +7,8 @@
 
 // In page_bytes.S.
 extern "C" {
-extern const char e2lf_view_page_begin[];
-extern const char e2lf_view_page_end[];
+extern const char kPageBegin[] asm("e2lf_view_page_begin");
+extern const char kPageEnd[] asm("e2lf_view_page_end");
 }
 
 namespace e2lf::view {
@@ -19,7 +19,7 @@ constexpr std::string_view kPlace = "<!--e2lf-data-->";
 }  // namespace
 
 std::string_view empty_page() {
-  return {e2lf_view_page_begin, e2lf_view_page_end};
+  return {kPageBegin, kPageEnd};
 }
 
 std::string base64(std::span<const uint8_t> bytes) {
