@@ -62,7 +62,7 @@ function(e2lf_add_library module)
     # Names of our namespace alone are visible.
     set(names ${PROJECT_SOURCE_DIR}/cmake/visible_names.map)
     target_link_options(e2lf_${module} PRIVATE -Wl,--version-script=${names} -Wl,--no-undefined)
-    set_target_properties(e2lf_${module} PROPERTIES LINK_DEPENDS ${names})
+    set_target_properties(e2lf_${module} PROPERTIES LINK_DEPENDS ${names} DEFINE_SYMBOL "")
   endif()
   e2lf_use_precompiled(e2lf_${module} "${ARG_PRECOMPILED}")
   if(ARG_HEADERS AND NOT E2LF_LEARN_ONLY AND NOT E2LF_FUZZ)
