@@ -5,6 +5,11 @@ include(CMakePackageConfigHelpers)
 
 set(E2LF_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/e2lf)
 
+if(BUILD_SHARED_LIBS)
+  # Programs and libraries find each other under any prefix.
+  set(CMAKE_INSTALL_RPATH "\$ORIGIN" "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+endif()
+
 # What a module links outside of the project: target, how CMake finds it, what pkg-config calls it.
 set(E2LF_EXTERNAL_TARGETS
   "PkgConfig::HWY" "PkgConfig::HDF5" "PkgConfig::LZ4" "PkgConfig::ZSTD" "ZLIB::ZLIB" "PNG::PNG" "JPEG::JPEG"

@@ -41,7 +41,7 @@ export PKG_CONFIG_PATH
 c++ -O1 "$TESTSUITE/../examples/custom_codec.cpp" -o with_pkg_config $(pkg-config --cflags --libs e2lf-recordings) ||
   fail "pkg-config"
 rm records.raw
-./with_pkg_config records.bin records.raw 2>/dev/null | grep -qx "3 events" || fail "the program made with pkg-config"
+LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH") ./with_pkg_config records.bin records.raw 2>/dev/null | grep -qx "3 events" || fail "the program made with pkg-config"
 
 # Headers: none needs one that stays out. What a component does not have is said.
 for header in $(cd prefix/include && find e2lf -name '*.h'); do echo "#include <$header>"; done >all.txt
