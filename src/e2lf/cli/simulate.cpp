@@ -213,16 +213,19 @@ Result<capture::EventImages> run_counts(const SimulateArguments& arguments, cons
       setup.is_pixel() ? physical_pixels(arguments, setup.known.codes, scene, *setup.camera, common.seed)
                        : paper_pixels(arguments, setup.known, scene, model, common.seed);
   ProgressBar bar("simulate", common.quiet);
+  capture::EventImages first;
   const ImagesOf images_of = [&](uint64_t cycle) {
     bar.update(cycle, arguments.cycles);
-    return plain_images_of(cycle);
+    auto images = plain_images_of(cycle);
+    if (images && cycle == 0) first = *images;
+    return images;
   };
   if (arguments.output.extension() == ".npz") {
     E2LF_RETURN_IF_ERROR(write_images(arguments, place, setup.known.codes, images_of));
   } else {
     E2LF_RETURN_IF_ERROR(write_recording(arguments, place, setup.known.codes, scene.shape(), images_of));
   }
-  return plain_images_of(0);
+  return first;
 }
 
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
