@@ -13,6 +13,11 @@ fail() {
   exit 1
 }
 
+# skip_sanitizers <reason>: the case says nothing of a build with sanitizers.
+skip_sanitizers() {
+  [ -z "${E2LF_SANITIZE:-}" ] || skip "$1"
+}
+
 # skip <reason>: the case needs something that is not here (CTest shows it as skipped).
 skip() {
   echo "SKIPPED: $*"

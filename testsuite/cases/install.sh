@@ -1,5 +1,6 @@
 # The installed package, from an empty folder: the program finds its models, the examples build with CMake and with pkg-config
 # and run, and the headers need no others.
+skip_sanitizers "the package of a build with sanitizers links with them alone"
 [ -n "${E2LF_BUILD:-}" ] || skip "E2LF_BUILD does not name the build folder"
 cmake --install "$E2LF_BUILD" --prefix "$PWD/prefix" >install.log || fail "$(tail -5 install.log)"
 installed=$PWD/prefix/bin/e2lf

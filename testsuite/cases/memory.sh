@@ -1,4 +1,5 @@
 # Memory does not grow with the length of a recording or the number of cycles.
+skip_sanitizers "sanitizers keep freed memory"
 peak_mib() { # <command...>: of the process, as the system counts it
   py -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)
