@@ -29,7 +29,19 @@ absent rate.png rate.svg
 reconstruct=("$E2LF" reconstruct events.npz -m "$model" -o out)
 fails 2 "none.json" "${reconstruct[@]}" --schedule none.json
 echo '{"patterns": [{"duration_us": 500, "image": 0}]}' >schedule.json
-fails 1 "event images are cut already" "${reconstruct[@]}" --schedule schedule.json
+# What does nothing for this kind of input is refused.
+for option in "--schedule schedule.json" "--source bursts" "--to-us 5" "--channel 3" --filter-pixels "--sensor-width 5"; do
+  # shellcheck disable=SC2086 # the option and its value
+  fails 1 "does nothing for event images" "${reconstruct[@]}" $option
+done
+fails 1 "does nothing for a recording" "$E2LF" info recording.raw --white 5
+fails 1 "does nothing for a recording" "$E2LF" convert recording.raw rec.csv --colour
+fails 1 "does nothing for a light field" "$E2LF" info demo/scene --from-us 5
+fails 1 "does nothing for a light field" "$E2LF" convert demo/scene hci --format hci --shift-time
+fails 1 "--no-triggers" "$E2LF" simulate demo/scene -m "$model" -o no.npz --no-triggers
+fails 1 "--v2e-preset" "$E2LF" simulate demo/scene -m "$model" -o no.npz --v2e-preset noisy
+fails 1 "--width" "$E2LF" simulate demo/scene -m "$model" -o no.raw --stream --width 50
+absent rec.csv hci no.npz no.raw
 fails 1 "the inversion makes one pass" "${reconstruct[@]}" --method inversion --passes 2
 fails 2 "--passes: 65 is outside of the range; give 1 to 64" "${reconstruct[@]}" --passes 65
 absent out
@@ -44,7 +56,7 @@ fails 2 'did you mean "reconstruct"' "$E2LF" recon
   "('reference-aware', 0.01, 0.3, 0.175, 0.04)" ] || fail "constants in the record"
 "$E2LF" simulate --config events.npz.run.json -o again.npz --quiet
 cmp events.npz again.npz
-fails 1 "give --overwrite" "$E2LF" simulate --config events.npz.run.json
+fails 1 "(--overwrite)" "$E2LF" simulate --config events.npz.run.json
 "${reconstruct[@]}" --format npy --quiet
 "$E2LF" reconstruct --config out/run.json -o repeated --quiet
 cmp out/lightfield.npy repeated/lightfield.npy

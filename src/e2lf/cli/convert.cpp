@@ -7,6 +7,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_codes.h"
@@ -143,6 +144,28 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   return {};
 }
 
+Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
+  switch (kind) {
+    case FileKind::kRecording:
+      E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+      return convert_events(arguments, verb);
+    case FileKind::kLightField:
+      E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+      return convert_light_field(arguments, verb);
+    case FileKind::kCycles:
+      return lightfield::detect_kind(arguments.input).error();
+    case FileKind::kEventImages:
+    case FileKind::kModel:
+      break;
+  }
+  const char* const remedy = kind == FileKind::kEventImages
+                                 ? "signed whole numbers of 8 or 16 bits are counts, store a light field as uint16 or "
+                                   "float32"
+                                 : "only recordings and light fields have other formats";
+  return Error{ErrorCode::kUnsupported, cat("this is ", kind_text(kind), "; ", remedy), arguments.input.string()};
+}
+
 }  // namespace
 
 int run_convert(const std::vector<std::string>& arguments) {
@@ -158,15 +181,13 @@ int run_convert(const std::vector<std::string>& arguments) {
   app.add_option(
       "--format", conversion.format,
       "of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz; png, png16, hci, npy, lenslet, h5");
-  app.add_flag("--shift-time", conversion.shift_time, "events: begin at 0 instead of the sensor's own time");
-  app.add_flag("--colour", conversion.colour, "light fields: keep colour");
-  add_recording_options(app, conversion.recording, "Recordings");
+  app.add_flag("--shift-time", conversion.shift_time, "begin at 0 instead of the sensor's own time")
+      ->group(kRecordingOptions);
+  app.add_flag("--colour", conversion.colour, "keep colour")->group(kLightFieldOptions);
+  add_recording_options(app, conversion.recording, kRecordingOptions);
   add_light_field_options(app, conversion.light_field, /*has_views=*/true);
   verb.stop_gently();
-  return verb.run(arguments, [&] {
-    const bool is_light_field = !is_live(conversion.input) && lightfield::detect_kind(conversion.input).ok();
-    return is_light_field ? convert_light_field(conversion, verb) : convert_events(conversion, verb);
-  });
+  return verb.run(arguments, [&] { return convert(conversion, verb); });
 }
 
 }  // namespace e2lf::cli

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/live_log.h"
 
 namespace e2lf::cli {
@@ -64,15 +65,20 @@ Result<std::optional<CycleImages>> CycleInput::next() {
 }
 
 Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
-                                    size_t cycles_per_field) {
-  if (is_recording(input)) {
+                                    size_t cycles_per_field, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
+  if (kind == FileKind::kRecording) {
     E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, flags));
     return CycleInput(std::move(reader), flags, cycles_per_field);
   }
-  if (!flags.schedule.empty()) {
-    return Error{ErrorCode::kInvalidValue, "event images are cut already; --schedule is for recordings, leave it out",
+  if (kind != FileKind::kEventImages) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("this is ", kind_text(kind),
+                     "; give a recording or event images (`e2lf simulate` makes them of a "
+                     "light field)"),
                  input.string()};
   }
+  E2LF_RETURN_IF_ERROR(verb.refuse_options(kCycleOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(input));
   if (file.cycles.size() < cycles_per_field) {
     return Error{ErrorCode::kInvalidValue,

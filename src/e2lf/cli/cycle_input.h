@@ -8,6 +8,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cli {
@@ -27,7 +28,9 @@ struct CycleImages {
 class CycleInput {
  public:
   CycleInput(capture::EventImageFile file, const CycleFlags& flags, size_t cycles_per_field)
-      : file_(std::move(file)), cycles_per_field_(cycles_per_field), is_strict_(flags.recording.is_strict) {}
+      : file_(std::move(file)), cycles_per_field_(cycles_per_field), is_strict_(flags.recording.is_strict) {
+    if (flags.max_cycles != 0 && flags.max_cycles < file_.cycles.size()) file_.cycles.resize(flags.max_cycles);
+  }
   CycleInput(cycles::CycleReader reader, const CycleFlags& flags, size_t cycles_per_field)
       : reader_(std::move(reader)),
         max_cycles_(flags.max_cycles),
@@ -65,6 +68,6 @@ class CycleInput {
 /// Opens event images or a recording. Fails with kInvalidValue where flags of recordings are given for event images,
 /// and where a file holds fewer cycles than one light field needs.
 [[nodiscard]] Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
-                                                  size_t cycles_per_field);
+                                                  size_t cycles_per_field, const Verb& verb);
 
 }  // namespace e2lf::cli

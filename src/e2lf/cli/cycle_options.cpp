@@ -36,7 +36,7 @@ cycles::TriggerEdge edge_of(const std::string& name) {
 }  // namespace
 
 void add_cycle_options(CLI::App& app, CycleFlags& flags) {
-  const std::string group = "Pattern cycles of a recording";
+  const std::string group = kCycleOptions;
   app.add_option("--source", flags.source,
                  "what tells when patterns change: triggers, bursts (the events), schedule, auto")
       ->check(CLI::IsMember({"auto", "triggers", "bursts", "schedule"}))
@@ -64,8 +64,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
       ->group(group);
   app.add_flag("--filter-pixels", flags.filter_pixels, "silence hot and flickering pixels")->group(group);
   app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
   add_recording_options(app, flags.recording, group);
 }
 
@@ -144,8 +143,8 @@ std::string report_text(const cycles::CycleReport& report) {
 Error no_cycle_error(const fs::path& input, const cycles::CycleReport& report) {
   std::string found = report_text(report);
   if (report.unassigned_marks > 0) {
-    found += cat("; of ", report.marks, " triggers or bursts the pattern of ", report.unassigned_marks,
-                 " could not be told, --first-pattern names the first's");
+    found += cat("; ", report.unassigned_marks, " of ", report.marks,
+                 " triggers or bursts fit no pattern for sure, --first-pattern K says which pattern the first begins");
   }
   return {ErrorCode::kInvalidValue,
           cat("no complete pattern cycle was found (", found,
@@ -173,32 +172,6 @@ Json cycle_json(const cycles::Cycle& cycle) {
           {"end_us", cycle.slices.empty() ? cycle.begin_us : cycle.slices.back().end_us},
           {"events", cycle.events},
           {"confidence", cycle.confidence}};
-}
-
-bool holds_event_images(const fs::path& path) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) return fs::exists(path / "event_image_00000.npy", error);
-  if (path.extension() == ".npz") {
-    const auto arrays = read_npz(path);
-    return arrays.ok() && arrays->count("events") == 1 && arrays->at("events").fields.empty() &&
-           arrays->at("events").shape.size() > 2;
-  }
-  return false;
-}
-
-bool is_recording(const fs::path& path) {
-  std::error_code error;
-  if (is_live(path)) return true;
-  if (fs::is_directory(path, error)) return false;
-  if (path.extension() == ".npz") {
-    const auto arrays = read_npz(path);
-    return arrays.ok() && (arrays->count("events") == 0 || arrays->at("events").shape.size() == 2);
-  }
-  if (path.extension() == ".npy") {
-    const auto array = read_npy(path);
-    return array.ok() && (!array->fields.empty() || (array->shape.size() == 2 && array->shape[1] == 4));
-  }
-  return fs::exists(path, error);
 }
 
 }  // namespace e2lf::cli

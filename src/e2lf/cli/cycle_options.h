@@ -33,6 +33,10 @@ struct CycleObserver {
   std::function<void(const cycles::Mark&)> on_mark = {};
 };
 
+/// The help group of the options that only recordings know.
+inline constexpr const char* kCycleOptions = "Pattern cycles of a recording";
+
+/// Declares all of CycleFlags; --max-cycles is for event images too.
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
 /// Opens a recording (a path, "-" for standard input, or a camera's name) cut into cycles as the flags say.
@@ -65,11 +69,5 @@ class ConfidenceWatch {
 
 /// One cycle: number, times, events, confidence.
 [[nodiscard]] Json cycle_json(const cycles::Cycle& cycle);
-
-/// Whether a path is surely event images: a folder of event_image_00000.npy ..., an .npz with `events` of counts.
-[[nodiscard]] bool holds_event_images(const std::filesystem::path& path);
-
-/// Whether a path is a recording rather than event images: no folder, no .npz of event images, no .npy of counts.
-[[nodiscard]] bool is_recording(const std::filesystem::path& path);
 
 }  // namespace e2lf::cli

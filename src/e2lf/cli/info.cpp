@@ -4,7 +4,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/event_images.h"
-#include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/info_recording.h"
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/number_check.h"
@@ -100,40 +100,39 @@ Result<Description> describe_light_field(const fs::path& path, const LightFieldF
                      std::move(json)};
 }
 
-/// Fails where a file or folder is not there or may not be looked into.
-Result<void> check_readable(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error) && !error) {
-    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+Result<Description> describe_cycles(const fs::path& path, const LightFieldFlags& flags) {
+  const std::vector<fs::path> folders = lightfield::cycle_folders(path);
+  E2LF_ASSIGN_OR_RETURN(Description first, describe_light_field(folders.front(), flags));
+  Json json = {{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}};
+  return Description{cat("light fields of ", folders.size(), " cycle", folders.size() == 1 ? "" : "s", "; ",
+                         folders.front().filename().string(), ": ", first.text),
+                     std::move(json)};
+}
+
+Result<Description> describe(FileKind kind, const fs::path& path, const LightFieldFlags& light_field) {
+  switch (kind) {
+    case FileKind::kModel:
+      return describe_safetensors(path);
+    case FileKind::kEventImages:
+      return describe_event_images(path);
+    case FileKind::kCycles:
+      return describe_cycles(path, light_field);
+    case FileKind::kLightField:
+    case FileKind::kRecording:
+      break;
   }
-  if (!error && fs::is_directory(path, error)) fs::directory_iterator(path, error);
-  if (!error) return {};
-  return Error{ErrorCode::kIo, cat("cannot be looked into (", error.message(), "); check its permissions"),
-               path.string()};
+  return describe_light_field(path, light_field);
 }
 
 Result<void> print_info(const fs::path& path, const RecordingInfoOptions& recording, const LightFieldFlags& light_field,
                         const Verb& verb) {
-  std::error_code error;
-  if (!is_live(path)) E2LF_RETURN_IF_ERROR(check_readable(path));
-  Result<Description> description = Description{};
-  if (is_live(path)) {
-    return print_recording_info(path, recording, verb.common());
-  } else if (path.extension() == ".safetensors") {
-    description = describe_safetensors(path);
-  } else if (holds_event_images(path)) {
-    description = describe_event_images(path);
-  } else if (lightfield::detect_kind(path)) {
-    description = describe_light_field(path, light_field);
-  } else if (fs::is_directory(path, error)) {
-    return Error{ErrorCode::kFormat,
-                 "the folder holds neither event images (event_image_00000.npy ...) nor views of a light field; name "
-                 "what is in it",
-                 path.string()};
-  } else {
-    return print_recording_info(path, recording, verb.common());
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+  if (kind != FileKind::kLightField && kind != FileKind::kCycles) {
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
   }
-  E2LF_ASSIGN_OR_RETURN(const Description found, std::move(description));
+  if (kind == FileKind::kRecording) return print_recording_info(path, recording, verb.common());
+  E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+  E2LF_ASSIGN_OR_RETURN(const Description found, describe(kind, path, light_field));
   if (!recording.plot.empty()) {
     return Error{ErrorCode::kInvalidValue, "this is no recording, there is no event rate to plot; leave --plot out",
                  path.string()};
@@ -153,7 +152,7 @@ int run_info(const std::vector<std::string>& arguments) {
   verb.app()
       .add_option("--plot", recording.plot, "recordings: write the event rate over time as an SVG picture")
       ->check(svg_name());
-  add_recording_options(verb.app(), recording.flags, "Recordings");
+  add_recording_options(verb.app(), recording.flags, kRecordingOptions);
   LightFieldFlags light_field{.views = 0};
   add_light_field_options(verb.app(), light_field, /*has_views=*/true);
   verb.stop_gently();

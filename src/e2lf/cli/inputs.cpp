@@ -5,8 +5,8 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
+#include "e2lf/files/file.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/model/model.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -18,16 +18,22 @@ void add_codes_options(CLI::App& app, CodesSource& source) {
       "aperture patterns (.json, .npy, .npz); default: those of the events' file, the model's, built-in ones");
 }
 
-Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<capture::Codes>& of_events,
-                                             RunRecord& record) {
+Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record) {
+  if (source.model.empty()) return std::optional<model::Model>();
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(source.model));
+  record.add_input(source.model, bytes);
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::decode_model(bytes, source.model.string()));
+  return std::optional(std::move(model));
+}
+
+Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<model::Model>& model,
+                                             const std::optional<capture::Codes>& of_events, RunRecord& record) {
   KnownCodes known;
   std::optional<capture::Codes> codes;
-  if (!source.model.empty()) {
-    record.add_input(source.model);
-    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(source.model));
-    known.constants = model.constants;
-    known.event_model = model.event_model;
-    codes = model.codes;
+  if (model) {
+    known.constants = model->constants;
+    known.event_model = model->event_model;
+    codes = model->codes;
     known.origin = CodesOrigin::kModel;
   }
   if (of_events) {
@@ -49,7 +55,8 @@ Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const st
 }
 
 Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(source, std::nullopt, record));
+  E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(source, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(source, model, std::nullopt, record));
   if (known) return std::move(*known);
   if (!source.model.empty()) {
     return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; give them with --codes",
@@ -73,9 +80,7 @@ Result<lightfield::LightField> load_scene(const fs::path& path, const LightField
 Result<lightfield::LightField> load_reconstruction(const fs::path& path, bool is_quiet) {
   lightfield::ReadOptions options;
   options.range = lightfield::RangePolicy::kKeep;
-  std::error_code error;
-  const fs::path array = path / "lightfield.npy";
-  return read_with_progress(fs::exists(array, error) ? array : path, options, is_quiet);
+  return read_with_progress(path, options, is_quiet);
 }
 
 }  // namespace e2lf::cli

@@ -12,6 +12,7 @@
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/lightfield/light_field.h"
+#include "e2lf/model/model.h"
 
 namespace e2lf::cli {
 
@@ -39,9 +40,13 @@ struct KnownCodes {
 /// Declares -m/--model and --codes.
 void add_codes_options(CLI::App& app, CodesSource& source);
 
+/// The model that was named, if one was: read once, and kept in the record by what was read. Fails as read_model does.
+[[nodiscard]] Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record);
+
 /// What is known of the patterns behind some events: those of --codes, else `of_events` (what the events' own file
-/// holds), else those of the model. Nothing when none of them has any. Warns where --codes and the events' file differ.
+/// holds), else those of `model`. Nothing when none of them has any. Warns where --codes and the events' file differ.
 [[nodiscard]] Result<std::optional<KnownCodes>> find_codes(const CodesSource& source,
+                                                           const std::optional<model::Model>& model,
                                                            const std::optional<capture::Codes>& of_events,
                                                            RunRecord& record);
 
@@ -57,8 +62,7 @@ void add_codes_options(CLI::App& app, CodesSource& source);
 [[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path, const LightFieldFlags& flags,
                                                         bool is_quiet);
 
-/// The same for a reconstruction: values outside [0, 1] are kept, and a folder may hold lightfield.npy in place of
-/// views.
+/// The same for a reconstruction: values outside [0, 1] are kept.
 [[nodiscard]] Result<lightfield::LightField> load_reconstruction(const std::filesystem::path& path, bool is_quiet);
 
 }  // namespace e2lf::cli

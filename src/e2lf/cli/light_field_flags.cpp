@@ -6,7 +6,7 @@
 namespace e2lf::cli {
 
 void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views) {
-  const char* const group = "Light fields";
+  const char* const group = kLightFieldOptions;
   if (has_views) {
     app.add_option("--views", flags.views, "take so many views per axis, the central ones; 0 = all")
         ->check(whole_number(0, 65535))

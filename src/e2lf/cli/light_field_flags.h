@@ -7,6 +7,9 @@
 
 namespace e2lf::cli {
 
+/// The help group of the options of light fields.
+inline constexpr const char* kLightFieldOptions = "Light fields";
+
 /// The flags of verbs that read a light field.
 struct LightFieldFlags {
   size_t views = 8, step = 1;  ///< per axis; views 0 = all

@@ -85,13 +85,13 @@ Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& mo
   return {};
 }
 
-Result<recon::Method> network_method(const ReconstructArguments& arguments, const std::optional<KnownCodes>& known,
-                                     RunRecord& record) {
-  if (arguments.codes.model.empty()) {
+Result<recon::Method> network_method(const ReconstructArguments& arguments, std::optional<model::Model> named,
+                                     const std::optional<KnownCodes>& known, RunRecord& record) {
+  if (!named) {
     return Error{ErrorCode::kInvalidValue, "the network needs a model; give one with -m, or use --method inversion",
                  "--model"};
   }
-  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.codes.model));
+  model::Model& model = *named;
   tell_patterns(arguments, model, known, record);
   E2LF_RETURN_IF_ERROR(tell_camera(arguments, model, record));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
@@ -135,7 +135,8 @@ Result<recon::Method> inversion_method(const ReconstructArguments& arguments, st
 }
 
 /// The patterns that the events were made with, as far as anything tells: --codes, their own file, or the model.
-Result<std::optional<KnownCodes>> codes_of_events(const ReconstructArguments& arguments, const CycleInput& input,
+Result<std::optional<KnownCodes>> codes_of_events(const ReconstructArguments& arguments,
+                                                  const std::optional<model::Model>& model, const CycleInput& input,
                                                   RunRecord& record) {
   std::optional<capture::Codes> own;
   if (input.is_recording()) {
@@ -143,7 +144,7 @@ Result<std::optional<KnownCodes>> codes_of_events(const ReconstructArguments& ar
   } else if (input.file().codes) {
     E2LF_ASSIGN_OR_RETURN(own, capture::codes_from_npy(*input.file().codes, arguments.input.string()));
   }
-  return find_codes(arguments.codes, own, record);
+  return find_codes(arguments.codes, model, own, record);
 }
 
 std::string cycle_name(size_t cycle) {
@@ -278,10 +279,11 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(CycleInput input,
-                        open_cycle_input(arguments.input, arguments.cycles, arguments.cycles_per_field));
-  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, input, record));
+                        open_cycle_input(arguments.input, arguments.cycles, arguments.cycles_per_field, verb));
+  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, model, input, record));
   E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
-                                                  ? network_method(arguments, codes, record)
+                                                  ? network_method(arguments, std::move(model), codes, record)
                                                   : inversion_method(arguments, codes, record));
   record.end_step("open");
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
@@ -338,8 +340,8 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
       ->capture_default_str();
   app.add_option("--passes", reconstruction.passes,
-                 "average the network over so many positions on its pixel grid: finer, and so many times slower; at "
-                 "most all that it tells apart (64 for the bundled models, 1 for the paper's)")
+                 "run the network so many times, each time with the picture shifted, and average: finer, and as many "
+                 "times slower (at most 64; the paper's network: 1)")
       ->check(whole_number(1, 64))
       ->capture_default_str();
   app.add_option("--cycles-per-field", reconstruction.cycles_per_field,

@@ -95,7 +95,11 @@ RunRecord::RunRecord(std::string verb) : verb_(std::move(verb)) {}
 
 void RunRecord::add_input(const fs::path& path) {
   std::error_code error;
-  if (fs::is_regular_file(path, error) || fs::is_directory(path, error)) inputs_.push_back(path);
+  if (fs::is_regular_file(path, error) || fs::is_directory(path, error)) inputs_.push_back({path, ""});
+}
+
+void RunRecord::add_input(const fs::path& path, std::span<const uint8_t> bytes) {
+  inputs_.push_back({path, sha256(bytes.data(), bytes.size())});
 }
 
 void RunRecord::end_step(const std::string& name) {
@@ -128,10 +132,13 @@ Result<Json> RunRecord::json(const Verb& verb) const {
   Json record = json_so_far(verb);
   record.erase("complete");
   record["inputs"] = Json::array();
-  for (const fs::path& input : inputs_) {
-    ProgressBar bar("hash " + input.filename().string(), verb.common().quiet);
-    E2LF_ASSIGN_OR_RETURN(const std::string hash, sha256_of(input, bar.callback()));
-    record["inputs"].push_back({{"path", input.string()}, {"sha256", hash}});
+  for (const Input& input : inputs_) {
+    std::string hash = input.sha256;
+    if (hash.empty()) {
+      ProgressBar bar("hash " + input.path.filename().string(), verb.common().quiet);
+      E2LF_ASSIGN_OR_RETURN(hash, sha256_of(input.path, bar.callback()));
+    }
+    record["inputs"].push_back({{"path", input.path.string()}, {"sha256", hash}});
   }
   warn_of_other_inputs(record["inputs"], verb.earlier_run());
   record["timings_s"] = timings_s_;

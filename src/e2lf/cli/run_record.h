@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,9 @@ class RunRecord {
   /// Adds an input file, or every file of an input folder. What is neither (a pipe, a camera) has no hash and is left
   /// out.
   void add_input(const std::filesystem::path& path);
+
+  /// Adds an input file by what was read of it, which is hashed at once.
+  void add_input(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 
   /// Ends the step that began at construction or at the last call.
   void end_step(const std::string& name);
@@ -48,7 +53,11 @@ class RunRecord {
  private:
   using Clock = std::chrono::steady_clock;
   std::string verb_;
-  std::vector<std::filesystem::path> inputs_;
+  struct Input {
+    std::filesystem::path path;
+    std::string sha256;  ///< empty: not read yet
+  };
+  std::vector<Input> inputs_;
   Json timings_s_ = Json::object();
   Json notes_ = Json::object();
   Json resolved_ = Json::object();

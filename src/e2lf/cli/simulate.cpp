@@ -228,13 +228,35 @@ Result<capture::EventImages> run_counts(const SimulateArguments& arguments, cons
   return first;
 }
 
+/// Refuses what would change nothing.
+Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, bool as_images, bool is_stream,
+                       const Verb& verb) {
+  const auto useless = [](const char* flag, const char* why) {
+    return Error{ErrorCode::kInvalidValue, cat(why, "; leave it out"), flag};
+  };
+  if (as_images && arguments.no_triggers) return useless("--no-triggers", "event images hold no triggers anyway");
+  if (!is_stream) return verb.refuse_options(kStreamOptions, "counts of whole patterns");
+  const StreamFlags defaults;
+  const bool is_v2e = !setup.is_pixel() && setup.known.event_model == "v2e";
+  if (arguments.stream.v2e_preset != defaults.v2e_preset && !is_v2e) {
+    return useless("--v2e-preset", "the events are not those of the model v2e");
+  }
+  const bool has_size = arguments.stream.width != defaults.width || arguments.stream.height != defaults.height;
+  if (has_size && !arguments.stream.has_turntable()) {
+    return useless("--width, --height", "the size is that of the input");
+  }
+  return {};
+}
+
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   const bool as_images = arguments.output.extension() == ".npz";
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments, as_images, verb.common().overwrite));
   RunRecord record("simulate");
   if (!arguments.input.empty()) record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(const Setup setup, read_setup(arguments, record));
-  const auto run = is_stream(arguments, setup, as_images) ? run_stream : run_counts;
+  const bool by_events = is_stream(arguments, setup, as_images);
+  E2LF_RETURN_IF_ERROR(check_use(arguments, setup, as_images, by_events, verb));
+  const auto run = by_events ? run_stream : run_counts;
   E2LF_ASSIGN_OR_RETURN(const capture::EventImages first, run(arguments, setup, output.path(), verb.common(), record));
   hide_progress();
   if (!as_images && !output.is_stream()) note_recorded_codes(record, setup.known.codes, output.path());

@@ -61,7 +61,7 @@ StreamScene turntable(const StreamFlags& flags, uint64_t seed) {
 }  // namespace
 
 void add_stream_options(CLI::App& app, StreamFlags& flags) {
-  const char* const group = "Event by event";
+  const char* const group = kStreamOptions;
   const auto number = [&](const char* name, auto& value, const char* help) {
     app.add_option(name, value, help)->check(CLI::NonNegativeNumber)->capture_default_str()->group(group);
   };

@@ -25,6 +25,9 @@ struct StreamFlags {
   [[nodiscard]] bool has_turntable() const { return turntable_rpm != 0; }
 };
 
+/// The help group of these options.
+inline constexpr const char* kStreamOptions = "Event by event";
+
 void add_stream_options(CLI::App& app, StreamFlags& flags);
 
 /// Whether these flags have a use in a simulation event by event alone.

@@ -63,6 +63,41 @@ void find_config(std::vector<std::string> arguments, std::string& config, std::v
   app.parse(arguments);
 }
 
+/// The flags by which a setting of the library is made.
+std::vector<const char*> flags_of(Setting setting) {
+  switch (setting) {
+    case Setting::kNone:
+      return {};
+    case Setting::kOverwrite:
+      return {"--overwrite"};
+    case Setting::kInputFormat:
+      return {"--event-format"};
+    case Setting::kOutputFormat:
+      return {"--format"};
+    case Setting::kSensorSize:
+      return {"--sensor-width", "--sensor-height"};
+    case Setting::kTimeUnit:
+      return {"--time-unit"};
+    case Setting::kColumns:
+      return {"--columns"};
+    case Setting::kShiftTime:
+      return {"--shift-time"};
+    case Setting::kFilterPixels:
+      return {"--filter-pixels"};
+    case Setting::kCodes:
+      return {"--codes"};
+    case Setting::kWhite:
+      return {"--white"};
+    case Setting::kLensletViews:
+      return {"--lenslet-views"};
+    case Setting::kViews:
+      return {"--views", "--step"};
+    case Setting::kPort:
+      return {"--port"};
+  }
+  return {};
+}
+
 /// What a run says, and not what it makes: an earlier run's is not taken over.
 constexpr std::array kNotRepeated = {"json", "quiet", "overwrite"};
 
@@ -182,6 +217,16 @@ Result<std::vector<std::string>> Verb::configured_flags() {
   return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
 }
 
+Result<void> Verb::refuse_options(const std::string& group, const std::string& what) const {
+  for (const CLI::Option* option : app_.get_options()) {
+    if (option->get_group() != group || option->count() == 0) continue;
+    // A run that is made again from its record repeats the defaults, too.
+    if (join(option->results()) == option->get_default_str()) continue;
+    return Error{ErrorCode::kInvalidValue, cat("does nothing for ", what, "; leave it out"), option->get_name()};
+  }
+  return {};
+}
+
 int Verb::run(std::vector<std::string> arguments, const std::function<Result<void>()>& work) {
   const auto parse = [this](std::vector<std::string> list) {
     std::reverse(list.begin(), list.end());  // CLI11 takes its vector from the back
@@ -213,8 +258,20 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   return exit_code(work());
 }
 
+std::string Verb::flag_hint(Setting setting) const {
+  std::string hint;
+  for (const char* flag : flags_of(setting)) {
+    // Not every verb can set everything.
+    if (app_.get_option_no_throw(flag) != nullptr) hint += cat(hint.empty() ? " (" : ", ", flag);
+  }
+  return hint.empty() ? hint : hint + ")";
+}
+
 int Verb::exit_code(const Result<void>& result) const {
-  if (!result) std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), result.error().text().c_str());
+  if (!result) {
+    const std::string text = result.error().text() + flag_hint(result.error().setting);
+    std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), text.c_str());
+  }
   if (!stop_requested()) return result ? 0 : 1;
   std::fprintf(stderr, "e2lf: %s: ended by %s; %s\n", name_.c_str(), stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",
                result ? "what was complete by then is written" : "nothing was complete by then");

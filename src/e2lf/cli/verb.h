@@ -48,12 +48,19 @@ class Verb {
   /// second one, and the first one of any other verb, ends the process at once.
   void stop_gently() { stops_gently_ = true; }
 
+  /// Fails with kInvalidValue where an option of this help group was given another value than its default, though it
+  /// does nothing here, since the input is `what` ("a light field").
+  [[nodiscard]] Result<void> refuse_options(const std::string& group, const std::string& what) const;
+
   /// Parses, runs `work` and prints its error as "e2lf: <verb>: <what>; <what to do>".
   /// Returns the process's exit code: 0 done, 1 failed, 2 usage, 130 and 143 ended by SIGINT and SIGTERM.
   int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
 
   /// The record of the run that --config names to be made again; null otherwise.
   [[nodiscard]] const Json& earlier_run() const { return earlier_run_; }
+
+  /// The verb's flags for a setting, as " (--sensor-width, --sensor-height)"; empty where it has none.
+  [[nodiscard]] std::string flag_hint(Setting setting) const;
 
   /// Every flag with the value it has after parsing, for run.json.
   [[nodiscard]] Json resolved_options() const;

@@ -7,6 +7,7 @@
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
@@ -47,24 +48,23 @@ class DocumentMaker {
   explicit DocumentMaker(const ViewArguments& arguments) : arguments_(arguments) {}
 
   Result<void> add(const fs::path& path) {
-    std::error_code error;
     if (is_live(path)) {
       return Error{ErrorCode::kUnsupported, "a live recording cannot be shown; convert it to a file first",
                    path.string()};
     }
-    if (!fs::exists(path, error)) {
-      return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+    E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+    switch (kind) {
+      case FileKind::kModel:
+        return add_model(path);
+      case FileKind::kEventImages:
+        return add_event_images(path);
+      case FileKind::kLightField:
+      case FileKind::kCycles:
+        return add_light_field(path);
+      case FileKind::kRecording:
+        break;
     }
-    if (path.extension() == ".safetensors") return add_model(path);
-    if (holds_event_images(path)) return add_event_images(path);
-    if (view::holds_cycles(path) || fs::exists(path / "lightfield.npy", error) || lightfield::detect_kind(path)) {
-      return add_light_field(path);
-    }
-    if (fs::is_directory(path, error)) {
-      return Error{ErrorCode::kFormat, "the folder holds no light field, cycles or event images; name what is in it",
-                   path.string()};
-    }
-    return is_recording(path) ? add_recording(path) : add_event_images(path);
+    return add_recording(path);
   }
 
   /// Compares every light field with the first one of its shape.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/files/file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <limits>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -63,16 +65,18 @@ Result<void> write_stream(const fs::path& path, std::span<const uint8_t> bytes) 
 
 }  // namespace
 
-Result<std::vector<uint8_t>> read_file(const fs::path& path) {
+Result<std::vector<uint8_t>> read_head(const fs::path& path, size_t most) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return system_error(path, "open", errno);
   struct stat info {};
   std::vector<uint8_t> bytes;
-  if (::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode)) bytes.reserve(static_cast<size_t>(info.st_size) + 1);
+  if (::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode)) {
+    bytes.reserve(std::min(most, static_cast<size_t>(info.st_size) + 1));
+  }
   constexpr size_t kChunk = size_t{1} << 20;
-  for (;;) {
+  while (bytes.size() < most) {
     const size_t filled = bytes.size();
-    bytes.resize(std::max(bytes.capacity(), filled + kChunk));
+    bytes.resize(std::min(most, std::max(bytes.capacity(), filled + kChunk)));
     const ssize_t count = ::read(descriptor, bytes.data() + filled, bytes.size() - filled);
     const int error_number = errno;
     bytes.resize(filled + (count > 0 ? static_cast<size_t>(count) : 0));
@@ -84,6 +88,10 @@ Result<std::vector<uint8_t>> read_file(const fs::path& path) {
   }
   ::close(descriptor);
   return bytes;
+}
+
+Result<std::vector<uint8_t>> read_file(const fs::path& path) {
+  return read_head(path, std::numeric_limits<size_t>::max());
 }
 
 bool is_stream(const fs::path& path) {
@@ -116,7 +124,8 @@ Result<void> check_output(const fs::path& path, bool overwrite) {
     return Error{ErrorCode::kExists, "the output is a file, and a folder has this name; name another", path.string()};
   }
   if (!overwrite && !is_stream(path) && fs::exists(fs::symlink_status(path, error))) {
-    return Error{ErrorCode::kExists, "the output exists already; give --overwrite or another name", path.string()};
+    return Error{ErrorCode::kExists, "the output exists already; replace it or name another", path.string(),
+                 Setting::kOverwrite};
   }
   return {};
 }

@@ -15,6 +15,9 @@ namespace e2lf {
 /// The whole file as bytes. Fails with kNotFound, kIo (a folder, no permission, a read that stops early).
 [[nodiscard]] Result<std::vector<uint8_t>> read_file(const std::filesystem::path& path);
 
+/// Its first bytes: `most` of them, or all there are. Fails as read_file does.
+[[nodiscard]] Result<std::vector<uint8_t>> read_head(const std::filesystem::path& path, size_t most);
+
 /// Writes beside `path` and renames: readers see the old file or the whole new one, never a part. Missing parent
 /// folders are made. Fails with kIo; an existing file is replaced (see check_output for asking first).
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const uint8_t> bytes);

@@ -125,6 +125,17 @@ Result<NpyArray> read_npy(const std::filesystem::path& path) {
   return decode_npy(bytes, path.string());
 }
 
+Result<NpyArray> peek_npy(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto head, read_head(path, kNpyHeadBytes));
+  auto header = parse_npy_header(head, path.string());
+  if (header) return std::move(header->array);
+  // A header longer than that is legal, if rare.
+  if (header.error().code != ErrorCode::kTruncated || head.size() < kNpyHeadBytes) return header.error();
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  E2LF_ASSIGN_OR_RETURN(NpyHeader longer, parse_npy_header(bytes, path.string()));
+  return std::move(longer.array);
+}
+
 Result<void> write_npy(const std::filesystem::path& path, const NpyArray& array) {
   return write_file(path, encode_npy(array));
 }

@@ -45,6 +45,11 @@ template <typename T>
 [[nodiscard]] std::vector<uint8_t> encode_npy(const NpyArray& array);
 
 [[nodiscard]] Result<NpyArray> read_npy(const std::filesystem::path& path);
+
+/// Type and shape as the header says, with no bytes: tells what a file holds without reading it. Fails as decode_npy
+/// does, but does not notice missing data.
+[[nodiscard]] Result<NpyArray> peek_npy(const std::filesystem::path& path);
+
 [[nodiscard]] Result<void> write_npy(const std::filesystem::path& path, const NpyArray& array);
 
 using NpzArrays = std::map<std::string, NpyArray>;
@@ -57,6 +62,11 @@ using NpzArrays = std::map<std::string, NpyArray>;
 [[nodiscard]] std::vector<uint8_t> encode_npz(const NpzArrays& arrays, bool compress = true);
 
 [[nodiscard]] Result<NpzArrays> read_npz(const std::filesystem::path& path);
+
+/// Names, types and shapes of the arrays, with no bytes: tells what an archive holds without unpacking it. Fails as
+/// decode_npz does, but does not notice damaged data.
+[[nodiscard]] Result<NpzArrays> peek_npz(const std::filesystem::path& path);
+
 [[nodiscard]] Result<void> write_npz(const std::filesystem::path& path, const NpzArrays& arrays, bool compress = true);
 
 }  // namespace e2lf

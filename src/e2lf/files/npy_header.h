@@ -10,6 +10,9 @@
 
 namespace e2lf {
 
+/// So many bytes hold the header of nearly every file.
+inline constexpr size_t kNpyHeadBytes = size_t{64} << 10;
+
 /// What a .npy header says, without the data.
 struct NpyHeader {
   struct Number {

@@ -24,20 +24,35 @@ Result<void> check_head(std::span<const uint8_t> head, uint64_t claimed, const s
                location};
 }
 
-}  // namespace
-
-Result<NpzArrays> decode_npz(std::span<const uint8_t> bytes, const std::string& name) {
+/// Every member that is an array, as `read` makes it of its entry and location.
+template <typename Read>
+Result<NpzArrays> arrays_of(std::span<const uint8_t> bytes, const std::string& name, const Read& read) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<ZipEntry> entries, read_zip_directory(bytes, name));
   NpzArrays arrays;
   for (const ZipEntry& entry : entries) {
     if (!entry.name.ends_with(kSuffix)) continue;
-    const std::string location = cat(name, ": ", entry.name);
-    const auto peek = [&](std::span<const uint8_t> head) { return check_head(head, entry.size, location); };
-    E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> member, unpack_zip_entry(entry, location, peek));
-    E2LF_ASSIGN_OR_RETURN(NpyArray array, decode_npy(member, location));
+    E2LF_ASSIGN_OR_RETURN(NpyArray array, read(entry, cat(name, ": ", entry.name)));
     arrays.emplace(entry.name.substr(0, entry.name.size() - kSuffix.size()), std::move(array));
   }
   return arrays;
+}
+
+Result<NpyArray> decode_member(const ZipEntry& entry, const std::string& location) {
+  const auto peek = [&](std::span<const uint8_t> head) { return check_head(head, entry.size, location); };
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> member, unpack_zip_entry(entry, location, peek));
+  return decode_npy(member, location);
+}
+
+Result<NpyArray> peek_member(const ZipEntry& entry, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> head, unpack_zip_head(entry, location, kNpyHeadBytes));
+  E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(head, location));
+  return std::move(header.array);
+}
+
+}  // namespace
+
+Result<NpzArrays> decode_npz(std::span<const uint8_t> bytes, const std::string& name) {
+  return arrays_of(bytes, name, decode_member);
 }
 
 std::vector<uint8_t> encode_npz(const NpzArrays& arrays, bool compress) {
@@ -49,6 +64,11 @@ std::vector<uint8_t> encode_npz(const NpzArrays& arrays, bool compress) {
 Result<NpzArrays> read_npz(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
   return decode_npz(bytes, path.string());
+}
+
+Result<NpzArrays> peek_npz(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  return arrays_of(bytes, path.string(), peek_member);
 }
 
 Result<void> write_npz(const std::filesystem::path& path, const NpzArrays& arrays, bool compress) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/zip.h"
 #include "testing/test_files.h"
@@ -54,6 +55,28 @@ Bytes one_member(bool compress, const std::string& name = "a.npy") {
   ZipWriter writer;
   writer.add(name, encode_npy(make_npy<uint8_t>({1000}, Bytes(1000, 3))), compress);
   return writer.finish();
+}
+
+TEST(Npz, PeekingTellsShapesWithoutTheData) {
+  for (const bool compress : {false, true}) {
+    const TestFolder folder;
+    ASSERT_TRUE(write_npz(folder / "a.npz", some_arrays(), compress).ok());
+    const auto arrays = peek_npz(folder / "a.npz");
+    ASSERT_TRUE(arrays.ok()) << arrays.error().text();
+    ASSERT_EQ(arrays->size(), 2u);
+    EXPECT_THAT(arrays->at("events").shape, ElementsAre(3, 200, 300));
+    EXPECT_EQ(arrays->at("events").type, "i2");
+    EXPECT_TRUE(arrays->at("events").bytes.empty());
+  }
+}
+
+TEST(Npz, PeekingDoesNotUnpackWhatFollowsTheHeader) {
+  const TestFolder folder;
+  Bytes archive = encode_npz({{"a", make_npy<int16_t>({300000}, std::vector<int16_t>(300000, 7))}}, false);
+  archive[500000] ^= 1U;  // in the middle of the data
+  ASSERT_TRUE(write_file(folder / "a.npz", archive).ok());
+  EXPECT_FALSE(read_npz(folder / "a.npz").ok());
+  EXPECT_TRUE(peek_npz(folder / "a.npz").ok());
 }
 
 TEST(Npz, RoundTripsStoredAndDeflated) {

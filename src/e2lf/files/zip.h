@@ -35,6 +35,11 @@ using ZipPeek = std::function<Result<void>(std::span<const uint8_t> head)>;
 [[nodiscard]] Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::string& location,
                                                             const ZipPeek& peek = {});
 
+/// The first bytes of an entry, `most` of them or all there are. What comes after is neither unpacked nor checked.
+/// Fails as unpack_zip_entry does, but for the checksum and the size.
+[[nodiscard]] Result<std::vector<uint8_t>> unpack_zip_head(const ZipEntry& entry, const std::string& location,
+                                                           size_t most);
+
 /// Builds an archive in memory.
 class ZipWriter {
  public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <set>
 #include <zlib.h>
 
@@ -160,14 +161,16 @@ struct Inflater {
   ~Inflater() { inflateEnd(&stream); }
 };
 
-Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::string& location, const ZipPeek& peek) {
+/// Ends early, unchecked, once `most` bytes have come out.
+Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::string& location, const ZipPeek& peek,
+                                           size_t most = std::numeric_limits<size_t>::max()) {
   Inflater inflater;
   if (!inflater.ready) return Error{ErrorCode::kInternal, "zlib did not start; free some memory", location};
   z_stream& stream = inflater.stream;
   std::span<const uint8_t> input = entry.compressed;
   std::vector<uint8_t> output;
   bool peeked = !peek;
-  for (int status = Z_OK; status != Z_STREAM_END;) {
+  for (int status = Z_OK; status != Z_STREAM_END && output.size() < most;) {
     if (stream.avail_in == 0) {
       const size_t taken = std::min<size_t>(input.size(), size_t{1} << 30);
       stream.next_in = const_cast<Bytef*>(input.data());
@@ -196,6 +199,11 @@ Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::str
   return output;
 }
 
+Error unknown_method(const ZipEntry& entry, const std::string& location) {
+  return {ErrorCode::kUnsupported,
+          cat("zip compression method ", entry.method, " is not supported; store or deflate it"), location};
+}
+
 }  // namespace
 
 Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> bytes, const std::string& name) {
@@ -218,6 +226,17 @@ Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> bytes,
   return entries;
 }
 
+Result<std::vector<uint8_t>> unpack_zip_head(const ZipEntry& entry, const std::string& location, size_t most) {
+  if (entry.method == zip::kStored) {
+    const auto head = entry.compressed.first(std::min(most, entry.compressed.size()));
+    return std::vector<uint8_t>(head.begin(), head.end());
+  }
+  if (entry.method != zip::kDeflated) return unknown_method(entry, location);
+  E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> head, inflate_entry(entry, location, {}, most));
+  head.resize(std::min(most, head.size()));
+  return head;
+}
+
 Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::string& location, const ZipPeek& peek) {
   std::vector<uint8_t> bytes;
   if (entry.method == zip::kStored) {
@@ -225,8 +244,7 @@ Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::
   } else if (entry.method == zip::kDeflated) {
     E2LF_ASSIGN_OR_RETURN(bytes, inflate_entry(entry, location, peek));
   } else {
-    return Error{ErrorCode::kUnsupported,
-                 cat("zip compression method ", entry.method, " is not supported; store or deflate it"), location};
+    return unknown_method(entry, location);
   }
   if (bytes.size() != entry.size) return bad_entry(location, "another size than the directory says");
   if (crc32_z(0, bytes.data(), bytes.size()) != entry.crc) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/lightfield/light_field_io.h"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <span>
@@ -19,6 +20,11 @@ using namespace std::string_view_literals;
 // HDF5's signature stands at byte 0, or after the 512-byte header of a MATLAB 7.3 file.
 constexpr size_t kMatlabHeaderBytes = 512;
 constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n"sv;
+
+/// The light field of a kArrayFolder.
+fs::path array_in(const fs::path& folder) {
+  return folder / "lightfield.npy";
+}
 
 /// What the first bytes of a file say.
 std::optional<LightFieldKind> kind_of_bytes(std::string_view head) {
@@ -40,8 +46,15 @@ Result<LightFieldKind> storage_kind(const fs::path& path) {
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) return Error{ErrorCode::kNotFound, "no such file or folder; check the path", path.string()};
   if (fs::is_directory(status)) {
+    if (fs::exists(array_in(path), error)) return LightFieldKind::kArrayFolder;
     E2LF_ASSIGN_OR_RETURN(const ViewFiles views, list_views(path));
     if (!views.files.empty()) return views.kind;
+    if (const auto cycles = cycle_folders(path); !cycles.empty()) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("the folder holds a light field for each cycle; name one, as ",
+                       (path / cycles.front().filename()).string()),
+                   path.string()};
+    }
     return Error{ErrorCode::kUnsupported, "the folder holds no views; give one with 00_00.png ...", path.string()};
   }
   std::array<char, kMatlabHeaderBytes + kHdf5Signature.size()> head{};
@@ -56,12 +69,13 @@ Result<LightFieldKind> storage_kind(const fs::path& path) {
 
 Result<bool> holds_light_field(LightFieldKind kind, const fs::path& path) {
   if (kind == LightFieldKind::kHdf5) return hdf5_has_light_field(path);
+  if (kind == LightFieldKind::kArrayFolder) return holds_light_field(LightFieldKind::kNpy, array_in(path));
   if (kind == LightFieldKind::kNpy) {
-    E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
+    E2LF_ASSIGN_OR_RETURN(const NpyArray array, peek_npy(path));
     return npy_shape(array).has_value();
   }
   if (kind == LightFieldKind::kNpz) {
-    E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_npz(path));
+    E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, peek_npz(path));
     const NpyArray* array = find_light_field(arrays);
     return array != nullptr && npy_shape(*array).has_value();
   }
@@ -87,6 +101,8 @@ const char* kind_name(LightFieldKind kind) {
       return "HCI folder";
     case LightFieldKind::kStanfordFolder:
       return "Stanford folder";
+    case LightFieldKind::kArrayFolder:
+      return "folder of lightfield.npy";
     case LightFieldKind::kMat:
       return "MATLAB file";
     case LightFieldKind::kHdf5:
@@ -99,6 +115,18 @@ const char* kind_name(LightFieldKind kind) {
       return "npz archive";
   }
   return "light field";
+}
+
+std::vector<fs::path> cycle_folders(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().filename().string().starts_with("cycle_") && entry.is_directory(error)) {
+      folders.push_back(entry.path());
+    }
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
 }
 
 Result<LightFieldKind> detect_kind(const fs::path& path) {
@@ -116,6 +144,8 @@ Result<LightField> read_light_field(const fs::path& path, const ReadOptions& opt
     case LightFieldKind::kHciFolder:
     case LightFieldKind::kStanfordFolder:
       return read_view_folder(path, options, progress);
+    case LightFieldKind::kArrayFolder:
+      return read_light_field(array_in(path), options, progress);
     case LightFieldKind::kMat:
       return read_mat(path, options);
     case LightFieldKind::kHdf5:

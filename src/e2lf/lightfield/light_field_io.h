@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
@@ -17,6 +18,7 @@ enum class LightFieldKind {
   kViewFolder,      ///< folder of VV_UU.png or .jpg: row_column, any zero padding
   kHciFolder,       ///< folder of input_Cam000.png ...: number = 9 * row + column
   kStanfordFolder,  ///< folder of out_RR_CC_-y_-x.png or .jpg, 17x17
+  kArrayFolder,     ///< folder with lightfield.npy, as `e2lf reconstruct --format npy` writes it
   kMat,             ///< MATLAB file before version 7.3 with `LF` (U,V,H,W) or (U,V,H,W,3 or more)
   kHdf5,            ///< HDF5 file (MATLAB's version 7.3 is one) with `LF`, `LF_y` or `Hr_SAI_y`
   kLenslet,         ///< one picture, a lenslet mosaic: the views of each pixel side by side. Ours say how many views;
@@ -31,6 +33,10 @@ enum class LightFieldKind {
 /// Tells what is stored at `path` from file names and first bytes. Fails with kNotFound, and with kUnsupported where it
 /// is no light field.
 [[nodiscard]] Result<LightFieldKind> detect_kind(const std::filesystem::path& path);
+
+/// The folders cycle_00000 ... in a folder, in order: `e2lf reconstruct` writes the light fields of a recording so.
+/// None where there are none.
+[[nodiscard]] std::vector<std::filesystem::path> cycle_folders(const std::filesystem::path& folder);
 
 /// What becomes of samples outside [0, 1] by more than 0.001 once they are divided by ReadOptions::white (what is
 /// nearer is always clamped in the first two). NaN, infinity, and what is beyond +-kMostKept are always errors: the

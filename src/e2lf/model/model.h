@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,6 +68,9 @@ struct Model {
 /// view_y, view_x] where the model has codes, and JSON under `e2lf` in its metadata. Fails with a message that names
 /// file and field on an unknown version, network type or key, a wrong shape, truncation, and as validate() does.
 [[nodiscard]] Result<Model> read_model(const std::filesystem::path& path);
+
+/// The same of a model file in memory; `name` goes into errors.
+[[nodiscard]] Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& name);
 
 /// How a model file stores its weights: exactly, or in half the room with relative errors of at most 2^-8.
 enum class WeightStorage { kFloat32, kBfloat16 };

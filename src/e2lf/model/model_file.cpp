@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/model/model_parts.h"
 
@@ -61,9 +62,8 @@ Result<Weights> weights_from_tensors(const Network& network, const Safetensors& 
   return weights;
 }
 
-Result<Model> read_model(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
+Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& file) {
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, decode_safetensors(bytes, file));
   const auto metadata = tensors.metadata.find(kMetadataKey);
   if (metadata == tensors.metadata.end()) {
     return Error{ErrorCode::kFormat, "no e2lf model (its metadata has no \"e2lf\"); make one with `e2lf model import`",
@@ -79,6 +79,11 @@ Result<Model> read_model(const std::filesystem::path& path) {
   E2LF_RETURN_IF_ERROR(check_all_used(model, tensors, file));
   E2LF_RETURN_IF_ERROR(validate(model, file));
   return model;
+}
+
+Result<Model> read_model(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  return decode_model(bytes, path.string());
 }
 
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {

@@ -10,26 +10,6 @@ namespace e2lf::view {
 namespace fs = std::filesystem;
 namespace {
 
-/// The folders cycle_NNNNN in a folder, in order.
-std::vector<fs::path> cycle_folders(const fs::path& path) {
-  std::vector<fs::path> folders;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path, error)) {
-    if (entry.path().filename().string().starts_with("cycle_") && entry.is_directory(error)) {
-      folders.push_back(entry.path());
-    }
-  }
-  std::sort(folders.begin(), folders.end());
-  return folders;
-}
-
-/// A folder of results may hold the light field as an array in place of views.
-fs::path stored_at(const fs::path& path) {
-  std::error_code error;
-  const fs::path array = path / "lightfield.npy";
-  return fs::exists(array, error) ? array : path;
-}
-
 /// What the browser's graphics memory takes: a byte for grey, four for colour.
 uint64_t browser_bytes(const lightfield::Shape& shape) {
   return uint64_t{shape.num_views()} * shape.height * shape.width * (shape.channels == 1 ? 1 : 4);
@@ -37,22 +17,18 @@ uint64_t browser_bytes(const lightfield::Shape& shape) {
 
 }  // namespace
 
-bool holds_cycles(const fs::path& path) {
-  return !cycle_folders(path).empty();
-}
-
 Result<std::shared_ptr<LightFieldCycles>> LightFieldCycles::open(const fs::path& path,
                                                                  const lightfield::ReadOptions& options) {
-  std::vector<fs::path> paths = cycle_folders(path);
+  std::vector<fs::path> paths = lightfield::cycle_folders(path);
   if (paths.empty()) paths.push_back(path);
   std::shared_ptr<LightFieldCycles> cycles(new LightFieldCycles(std::move(paths), options));
-  E2LF_ASSIGN_OR_RETURN(const auto first, lightfield::read_light_field(stored_at(cycles->paths_.front()), options));
+  E2LF_ASSIGN_OR_RETURN(const auto first, lightfield::read_light_field(cycles->paths_.front(), options));
   cycles->shape_ = first.shape();
   if (browser_bytes(first.shape()) > kMostBytes) {
     return Error{ErrorCode::kUnsupported,
                  cat("its ", first.shape().num_views(), " views need ", browser_bytes(first.shape()) >> 20,
-                     " MiB in the browser, more than ", kMostBytes >> 20, "; show fewer with --views or --step"),
-                 path.string()};
+                     " MiB in the browser, more than ", kMostBytes >> 20, "; show fewer"),
+                 path.string(), Setting::kViews};
   }
   return cycles;
 }
@@ -66,7 +42,7 @@ std::string LightFieldCycles::label(size_t cycle) const {
 Result<std::shared_ptr<const lightfield::LightField>> LightFieldCycles::read(size_t cycle) {
   const std::lock_guard lock(mutex_);
   if (kept_ && kept_cycle_ == cycle) return kept_;
-  E2LF_ASSIGN_OR_RETURN(auto light_field, lightfield::read_light_field(stored_at(paths_[cycle]), options_));
+  E2LF_ASSIGN_OR_RETURN(auto light_field, lightfield::read_light_field(paths_[cycle], options_));
   if (!(light_field.shape() == shape_)) {
     return Error{ErrorCode::kShape, "has other sizes than the first cycle; show it alone", paths_[cycle].string()};
   }

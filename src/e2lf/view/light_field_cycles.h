@@ -45,7 +45,4 @@ class LightFieldCycles {
   size_t kept_cycle_ = 0;
 };
 
-/// Whether a folder holds light fields of cycles, as `e2lf reconstruct` writes them of a recording.
-[[nodiscard]] bool holds_cycles(const std::filesystem::path& path);
-
 }  // namespace e2lf::view

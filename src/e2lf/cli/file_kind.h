@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::cli {
+
+/// What a path stands for. Every verb asks file_kind(), so that all agree.
+enum class FileKind {
+  kRecording,    ///< events: a file, or what is read as it arrives
+  kEventImages,  ///< counts of each pattern transition: .npz, .npy, folder of event_image_00000.npy ...
+  kLightField,   ///< a light field of any format
+  kCycles,       ///< a folder of cycle_00000 ..., a light field in each
+  kModel,        ///< a .safetensors: a model, or data to train on
+};
+
+/// With its article, e.g. "a light field".
+[[nodiscard]] const char* kind_text(FileKind kind);
+
+/// Tells what a path stands for from names, first bytes and headers; data are not read. A file that is nothing else may
+/// be a recording: opening it tells. Fails with kNotFound, kIo (may not be looked into), kFormat (a folder that holds
+/// nothing of all this).
+[[nodiscard]] Result<FileKind> file_kind(const std::filesystem::path& path);
+
+}  // namespace e2lf::cli

@@ -1,0 +1,55 @@
+# Every verb sees a file as the same kind of thing, and says so where it is no input of its own.
+model=$TESTSUITE/../models/e2lf-n4.safetensors
+"$E2LF" demo -o demo --width 64 --height 48 --quiet
+"$E2LF" simulate demo/scene -m "$model" -o rec.raw --cycles 2 --quiet
+"$E2LF" simulate demo/scene -m "$model" -o events.npz --quiet
+"$E2LF" reconstruct rec.raw -m "$model" -o cycles --format npy --quiet
+"$E2LF" convert demo/scene scene.npy --quiet
+py - <<'PY'
+import numpy as np
+events = np.load("events.npz")["events"]
+np.save("counts.npy", events[0])
+np.savez_compressed("field.npz", LF=np.load("scene.npy"))
+PY
+kind() { "$E2LF" info "$1" --json | py -c 'import json, sys; print(json.load(sys.stdin)["kind"])'; }
+expect() { # <kind> <path...>
+  local kind=$1 path
+  for path in "${@:2}"; do [ "$(kind "$path")" = "$kind" ] || fail "$path: $(kind "$path") instead of $kind"; done
+}
+expect recording rec.raw
+expect "event images" events.npz counts.npy
+expect "light field" demo/scene scene.npy field.npz cycles/cycle_00000
+expect cycles cycles
+expect model "$model"
+# A folder with lightfield.npy is a light field for every verb.
+"$E2LF" convert cycles/cycle_00000 views --quiet
+"$E2LF" eval demo/scene cycles/cycle_00000 --quiet
+# Light fields and models are no events; event images, models and folders of cycles have no other format.
+for input in scene.npy field.npz demo/scene; do
+  fails 1 "this is a light field" "$E2LF" reconstruct "$input" -m "$model" -o out
+done
+fails 1 "this is a model" "$E2LF" reconstruct "$model" -m "$model" -o out
+fails 1 "this is a folder of cycles" "$E2LF" reconstruct cycles -m "$model" -o out
+fails 1 "this is event images" "$E2LF" convert events.npz out
+fails 1 "this is a model" "$E2LF" convert "$model" out
+fails 1 "name one, as cycles/cycle_00000" "$E2LF" convert cycles out
+fails 1 "name one, as cycles/cycle_00000" "$E2LF" eval demo/scene cycles
+fails 1 "no such file" "$E2LF" convert none out
+mkdir empty
+fails 1 "the folder holds neither" "$E2LF" info empty
+fails 1 "the folder holds neither" "$E2LF" convert empty out
+fails 1 "the folder holds neither" "$E2LF" reconstruct empty -m "$model" -o out
+if "$E2LF" view --help | grep -q -- --export; then
+  fails 1 "the folder holds neither" "$E2LF" view empty --export page.html
+fi
+# An archive is told by its headers: the data behind them are not read for it.
+py - <<'PY'
+import numpy as np
+np.savez("stored.npz", events=np.load("events.npz")["events"])
+data = bytearray(open("stored.npz", "rb").read())
+data[len(data) // 2] ^= 255
+open("damaged.npz", "wb").write(data)
+PY
+fails 1 "this is event images" "$E2LF" convert damaged.npz out
+fails 1 "checksum" "$E2LF" info damaged.npz
+absent out page.html
