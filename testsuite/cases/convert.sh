@@ -33,7 +33,7 @@ done
 # The slice ends before the recording does, and so may the pipe.
 { cat recording.raw || true; } | "$E2LF" convert - slice.npy --from-us "$from" --to-us "$to" --quiet 2>warnings.txt
 [ "$("$E2LF" info slice.npy --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
-fails 1 "give --overwrite" "$E2LF" convert recording.raw a.csv
+fails 1 "(--overwrite)" "$E2LF" convert recording.raw a.csv
 fails 1 "check the path" "$E2LF" convert nothing.raw x.csv
 fails 1 "has this extension" "$E2LF" convert demo/scene scene.mat
 absent scene.mat

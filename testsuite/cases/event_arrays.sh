@@ -10,12 +10,17 @@ np.save("txyp.npy", np.stack([t, x, y, p], 1))
 np.save("txyp_seconds.npy", np.stack([t * 1e-6, x, y, 2 * p - 1], 1))
 np.save("xytp.npy", np.stack([x, y, t, p], 1).astype(np.uint32))
 np.save("xypt.npy", np.stack([x, y, p, t], 1).astype(">i8"))
+np.save("whole_floats.npy", np.stack([t, x, y, p], 1).astype(np.float64))
+np.savez("whole_floats.npz", x=x, y=y, p=p, t=t.astype(np.float64))
 np.savez("seconds.npz", x=x, y=y, p=p, t=t * 1e-6)
 np.savez("names.npz", xs=x, ys=y, ps=2 * p - 1, ts=t)
 np.savez("rows.npz", events=np.stack([t, x, y, p], 1))
 np.savez("ns.npz", x=x, y=y, p=p, t=t * 1000)
 with h5py.File("names.h5", "w") as f:
     for key, column in (("xs", x), ("ys", y), ("ts", t * 1e-6), ("ps", p)):
+        f["events/" + key] = column
+with h5py.File("whole_floats.h5", "w") as f:
+    for key, column in (("xs", x), ("ys", y), ("ts", t.astype(np.float64)), ("ps", p)):
         f["events/" + key] = column
 with h5py.File("plain.h5", "w") as f:
     for key, column in (("x", x), ("y", y), ("t", t), ("p", p.astype(bool))):
@@ -32,7 +37,8 @@ a, b = np.load("truth.npz"), np.load(sys.argv[1])
 assert all(np.array_equal(a[k], b[k]) for k in "xypt"), sys.argv
 PY
 }
-for input in txyp.npy txyp_seconds.npy xytp.npy xypt.npy seconds.npz names.npz rows.npz names.h5 plain.h5 v2e.h5; do
+for input in txyp.npy txyp_seconds.npy xytp.npy xypt.npy seconds.npz names.npz rows.npz names.h5 plain.h5 v2e.h5 \
+  whole_floats.npy whole_floats.npz whole_floats.h5; do
   "$E2LF" convert "$input" out.npz --overwrite --strict 2>stderr.txt || fail "$input: $(cat stderr.txt)"
   same out.npz
   "$E2LF" info "$input" --json >info.json 2>/dev/null
@@ -41,6 +47,8 @@ done
 # What the file does not say is said: the unit of times, and which column is what.
 "$E2LF" convert seconds.npz out.npz --overwrite 2>stderr.txt
 grep -q "read as seconds" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
+"$E2LF" convert whole_floats.npz out.npz --overwrite 2>stderr.txt
+grep -q "read as microseconds; --time-unit" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
 "$E2LF" convert xytp.npy out.npz --overwrite 2>stderr.txt
 grep -q "x, y, t, p" stderr.txt || fail "the columns are not stated: $(cat stderr.txt)"
 "$E2LF" convert ns.npz out.npz --overwrite --time-unit ns

@@ -31,7 +31,7 @@ run 1 "the codes have 5 patterns" events.npz -m model.safetensors --codes five.j
 
 # Existing output stays as it is without --overwrite.
 mkdir taken && echo keep >taken/file
-fails 1 "give --overwrite" "$E2LF" reconstruct events.npz -m model.safetensors -o taken
+fails 1 "(--overwrite)" "$E2LF" reconstruct events.npz -m model.safetensors -o taken
 [ "$(cat taken/file)" = keep ] || fail "the existing output was touched"
 # An output that cannot be written (its parent is a file) is refused before work starts.
 fails 1 "taken/file: cannot make the folder" "$E2LF" reconstruct events.npz -m model.safetensors -o taken/file/wall

@@ -15,7 +15,7 @@ ln -s ../secret.txt linked/secret.txt
 "$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o capture.raw --quiet
 "$E2LF" view light.npy --export light.html --quiet
 exists light.html light.html.run.json
-fails 1 "give --overwrite" "$E2LF" view light.npy --export light.html
+fails 1 "(--overwrite)" "$E2LF" view light.npy --export light.html
 mkdir empty
 fails 1 "holds no light field" "$E2LF" view empty --export none.html
 fails 1 "check the path" "$E2LF" view nowhere

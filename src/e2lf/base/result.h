@@ -28,12 +28,32 @@ enum class ErrorCode {
 /// The name of a code as used in JSON output, e.g. "not_found".
 [[nodiscard]] const char* error_code_name(ErrorCode code);
 
+/// What a caller can set to mend an error or to say what was assumed. The library states facts; e2lf's verbs add the
+/// flag.
+enum class Setting {
+  kNone,
+  kOverwrite,
+  kInputFormat,
+  kOutputFormat,
+  kSensorSize,
+  kTimeUnit,
+  kColumns,
+  kShiftTime,
+  kFilterPixels,
+  kCodes,
+  kWhite,
+  kLensletViews,
+  kViews,
+  kPort,
+};
+
 /// Bad data as a value. `message` reads "<what went wrong>; <what to do>"; `location` is a file and place in it
 /// ("views/03_04.png", "model.safetensors: byte 16", "config.json: $.train.batch") or empty.
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string message;
   std::string location;
+  Setting setting = Setting::kNone;  ///< what mends it, where a setting does
 
   /// "location: message", or just the message where there is no location.
   [[nodiscard]] std::string text() const;

@@ -67,7 +67,7 @@ Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const 
     const std::string key = cat(kKey, n), at = cat(location, ": ", key);
     const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
     if (line == header.end()) {
-      return Error{ErrorCode::kFormat, "this pattern is missing in the header; name the patterns (--codes)", at};
+      return Error{ErrorCode::kFormat, "this pattern is missing in the header; name the patterns", at, Setting::kCodes};
     }
     Json rows = Json::array();
     for (const std::string& text : split(line->second, '/')) {

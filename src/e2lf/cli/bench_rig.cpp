@@ -153,7 +153,7 @@ void print(const Json& json) {
 
 int run_bench_rig(const std::vector<std::string>& arguments) {
   Verb verb("bench rig", "Simulate, encode, decode, accumulate and reconstruct one cycle; the time of each stage.",
-            "e2lf bench rig -m models/e2lf-n4-capture.safetensors --json");
+            "e2lf bench rig -m models/e2lf-n4.safetensors --json");
   RigBench options;
   const CLI::Range pixels(size_t{16}, size_t{16384});
   verb.app().add_option("--width", options.width, "of the sensor in pixels")->check(pixels)->capture_default_str();

@@ -35,7 +35,7 @@ Result<fs::path> find_camera(const std::string& name) {
 }  // namespace
 
 void add_camera_option(CLI::App& app, std::string& camera, const std::string& help) {
-  app.add_option("--camera", camera, help + ": a camera file (JSON), or a bundled one: " + join(bundled_cameras()));
+  app.add_option("--camera", camera, cat("camera file (JSON) or one of ", join(bundled_cameras()), ": ", help));
 }
 
 Result<capture::Camera> load_camera(const std::string& name, RunRecord& record) {

@@ -18,6 +18,12 @@ namespace {
 
 constexpr size_t kPlotBins = 2000;
 
+Json assumptions_json(const recordings::RecordingInfo& info) {
+  Json texts = Json::array();
+  for (const recordings::Assumption& assumption : info.assumptions) texts.push_back(assumption_text(assumption));
+  return texts;
+}
+
 Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
              const RecordingStatistics& statistics) {
   Json json = {{"kind", "recording"},
@@ -36,7 +42,7 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
                {"sorted", summary.out_of_order},
                {"trigger_channels", statistics.triggers_json()},
                {"extents", {{"width", statistics.width()}, {"height", statistics.height()}}},
-               {"assumptions", info.assumptions},
+               {"assumptions", assumptions_json(info)},
                {"left_out", losses_json(summary)}};
   Json header = Json::object();
   for (const auto& [key, value] : info.header) header[key] = value;
@@ -70,7 +76,9 @@ void print_text(const recordings::RecordingInfo& info, const recordings::DecodeS
     std::printf("gaps:      %llu stretches of time are incomplete\n",
                 static_cast<unsigned long long>(summary.num_gaps));
   }
-  for (const std::string& assumption : info.assumptions) std::printf("assumed:   %s\n", assumption.c_str());
+  for (const recordings::Assumption& assumption : info.assumptions) {
+    std::printf("assumed:   %s\n", assumption_text(assumption).c_str());
+  }
   for (const auto& [key, value] : info.header) std::printf("header:    %s = %s\n", key.c_str(), value.c_str());
 }
 

@@ -25,9 +25,9 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   app.add_flag("--relative", flags.is_relative,
                "recordings: --from-us and --to-us count from the first event or trigger")
       ->group(group);
-  app.add_flag("--strict", flags.is_strict,
-               "recordings: fail and write nothing where events would be left out (damage, outside the sensor, ...)")
-      ->group(group);
+  app.add_flag(
+      "--strict", flags.is_strict,
+      "fail and write nothing where events would be left out (damage, outside the sensor, no room for a count)");
 }
 
 namespace {
@@ -69,7 +69,15 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
 }
 
 void say_assumptions(const recordings::RecordingReader& reader) {
-  for (const std::string& assumption : reader.info().assumptions) log_info(cat(reader.name(), ": ", assumption));
+  for (const recordings::Assumption& assumption : reader.info().assumptions) {
+    log_info(cat(reader.name(), ": ", assumption_text(assumption)));
+  }
+}
+
+std::string assumption_text(const recordings::Assumption& assumption) {
+  if (assumption.setting == Setting::kColumns) return assumption.text + "; --columns says otherwise";
+  if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; --time-unit says otherwise";
+  return assumption.text;
 }
 
 Json losses_json(const recordings::DecodeSummary& summary) {

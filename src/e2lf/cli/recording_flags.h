@@ -23,6 +23,9 @@ struct RecordingFlags {
   bool is_strict = false;                          ///< what would be left out is an error
 };
 
+/// The help group of options of recordings, where a verb takes other inputs too.
+inline constexpr const char* kRecordingOptions = "Recordings";
+
 /// Declares --event-format, --sensor-width, --sensor-height, --columns, --time-unit, --from-us, --to-us, --relative and
 /// --strict.
 void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group);
@@ -36,6 +39,9 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
 
 /// Says on stderr what the recording does not tell and was taken for granted.
 void say_assumptions(const recordings::RecordingReader& reader);
+
+/// An assumption with the flag that says otherwise.
+[[nodiscard]] std::string assumption_text(const recordings::Assumption& assumption);
 
 /// What was left out of a recording, by reason: [{"reason", "count", "first_byte"}, ...].
 [[nodiscard]] Json losses_json(const recordings::DecodeSummary& summary);

@@ -252,9 +252,9 @@ Result<CycleReader> CycleReader::open(std::unique_ptr<recordings::RecordingReade
     return invalid("the tolerance of intervals must be between 0 and 0.5");
   }
   if (reader->info().width == 0 || reader->info().height == 0) {
-    return invalid(
-        "the recording does not say how large the sensor is; give its width and height (--sensor-width, "
-        "--sensor-height)");
+    Error error = invalid("the recording does not say how large the sensor is; give its width and height");
+    error.setting = Setting::kSensorSize;
+    return error;
   }
   if (options.source != CycleSource::kAuto) {
     return CycleReader(std::make_unique<Impl>(std::move(reader), options, Beginning()));

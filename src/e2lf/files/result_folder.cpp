@@ -137,14 +137,16 @@ Result<void> check_replaceable(const fs::path& target, bool overwrite) {
   if (!fs::is_directory(status)) {
     return exists(target, "the output is a folder, and a file or link has this name; name another");
   }
-  if (!overwrite) return exists(target, "the output exists already; give --overwrite or another name");
+  if (!overwrite) {
+    return Error{ErrorCode::kExists, "the output exists already; replace it or name another", target.string(),
+                 Setting::kOverwrite};
+  }
   if (fs::is_empty(target, error)) return {};
   if (error) return io_error(target, "look into the folder", error.value());
   if (record_of(target / kRecord).is_null()) {
-    return exists(
-        target,
-        "e2lf did not write this folder (it holds no run.json of ours), so it is not replaced, --overwrite or "
-        "not; name another folder");
+    return exists(target,
+                  "e2lf did not write this folder (it holds no run.json of ours), so it is never replaced; name "
+                  "another folder");
   }
   E2LF_ASSIGN_OR_RETURN(const auto foreign, foreign_entries(target));
   static_cast<void>(foreign);

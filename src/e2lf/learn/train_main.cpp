@@ -23,6 +23,11 @@ void print_usage(std::FILE* where) {
       where);
 }
 
+int print_help() {
+  print_usage(stdout);
+  return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 ? 0 : 1;
+}
+
 int usage_error() {
   print_usage(stderr);
   return 2;
@@ -63,7 +68,7 @@ int main(int argc, char** argv) {
     const std::string argument = argv[i];
     const bool takes_value = argument == "-o" || argument == "--set" || argument == "--batch" || argument == "--steps";
     if (takes_value && i + 1 == argc) return usage_error();
-    if (argument == "-h" || argument == "--help") return print_usage(stdout), 0;
+    if (argument == "-h" || argument == "--help") return print_help();
     if (argument == "-o") {
       output = argv[++i];
     } else if (argument == "--set") {
@@ -112,6 +117,7 @@ int main(int argc, char** argv) {
   }
   if (result) return 0;
   e2lf::hide_progress();
-  std::fprintf(stderr, "e2lf-train: %s: %s\n", names[0].c_str(), result.error().text().c_str());
+  const char* const hint = result.error().setting == e2lf::Setting::kOverwrite ? " (--overwrite)" : "";
+  std::fprintf(stderr, "e2lf-train: %s: %s%s\n", names[0].c_str(), result.error().text().c_str(), hint);
   return e2lf::stop_requested() ? 128 + e2lf::stop_signal() : 1;
 }

@@ -163,8 +163,8 @@ Result<void> gather(const StoredArray& array, const ChosenGrid& grid, const Read
   if (job.run()) return {};
   return Error{ErrorCode::kInvalidValue,
                cat("a light field holds finite values in [0, 1], not ", job.first_bad(),
-                   "; name the number that is white, as --white 255"),
-               location};
+                   "; name the number that is white, as 255"),
+               location, Setting::kWhite};
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
   if (!writer->holds_absolute_time()) {
     warn(report, cat(name,
                      ": the format does not keep the sensor's absolute time; compare it with others "
-                     "that begin at zero too (--shift-time)"));
+                     "that begin at zero too"));
   }
   return report;
 }

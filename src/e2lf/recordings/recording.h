@@ -21,13 +21,19 @@
 
 namespace e2lf::recordings {
 
+/// What a file does not say and was taken for granted, for people, and the setting that says otherwise.
+struct Assumption {
+  std::string text;
+  Setting setting = Setting::kNone;
+};
+
 /// What a recording says of itself.
 struct RecordingInfo {
   std::string format;  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...
   size_t width = 0;    ///< of the sensor, in pixels; 0 = the file does not say
   size_t height = 0;
   std::vector<std::pair<std::string, std::string>> header;  ///< keys and values in the file's order
-  std::vector<std::string> assumptions = {};  ///< what the file does not say and was taken for granted, for people
+  std::vector<Assumption> assumptions = {};
 
   /// The value of a header key, or nothing.
   [[nodiscard]] std::optional<std::string> find(const std::string& key) const;

@@ -137,10 +137,9 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   }
   const auto type = sample_type(opened.set.get(), options);
   if (!type) {
-    return Error{
-        ErrorCode::kUnsupported,
-        "samples that are not float, uint8 or uint16 do not say which number is white; name it, as --white 255",
-        location};
+    return Error{ErrorCode::kUnsupported,
+                 "samples that are not float, uint8 or uint16 do not say which number is white; name it, as 255",
+                 location, Setting::kWhite};
   }
   array.type = *type;
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));

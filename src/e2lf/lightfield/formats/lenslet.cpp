@@ -37,8 +37,8 @@ Result<Grid> grid_of(const std::filesystem::path& path, const RawImage& mosaic, 
   return Error{
       ErrorCode::kInvalidValue,
       "a single picture is read as a lenslet mosaic, and this one does not say how many views lie side by side; "
-      "name them, as --lenslet-views 14 for a Lytro's, or give a folder of views",
-      path.string()};
+      "name their number, 14 for a Lytro's, or give a folder of views",
+      path.string(), Setting::kLensletViews};
 }
 
 }  // namespace

@@ -57,8 +57,8 @@ Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options, c
   }
   if (!has_white(array.type) && options.white == 0.0F) {
     return Error{ErrorCode::kUnsupported,
-                 cat("whole numbers of type ", array.type, " do not say which is white; name it, as --white 255"),
-                 location};
+                 cat("whole numbers of type ", array.type, " do not say which is white; name it, as 255"), location,
+                 Setting::kWhite};
   }
   StoredArray stored;
   stored.shape = *shape;

@@ -103,8 +103,8 @@ std::string loss_text(const std::vector<Loss>& losses) {
 Error saturation_error(uint64_t events, const std::string& name) {
   return {ErrorCode::kInvalidValue,
           cat("an event image has no room for ", events, " events of pixels with more than 32,767, which strict ",
-              "reading refuses; filter hot pixels (--filter-pixels) or show patterns for a shorter time"),
-          name};
+              "reading refuses; filter hot pixels or show patterns for a shorter time"),
+          name, Setting::kFilterPixels};
 }
 
 Error violation_error(const DecodeSummary& summary, const std::string& name) {

@@ -126,23 +126,31 @@ std::string codec_names() {
 
 Result<const Codec*> detect_codec(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
+  if (head.empty()) return Error{ErrorCode::kTruncated, "nothing came: the input is empty", source.name()};
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
   if (const Codec* codec = codec_of_extension(source.path())) return codec;
-  return Error{ErrorCode::kFormat,
-               cat("not a recording of a known format; name its format (--event-format), one of ", codec_names()),
-               source.name()};
+  return Error{ErrorCode::kFormat, cat("not a recording of a known format; name its format, one of ", codec_names()),
+               source.name(), Setting::kInputFormat};
+}
+
+std::string names_to_write() {
+  std::vector<std::string> names;
+  for (const Codec* codec : codecs()) {
+    if (codec->create != nullptr || codec->create_file != nullptr) names.push_back(codec->name);
+  }
+  return join(names);
 }
 
 Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
   if (!format.empty()) return find_codec(format);
   if (const Codec* codec = codec_of_extension(path)) return codec;
-  return Error{ErrorCode::kInvalidValue,
-               cat("no format has the extension of this name; take another, as .raw or .hdf5, or name the format "
-                   "(--format), one of ",
-                   codec_names()),
-               path.string()};
+  return Error{
+      ErrorCode::kInvalidValue,
+      cat("no format has the extension of this name; take another, as .raw or .hdf5, or name the format, one of ",
+          names_to_write()),
+      path.string(), Setting::kOutputFormat};
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {

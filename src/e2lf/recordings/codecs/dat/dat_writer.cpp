@@ -85,9 +85,8 @@ class DatWriter final : public RecordingWriter {
     }
     return Error{
         ErrorCode::kInvalidValue,
-        cat("time ", t_us, " us cannot be told from its low 32 bits; begin at zero (--shift-time) or write another ",
-            "format, as .hdf5"),
-        sink_->name()};
+        cat("time ", t_us, " us cannot be told from its low 32 bits; begin at zero or write another format, as .hdf5"),
+        sink_->name(), Setting::kShiftTime};
   }
 
   std::unique_ptr<ByteSink> sink_;

@@ -146,6 +146,9 @@ class RowBlocks : public EventBlocks {
   uint64_t next_ = 0;
 };
 
+/// So many tell columns and units.
+constexpr uint64_t kSampledRows = 4096;
+
 class ColumnBlocks final : public RowBlocks {
  public:
   /// The columns of one group under four names, "x", "y", "p" and "t" or the like.
@@ -154,7 +157,6 @@ class ColumnBlocks final : public RowBlocks {
                                                    RecordingInfo& info) {
     auto blocks = std::make_unique<ColumnBlocks>();
     blocks->location_ = location + ": events";
-    blocks->unit_ = options.time_unit;
     for (size_t i = 0; i < 4; ++i) {
       NumberColumn& column = blocks->columns_[i];
       E2LF_ASSIGN_OR_RETURN(column.shape, open_dataset(file, names[i], location));
@@ -170,8 +172,10 @@ class ColumnBlocks final : public RowBlocks {
       }
     }
     E2LF_RETURN_IF_ERROR(read_offset(file, location, blocks->offset_us_));
-    const auto assumed = numpy::time_assumption(blocks->columns_[3].field.type, options.time_unit);
-    if (assumed) info.assumptions.push_back(*assumed);
+    const NumberColumn& times = blocks->columns_[3];
+    const uint64_t count = std::min<uint64_t>(blocks->length_, kSampledRows);
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, blocks->read_numbers(times.shape, times.field.type, 0, count));
+    blocks->unit_ = numpy::find_time_unit(options.time_unit, numbers, times.field, count, info.assumptions);
     return std::unique_ptr<EventBlocks>(std::move(blocks));
   }
 
@@ -220,16 +224,12 @@ class MatrixBlocks final : public RowBlocks {
     const auto rows = numpy::sample_rows(numbers, blocks->type_, element_size(blocks->type_), count);
     E2LF_ASSIGN_OR_RETURN(const std::string order, numpy::find_column_order(rows, options.columns, location));
     if (options.columns.empty()) info.assumptions.push_back(numpy::column_assumption(order));
-    blocks->unit_ = options.time_unit;
     blocks->fields_ = numpy::fields_of_rows(order, blocks->type_, element_size(blocks->type_));
-    const auto assumed = numpy::time_assumption(blocks->type_, options.time_unit);
-    if (assumed) info.assumptions.push_back(*assumed);
+    blocks->unit_ = numpy::find_time_unit(options.time_unit, numbers, blocks->fields_.t, count, info.assumptions);
     return std::unique_ptr<EventBlocks>(std::move(blocks));
   }
 
  private:
-  static constexpr uint64_t kSampledRows = 4096;
-
   Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) override {
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
     numpy::to_column(numbers, fields_.x, count, events.x.data(), bad.data());

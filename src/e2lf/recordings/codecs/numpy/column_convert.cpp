@@ -47,11 +47,6 @@ bool convert_one(From value, To& out) {
   }
 }
 
-TimeUnit resolve(TimeUnit unit, bool is_floating) {
-  if (unit != TimeUnit::kAuto) return unit;
-  return is_floating ? TimeUnit::kSeconds : TimeUnit::kMicroseconds;
-}
-
 double us_per(TimeUnit unit) {
   switch (unit) {
     case TimeUnit::kSeconds:
@@ -127,10 +122,8 @@ void to_times(const uint8_t* records, const NumberField& field, TimeUnit unit, s
               uint8_t* bad) {
   const bool known = with_number_type(field.type, [&](auto type) {
     using From = decltype(type);
-    const TimeUnit resolved = resolve(unit, std::is_floating_point_v<From>);
     const uint8_t* next = records + field.offset;
-    for (size_t i = 0; i < count; ++i, next += field.stride)
-      bad[i] |= convert_time(load_le<From>(next), resolved, out[i]);
+    for (size_t i = 0; i < count; ++i, next += field.stride) bad[i] |= convert_time(load_le<From>(next), unit, out[i]);
   });
   E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
 }
@@ -147,9 +140,25 @@ size_t to_events(const uint8_t* records, const RecordFields& fields, size_t coun
   return remove_bad(events, 0, bad);
 }
 
-std::optional<std::string> time_assumption(const std::string& type, TimeUnit unit) {
-  if (unit != TimeUnit::kAuto || (type != "f4" && type != "f8")) return std::nullopt;
-  return "times are not whole numbers and were read as seconds; --time-unit ms, us or ns says otherwise";
+TimeUnit find_time_unit(TimeUnit named, const uint8_t* records, const NumberField& times, size_t count,
+                        std::vector<Assumption>& assumptions) {
+  if (named != TimeUnit::kAuto) return named;
+  if (times.type != "f4" && times.type != "f8") return TimeUnit::kMicroseconds;
+  bool are_whole = true, is_any_set = false;
+  with_number_type(times.type, [&](auto type) {
+    const uint8_t* next = records + times.offset;
+    for (size_t i = 0; i < count; ++i, next += times.stride) {
+      const auto time = static_cast<double>(load_le<decltype(type)>(next));
+      are_whole = are_whole && time == std::trunc(time);
+      is_any_set = is_any_set || time != 0;
+    }
+  });
+  if (count == 0) return TimeUnit::kMicroseconds;
+  const bool are_us = are_whole && is_any_set;
+  assumptions.push_back({are_us ? "times are whole numbers and were read as microseconds"
+                                : "times are not whole numbers and were read as seconds",
+                         Setting::kTimeUnit});
+  return are_us ? TimeUnit::kMicroseconds : TimeUnit::kSeconds;
 }
 
 size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad) {
@@ -174,8 +183,8 @@ Result<std::string> find_column_order(std::span<const std::array<double, 4>> row
   std::sort(letters.begin(), letters.end());
   if (letters == "ptxy") return given;
   if (!given.empty()) {
-    return Error{ErrorCode::kInvalidValue, "the columns are t, x, y and p in some order; write it as --columns txyp",
-                 location};
+    return Error{ErrorCode::kInvalidValue, "the columns are t, x, y and p in some order; write it as txyp", location,
+                 Setting::kColumns};
   }
   const bool p_is_last = are_polarities(rows, 3), p_is_third = are_polarities(rows, 2);
   if (!rows.empty() && p_is_third && !p_is_last) return std::string("xypt");
@@ -186,13 +195,13 @@ Result<std::string> find_column_order(std::span<const std::array<double, 4>> row
     if (first_rises != third_rises) return std::string(first_rises ? "txyp" : "xytp");
   }
   return Error{ErrorCode::kInvalidValue,
-               "the values do not tell which of the four columns are t, x, y and p; name them, as --columns txyp",
-               location};
+               "the values do not tell which of the four columns are t, x, y and p; name them, as txyp", location,
+               Setting::kColumns};
 }
 
-std::string column_assumption(const std::string& order) {
-  return cat("the columns were read as ", order[0], ", ", order[1], ", ", order[2], ", ", order[3],
-             "; --columns says otherwise");
+Assumption column_assumption(const std::string& order) {
+  return {cat("the columns were read as ", order[0], ", ", order[1], ", ", order[2], ", ", order[3]),
+          Setting::kColumns};
 }
 
 std::vector<std::array<double, 4>> sample_rows(const uint8_t* rows, const std::string& type, size_t item_size,

@@ -35,16 +35,19 @@ struct RecordFields {
 template <typename T>
 void to_column(const uint8_t* records, const NumberField& field, size_t count, T* out, uint8_t* bad);
 
-/// Times in microseconds, rounded (whole nanoseconds are rounded down); kAuto is seconds for floating-point numbers and
-/// microseconds for whole ones. Those beyond kTimeLimitUs set bad[i].
+/// Times in microseconds, rounded (whole nanoseconds are rounded down); kAuto is microseconds. Those beyond
+/// kTimeLimitUs set bad[i].
 void to_times(const uint8_t* records, const NumberField& field, TimeUnit unit, size_t count, int64_t* out,
               uint8_t* bad);
 
 /// The events of `count` records; returns how many of them are none.
 size_t to_events(const uint8_t* records, const RecordFields& fields, size_t count, EventColumns& events);
 
-/// What is taken for granted about times of that type, for people; nothing when the unit was given or is as usual.
-[[nodiscard]] std::optional<std::string> time_assumption(const std::string& type, TimeUnit unit);
+/// The unit of times: `named`, unless that is kAuto. Then whole numbers are microseconds, also where they are stored as
+/// floating-point ones, and other numbers seconds. Looks at the times of `count` records (thousands do), and says in
+/// `assumptions`, for people, what it took for granted.
+[[nodiscard]] TimeUnit find_time_unit(TimeUnit named, const uint8_t* records, const NumberField& times, size_t count,
+                                      std::vector<Assumption>& assumptions);
 
 /// Removes the events whose bad[i] is set from the columns, from `begin` on; returns how many.
 size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad);
@@ -56,7 +59,7 @@ size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad
                                                     const std::string& given, const std::string& location);
 
 /// Says for people which order was found.
-[[nodiscard]] std::string column_assumption(const std::string& order);
+[[nodiscard]] Assumption column_assumption(const std::string& order);
 
 /// The first rows of an array [events, 4] of one type, for find_column_order.
 [[nodiscard]] std::vector<std::array<double, 4>> sample_rows(const uint8_t* rows, const std::string& type,

@@ -170,6 +170,21 @@ Result<RecordFields> fields_of(ByteSource& source, const std::string& order, Npy
   return find_columns(bytes, order, name, header, info);
 }
 
+/// The unit of the times; the source stands at the first record.
+Result<TimeUnit> unit_of(ByteSource& source, TimeUnit named, const NpyHeader& header, const NumberField& times,
+                         RecordingInfo& info) {
+  const size_t record_bytes = header.array.item_size;
+  E2LF_ASSIGN_OR_RETURN(auto bytes, source.fetch(kSampledRows * record_bytes));
+  const size_t count = std::min({bytes.size() / record_bytes, kSampledRows, header.array.shape[0]});
+  bytes = bytes.first(count * record_bytes);
+  std::vector<uint8_t> little;
+  if (!header.big_endian.empty()) {
+    reverse_big_endian(bytes, header, little);
+    bytes = little;
+  }
+  return find_time_unit(named, bytes.data(), times, count, info.assumptions);
+}
+
 }  // namespace
 
 bool detect_npy(std::span<const uint8_t> head) {
@@ -186,8 +201,7 @@ Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> so
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   source->consume(header.data_offset);
   E2LF_ASSIGN_OR_RETURN(RecordFields fields, fields_of(*source, options.columns, header, info));
-  fields.unit = options.time_unit;
-  if (const auto assumed = time_assumption(fields.t.type, fields.unit)) info.assumptions.push_back(*assumed);
+  E2LF_ASSIGN_OR_RETURN(fields.unit, unit_of(*source, options.time_unit, header, fields.t, info));
   E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->path()));
   const bool is_seekable = source->seekable();
   auto records = std::make_unique<NpyBlocks>(std::move(source), std::move(header), std::move(fields));

@@ -63,7 +63,8 @@ Result<Column<int64_t>> read_times(const NpzArrays& arrays, Names names, const s
   return column;
 }
 
-/// The triggers, sorted; those that cannot be read are added to `num_bad`.
+/// The triggers, sorted, their times in `unit` where they are floating-point numbers; those that cannot be read are
+/// added to `num_bad`.
 Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::string& name, TimeUnit unit,
                                            size_t& num_bad) {
   std::vector<Trigger> triggers;
@@ -71,6 +72,7 @@ Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::s
   E2LF_ASSIGN_OR_RETURN(const NpyArray* times, find_column(arrays, {"trigger_t"}, name));
   const size_t count = times->shape[0];
   Column<uint8_t> bad(count, 0);
+  if (times->type[0] != 'f' && unit == TimeUnit::kSeconds) unit = TimeUnit::kMicroseconds;
   E2LF_ASSIGN_OR_RETURN(const auto t, read_times(arrays, {"trigger_t"}, name, count, unit, bad));
   E2LF_ASSIGN_OR_RETURN(const auto p, read_column<uint8_t>(arrays, {"trigger_p"}, name, count, bad));
   E2LF_ASSIGN_OR_RETURN(const auto id, read_column<uint16_t>(arrays, {"trigger_id"}, name, count, bad));
@@ -177,18 +179,49 @@ void read_size(const NpzArrays& arrays, RecordingInfo& info) {
   info.height = static_cast<size_t>((*size)[1]);
 }
 
+/// So many tell columns and units.
+constexpr size_t kSampledRows = 4096;
+
+struct NpzEvents {
+  EventColumns columns;
+  TimeUnit unit = TimeUnit::kAuto;
+  size_t num_bad = 0;
+};
+
 /// The events of an array [events, 4].
-Result<EventColumns> read_rows(const NpyArray& array, const OpenOptions& options, const std::string& name,
-                               RecordingInfo& info, size_t& num_bad) {
-  constexpr size_t kSampledRows = 4096;
+Result<NpzEvents> read_rows(const NpyArray& array, const OpenOptions& options, const std::string& name,
+                            RecordingInfo& info) {
   const auto rows =
       sample_rows(array.bytes.data(), array.type, array.item_size, std::min(array.shape[0], kSampledRows));
   E2LF_ASSIGN_OR_RETURN(const std::string order, find_column_order(rows, options.columns, name));
   if (options.columns.empty()) info.assumptions.push_back(column_assumption(order));
   RecordFields fields = fields_of_rows(order, array.type, array.item_size);
-  fields.unit = options.time_unit;
-  EventColumns events;
-  num_bad = to_events(array.bytes.data(), fields, array.shape[0], events);
+  fields.unit = find_time_unit(options.time_unit, array.bytes.data(), fields.t, rows.size(), info.assumptions);
+  NpzEvents events;
+  events.unit = fields.unit;
+  events.num_bad = to_events(array.bytes.data(), fields, array.shape[0], events.columns);
+  return events;
+}
+
+/// The events of four arrays, a column each.
+Result<NpzEvents> read_columns(const NpzArrays& arrays, const OpenOptions& options, const std::string& name,
+                               RecordingInfo& info) {
+  const Names times = {"t", "ts", "timestamp", "timestamps"};
+  E2LF_ASSIGN_OR_RETURN(const NpyArray* time_column, find_column(arrays, times, name));
+  const size_t count = time_column->shape[0];
+  NpzEvents events;
+  events.unit =
+      find_time_unit(options.time_unit, time_column->bytes.data(), {time_column->type, 0, time_column->item_size},
+                     std::min(count, kSampledRows), info.assumptions);
+  Column<uint8_t> bad(count);
+  std::fill(bad.begin(), bad.end(), uint8_t{0});
+  EventColumns& columns = events.columns;
+  E2LF_ASSIGN_OR_RETURN(columns.x, read_column<uint16_t>(arrays, {"x", "xs"}, name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(columns.y, read_column<uint16_t>(arrays, {"y", "ys"}, name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(columns.p, read_column<uint8_t>(arrays, {"p", "ps", "pol", "polarity"}, name, count, bad));
+  E2LF_ASSIGN_OR_RETURN(columns.t, read_times(arrays, times, name, count, events.unit, bad));
+  for (size_t i = 0; i < count; ++i) bad[i] |= columns.p[i] > 1;
+  events.num_bad = remove_bad(columns, 0, bad);
   return events;
 }
 
@@ -201,31 +234,6 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
   const bool fits = array != nullptr && array->fields.empty() && array->shape.size() == 2 && array->shape[1] == 4 &&
                     is_number_type(array->type);
   return fits ? array : nullptr;
-}
-
-Result<EventColumns> read_events(const NpzArrays& arrays, const OpenOptions& options, const std::string& name,
-                                 RecordingInfo& info, size_t& num_bad) {
-  const Names times = {"t", "ts", "timestamp", "timestamps"};
-  const NpyArray* const rows = find_rows(arrays);
-  std::string type = rows != nullptr ? rows->type : "";
-  EventColumns events;
-  if (rows != nullptr) {
-    E2LF_ASSIGN_OR_RETURN(events, read_rows(*rows, options, name, info, num_bad));
-  } else {
-    E2LF_ASSIGN_OR_RETURN(const NpyArray* time_column, find_column(arrays, times, name));
-    type = time_column->type;
-    const size_t count = time_column->shape[0];
-    Column<uint8_t> bad(count);
-    std::fill(bad.begin(), bad.end(), uint8_t{0});
-    E2LF_ASSIGN_OR_RETURN(events.x, read_column<uint16_t>(arrays, {"x", "xs"}, name, count, bad));
-    E2LF_ASSIGN_OR_RETURN(events.y, read_column<uint16_t>(arrays, {"y", "ys"}, name, count, bad));
-    E2LF_ASSIGN_OR_RETURN(events.p, read_column<uint8_t>(arrays, {"p", "ps", "pol", "polarity"}, name, count, bad));
-    E2LF_ASSIGN_OR_RETURN(events.t, read_times(arrays, times, name, count, options.time_unit, bad));
-    for (size_t i = 0; i < count; ++i) bad[i] |= events.p[i] > 1;
-    num_bad = remove_bad(events, 0, bad);
-  }
-  if (const auto assumed = time_assumption(type, options.time_unit)) info.assumptions.push_back(*assumed);
-  return events;
 }
 
 }  // namespace
@@ -247,10 +255,13 @@ Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> so
   read_size(arrays, info);
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
+  const NpyArray* const rows = find_rows(arrays);
+  E2LF_ASSIGN_OR_RETURN(NpzEvents events, rows != nullptr ? read_rows(*rows, options, name, info)
+                                                          : read_columns(arrays, options, name, info));
+  size_t num_bad = events.num_bad;
   EventBatch all;
-  size_t num_bad = 0;
-  E2LF_ASSIGN_OR_RETURN(all.events, read_events(arrays, options, name, info, num_bad));
-  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, options.time_unit, num_bad));
+  all.events = std::move(events.columns);
+  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, events.unit, num_bad));
   auto columns = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
   return make_block_reader(make_time_sorted(std::move(columns), /*is_seekable=*/true, name), std::move(info), name,
                            options);

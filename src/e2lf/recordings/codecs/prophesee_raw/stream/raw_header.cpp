@@ -209,9 +209,8 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
     info.format = options.format;
   }
   if (info.format.empty()) {
-    return Error{ErrorCode::kFormat,
-                 "the file does not say how its events are encoded; name the format (--event-format evt3)",
-                 source.name()};
+    return Error{ErrorCode::kFormat, "the file does not say how its events are encoded; name the format, as evt3",
+                 source.name(), Setting::kInputFormat};
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));
   if (std::max(info.width, info.height) > kMaxSide) {

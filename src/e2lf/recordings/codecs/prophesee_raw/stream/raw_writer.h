@@ -72,8 +72,8 @@ class RawWriter final : public RecordingWriter {
       last_us = std::max(last_us, batch.triggers.back().t);
     }
     if (first_us < 0 || (latest_us_ < 0 && first_us > Encoder::kMaxFirstUs && !batch.empty())) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("time ", first_us, " us cannot be held by this format; shift the recording to zero"), name_};
+      return Error{ErrorCode::kInvalidValue, cat("time ", first_us, " us cannot be held by this format; begin at zero"),
+                   name_, Setting::kShiftTime};
     }
     for (const Trigger& trigger : batch.triggers) {
       if (trigger.id <= Encoder::kMaxTriggerId) continue;
@@ -123,8 +123,10 @@ class RawWriter final : public RecordingWriter {
 template <typename Encoder>
 Result<std::unique_ptr<RecordingWriter>> create_raw_writer(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
   if (info.width == 0 || info.height == 0 || info.width > 2048 || info.height > 2048) {
-    return Error{ErrorCode::kInvalidValue, "a RAW recording is 1 to 2048 pixels wide and high; give the sensor's size",
-                 sink->name()};
+    return Error{ErrorCode::kInvalidValue,
+                 cat("a RAW recording is 1 to 2048 px wide and high, not ", info.width, "x", info.height,
+                     "; give the sensor's size"),
+                 sink->name(), Setting::kSensorSize};
   }
   const std::string header = raw_header_text(info);
   E2LF_RETURN_IF_ERROR(sink->write(std::span(reinterpret_cast<const uint8_t*>(header.data()), header.size())));
