@@ -99,6 +99,7 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
 /// The verbs, one file each.
 int run_accumulate(const std::vector<std::string>& arguments);
 int run_bench(const std::vector<std::string>& arguments);
+int run_calibrate(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
 int run_codes_render(const std::vector<std::string>& arguments);
 int run_convert(const std::vector<std::string>& arguments);

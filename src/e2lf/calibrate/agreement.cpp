@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/calibrate/agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <span>
+
+#include "e2lf/base/threads.h"
+#include "e2lf/calibrate/count_distribution.h"
+
+namespace e2lf::calibrate {
+namespace {
+
+constexpr double kLeastRowSamples = 300.0;
+constexpr double kLeastDeviation = 1e-6;
+
+size_t transitions_of(size_t cells) {
+  size_t transitions = 0;
+  for (size_t size = 1; size < cells; size *= kNumCounts) ++transitions;
+  return transitions;
+}
+
+/// Sums of a histogram, of which moments are made.
+struct Sums {
+  std::vector<double> mean;
+  std::vector<double> product;  ///< transitions x transitions
+};
+
+template <typename Value>
+Sums sums_of(std::span<const Value> histogram, size_t transitions) {
+  Sums sums{std::vector<double>(transitions), std::vector<double>(transitions * transitions)};
+  std::vector<double> counts(transitions);
+  double total = 0.0;
+  for (size_t cell = 0; cell < histogram.size(); ++cell) {
+    const auto share = static_cast<double>(histogram[cell]);
+    if (share <= 0.0) continue;
+    size_t rest = cell;
+    for (size_t n = transitions; n-- > 0; rest /= kNumCounts) counts[n] = count_at(rest % kNumCounts);
+    total += share;
+    for (size_t n = 0; n < transitions; ++n) {
+      sums.mean[n] += share * counts[n];
+      for (size_t m = 0; m < transitions; ++m) sums.product[n * transitions + m] += share * counts[n] * counts[m];
+    }
+  }
+  for (double& value : sums.mean) value /= total;
+  for (double& value : sums.product) value /= total;
+  return sums;
+}
+
+/// Collects means over areas and covariances within each.
+class MomentSum {
+ public:
+  explicit MomentSum(size_t transitions) : mean_(transitions), covariance_(transitions * transitions) {}
+
+  void add(const Sums& sums, double weight) {
+    const size_t count = mean_.size();
+    for (size_t n = 0; n < count; ++n) {
+      mean_[n] += weight * sums.mean[n];
+      for (size_t m = 0; m < count; ++m) {
+        covariance_[n * count + m] += weight * (sums.product[n * count + m] - sums.mean[n] * sums.mean[m]);
+      }
+    }
+  }
+
+  [[nodiscard]] Moments moments() const {
+    const size_t count = mean_.size();
+    Moments result{mean_, {}, {}};
+    const auto deviation = [&](size_t n) {
+      return std::sqrt(std::max(covariance_[n * count + n], kLeastDeviation * kLeastDeviation));
+    };
+    for (size_t n = 0; n < count; ++n) result.deviation.push_back(deviation(n));
+    for (size_t apart = 1; apart < count; ++apart) {
+      for (size_t n = 0; n + apart < count; ++n) {
+        result.correlation.push_back(covariance_[n * count + n + apart] / deviation(n) / deviation(n + apart));
+      }
+    }
+    return result;
+  }
+
+ private:
+  std::vector<double> mean_, covariance_;
+};
+
+}  // namespace
+
+Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<std::vector<double>>& predictions) {
+  const size_t cells = areas.front()->histogram.size(), transitions = transitions_of(cells);
+  Agreement result;
+  for (const Area* area : areas) result.samples += area->samples;
+  MomentSum measured(transitions), simulated(transitions);
+  std::vector<double> difference(cells), model(cells);
+  for (size_t a = 0; a < areas.size(); ++a) {
+    const double weight = areas[a]->samples / result.samples;
+    measured.add(sums_of(std::span<const float>(areas[a]->histogram), transitions), weight);
+    simulated.add(sums_of(std::span<const double>(predictions[a]), transitions), weight);
+    result.x += weight * areas[a]->x;
+    result.y += weight * areas[a]->y;
+    for (size_t cell = 0; cell < cells; ++cell) {
+      difference[cell] += weight * (areas[a]->histogram[cell] - predictions[a][cell]);
+      model[cell] += weight * predictions[a][cell];
+    }
+  }
+  for (size_t cell = 0; cell < cells; ++cell) {
+    result.total_variation += 0.5 * std::abs(difference[cell]);
+    // The mean distance of a share of so many samples from its probability.
+    const double p = std::clamp(model[cell], 0.0, 1.0);
+    result.chance += 0.5 * std::min(std::sqrt(2.0 * p * (1.0 - p) / (std::numbers::pi * result.samples)), 2.0 * p);
+  }
+  result.measured = measured.moments();
+  result.simulated = simulated.moments();
+  for (size_t n = 0; n < std::min<size_t>(transitions, 2); ++n) result.brightness += result.measured.mean[n];
+  return result;
+}
+
+AgreementReport compare(const capture::Camera& camera, const std::vector<float>& open_shares,
+                        const std::vector<Area>& areas) {
+  const std::vector<double> brightness = fit_brightness(camera, open_shares, areas);
+  std::vector<std::vector<double>> predictions(areas.size());
+  parallel_for(areas.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t a = begin; a < end; ++a) predictions[a] = predict(camera, open_shares, areas[a], brightness[a]);
+  });
+  AgreementReport report;
+  std::map<size_t, std::vector<size_t>> rows;
+  for (size_t a = 0; a < areas.size(); ++a) rows[areas[a].row].push_back(a);
+  for (const auto& [row, members] : rows) {
+    std::vector<const Area*> group;
+    std::vector<std::vector<double>> expected;
+    for (const size_t a : members) {
+      group.push_back(&areas[a]);
+      expected.push_back(predictions[a]);
+      report.places.push_back(agreement_of({&areas[a]}, {predictions[a]}));
+    }
+    Agreement agreement = agreement_of(group, expected);
+    if (agreement.samples >= kLeastRowSamples) report.rows.push_back(std::move(agreement));
+  }
+  return report;
+}
+
+}  // namespace e2lf::calibrate

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/calibrate/calibrate.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "e2lf/base/text.h"
+#include "e2lf/calibrate/count_distribution.h"
+
+namespace e2lf::calibrate {
+namespace {
+
+constexpr double kDetermined = 0.5;  // standard deviation over spread below which the data determine a constant
+constexpr double kQuantile = 1.96;   // of a normal distribution, for 95 %
+constexpr size_t kGroups = 8;
+constexpr double kShareOfOwnError = 0.1;  // of a row's misfit that the model's own error may make
+constexpr float kMostUncertainty = 0.95F;
+constexpr size_t kLeastAreas = 4;
+
+/// The flat areas of all scenes, found once.
+class FlatScene {
+ public:
+  FlatScene(const std::vector<StillScene>& scenes, const std::vector<PixelState>& states, bool is_even)
+      : scenes_(scenes) {
+    for (const StillScene& scene : scenes) {
+      flat_.push_back(is_even ? even_areas(scene, states) : find_flat_areas(scene, states));
+    }
+  }
+
+  [[nodiscard]] std::vector<Area> areas(const SquareFilter& is_counted) const {
+    std::vector<Area> all;
+    for (size_t c = 0; c < scenes_.size(); ++c) {
+      for (Area& area : collect_areas(scenes_[c], c, flat_[c], is_counted)) all.push_back(std::move(area));
+    }
+    return all;
+  }
+
+  [[nodiscard]] size_t num_pixels() const {
+    size_t sum = 0;
+    for (const FlatAreas& flat : flat_) {
+      sum += static_cast<size_t>(std::count(flat.is_flat.begin(), flat.is_flat.end(), true));
+    }
+    return sum;
+  }
+
+ private:
+  const std::vector<StillScene>& scenes_;
+  std::vector<FlatAreas> flat_;
+};
+
+/// Squares of which a fit is made: every second one where the others are kept out.
+bool is_fitted(bool keep_out, size_t square_y, size_t square_x) {
+  return !keep_out || (square_y + square_x) % 2 == 0;
+}
+
+/// The group that leaves the fit with others in turn; neighbours are in different ones.
+size_t group_of(size_t square_y, size_t square_x) {
+  return (square_y * 3 + square_x / 2) % kGroups;
+}
+
+Eigen::VectorXd spreads_of(const std::vector<Parameter>& parameters) {
+  Eigen::VectorXd spreads(static_cast<Eigen::Index>(parameters.size()));
+  for (size_t i = 0; i < parameters.size(); ++i) spreads[static_cast<Eigen::Index>(i)] = parameters[i].spread;
+  return spreads;
+}
+
+using AreaKey = std::array<size_t, 3>;
+
+AreaKey key_of(const Area& area) {
+  return {area.scene, area.row, area.cell};
+}
+
+/// Standard deviations by the curvature, with the first guess as one more measurement.
+Eigen::VectorXd deviations(const Eigen::MatrixXd& information, const Eigen::VectorXd& spreads) {
+  Eigen::MatrixXd matrix = information;
+  matrix.diagonal() += spreads.cwiseAbs2().cwiseInverse();
+  const Eigen::MatrixXd inverse = matrix.ldlt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+  return inverse.diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
+/// The keys of what the data do not determine: the worst is taken out, one after the other, until the rest is
+/// determined.
+std::vector<std::string> undetermined(std::vector<Parameter> parameters, Eigen::MatrixXd information) {
+  std::vector<std::string> keys;
+  while (!parameters.empty()) {
+    const Eigen::VectorXd spreads = spreads_of(parameters);
+    Eigen::Index worst = 0;
+    const double ratio = deviations(information, spreads).cwiseQuotient(spreads).maxCoeff(&worst);
+    if (ratio <= kDetermined) break;
+    keys.push_back(parameters[static_cast<size_t>(worst)].key);
+    parameters.erase(parameters.begin() + worst);
+    std::vector<Eigen::Index> rest;
+    for (Eigen::Index i = 0; i < information.rows(); ++i) {
+      if (i != worst) rest.push_back(i);
+    }
+    information = Eigen::MatrixXd(information(rest, rest));
+  }
+  return keys;
+}
+
+Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& codes, const capture::Camera& start) {
+  E2LF_RETURN_IF_ERROR(check_scenes(scenes));
+  const size_t transitions = scenes.front().cycles.front().transitions;
+  if (codes.num_patterns != transitions + 1) {
+    return Error{ErrorCode::kShape,
+                 cat(codes.num_patterns, " patterns do not make ", transitions,
+                     " transitions; give the patterns of these events"),
+                 ""};
+  }
+  if (!capture::is_black_first(codes)) {
+    return Error{ErrorCode::kInvalidValue, "a calibration needs patterns that begin with black; use others", ""};
+  }
+  if (!start.is_pixel()) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the camera \"", start.name, "\" is of the event model ", start.event_model,
+                     "; begin with one of the model pixel"),
+                 ""};
+  }
+  return {};
+}
+
+/// The work of one calibration.
+class Calibrator {
+ public:
+  Calibrator(const FlatScene& scene, const std::vector<float>& shares, const capture::Camera& start,
+             const CalibrationOptions& options)
+      : scene_(scene),
+        shares_(shares),
+        start_(start),
+        options_(options),
+        areas_(scene.areas([&](size_t y, size_t x) { return is_fitted(options.keep_out, y, x); })) {}
+
+  [[nodiscard]] const std::vector<Area>& areas() const { return areas_; }
+
+  /// The first guess, with the brightness of each area that fits it.
+  [[nodiscard]] Model first_model() const { return {start_, fit_brightness(start_, shares_, areas_)}; }
+
+  [[nodiscard]] Fit fit(const std::vector<Parameter>& parameters, const Model& from, double most_row_samples,
+                        size_t part) const {
+    FitOptions fit_options{.most_row_samples = most_row_samples};
+    if (options_.progress) {
+      fit_options.progress = [this, part](size_t done, size_t total) {
+        options_.progress(100 * part + 100 * done / total, kParts * 100);
+      };
+    }
+    return fit_camera(parameters, shares_, areas_, start_, from, fit_options);
+  }
+
+  /// How far the parameters move when parts of the picture are left out, as a standard deviation: a jackknife of one
+  /// step, as far as the equations at the result tell.
+  [[nodiscard]] Eigen::VectorXd deviations_over_picture(const std::vector<Parameter>& parameters, const Model& whole,
+                                                        double most_row_samples) const {
+    std::map<AreaKey, double> brightness;
+    for (size_t a = 0; a < areas_.size(); ++a) brightness[key_of(areas_[a])] = whole.brightness[a];
+    std::vector<Eigen::VectorXd> moves;
+    for (size_t group = 0; group < kGroups; ++group) {
+      if (options_.progress) options_.progress(300 + 100 * group / kGroups, kParts * 100);
+      const auto areas = scene_.areas(
+          [&](size_t y, size_t x) { return is_fitted(options_.keep_out, y, x) && group_of(y, x) != group; });
+      if (areas.empty()) continue;
+      Model model{whole.camera, {}};
+      for (const Area& area : areas) model.brightness.push_back(brightness.at(key_of(area)));
+      moves.push_back(next_move(parameters, shares_, areas, start_, model, most_row_samples));
+    }
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters.size())), squares = mean;
+    for (const auto& each : moves) mean += each / static_cast<double>(moves.size());
+    for (const auto& each : moves) squares += (each - mean).cwiseAbs2();
+    const auto count = static_cast<double>(moves.size());
+    return (squares * (count - 1.0) / std::max(count, 1.0)).cwiseSqrt();
+  }
+
+  static constexpr size_t kParts = 4;
+
+ private:
+  const FlatScene& scene_;
+  const std::vector<float>& shares_;
+  const capture::Camera& start_;
+  const CalibrationOptions& options_;
+  std::vector<Area> areas_;
+};
+
+/// What the data determine, and how well.
+struct Solution {
+  capture::Camera camera;
+  std::vector<Parameter> determined;
+  Eigen::VectorXd deviation;  ///< of each of those
+};
+
+/// Fits all parameters; again with more weight for many samples where the model is so good that they tell more; and
+/// again without those that are not determined.
+Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all) {
+  const Model first = calibrator.first_model();
+  double most_row_samples = kRowSamples;
+  Fit fit = calibrator.fit(all, first, most_row_samples, 0);
+  const double trusted = kShareOfOwnError * fit.misfit.row_samples;
+  if (trusted > most_row_samples) {
+    most_row_samples = trusted;
+    fit = calibrator.fit(all, fit.model, most_row_samples, 1);
+  }
+  const std::vector<std::string> open = undetermined(all, fit.information);
+  std::vector<Parameter> determined;
+  for (const Parameter& each : all) {
+    if (std::find(open.begin(), open.end(), each.key) == open.end()) {
+      determined.push_back(each);
+    } else {
+      each.set(fit.model.camera, each.get(first.camera));
+    }
+  }
+  if (!open.empty()) fit = calibrator.fit(determined, fit.model, most_row_samples, 2);
+  const Eigen::VectorXd deviation =
+      deviations(fit.information, spreads_of(determined))
+          .cwiseMax(calibrator.deviations_over_picture(determined, fit.model, most_row_samples));
+  return {fit.model.camera, std::move(determined), deviation};
+}
+
+/// The estimate of a constant from the middle and deviation of what was fitted.
+Estimate estimate_of(const Parameter& parameter, const capture::Camera& camera, double deviation, bool is_determined) {
+  Estimate result{parameter.key, parameter.get(camera), 0.0, 0.0, is_determined};
+  const double width = kQuantile * deviation;
+  result.low = parameter.is_logarithm ? result.value * std::exp(-width) : result.value - width;
+  result.high = parameter.is_logarithm ? result.value * std::exp(width) : result.value + width;
+  return result;
+}
+
+/// Keeps how far constants may be off in the camera itself.
+void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::VectorXd& deviation,
+                      capture::Camera& camera) {
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const Parameter& parameter = parameters[i];
+    const auto width = static_cast<float>(kQuantile * deviation[static_cast<Eigen::Index>(i)]);
+    if (parameter.kind == Parameter::Kind::kConstant) {
+      const auto value = static_cast<float>(std::abs(parameter.get(camera)));
+      const float relative = parameter.is_logarithm ? width : width / std::max(value, 1e-6F);
+      camera.uncertainty.values[parameter.index] = std::min(relative, kMostUncertainty);
+    } else if (parameter.kind == Parameter::Kind::kTransmission) {
+      camera.transmission_uncertainty = std::min(std::max(camera.transmission_uncertainty, width), kMostUncertainty);
+    }
+  }
+}
+
+}  // namespace
+
+Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const capture::Codes& codes,
+                              const capture::Camera& start, const CalibrationOptions& options) {
+  E2LF_RETURN_IF_ERROR(check(scenes, codes, start));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<Parameter> all, fit_parameters(codes.num_patterns - 1, options.held));
+  Calibration result;
+  result.states = find_bad_pixels(scenes);
+  const FlatScene scene(scenes, result.states, options.is_even);
+  const std::vector<float> shares = open_shares(codes);
+  const Calibrator calibrator(scene, shares, start, options);
+  result.flat_pixels = scene.num_pixels();
+  if (calibrator.areas().size() < kLeastAreas) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("only ", calibrator.areas().size(), " flat areas were found in ", result.flat_pixels,
+                     " flat pixels; scene a scene with larger even areas of several brightnesses"),
+                 ""};
+  }
+  const Solution solution = solve(calibrator, all);
+  result.camera = solution.camera;
+  for (const Parameter& each : all) {
+    const auto& determined = solution.determined;
+    const auto place = std::find_if(determined.begin(), determined.end(),
+                                    [&](const Parameter& other) { return other.key == each.key; });
+    const bool is_determined = place != determined.end();
+    const double deviation = is_determined ? solution.deviation[place - determined.begin()] : each.spread;
+    result.estimates.push_back(estimate_of(each, result.camera, deviation, is_determined));
+  }
+  note_uncertainty(solution.determined, solution.deviation, result.camera);
+  const auto compared = scene.areas([&](size_t y, size_t x) { return !options.keep_out || !is_fitted(true, y, x); });
+  result.agreement = compare(result.camera, shares, compared);
+  result.first_agreement = compare(start, shares, compared);
+  if (options.progress) options.progress(Calibrator::kParts, Calibrator::kParts);
+  return result;
+}
+
+}  // namespace e2lf::calibrate

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/calibrate/calibrate.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <map>
+
+#include "e2lf/base/threads.h"
+#include "testing/test_still_scenes.h"
+
+namespace e2lf::calibrate {
+namespace {
+
+using enum capture::PixelConstant;
+
+/// A first guess that is off by a tenth and more.
+capture::Camera wrong_guess(capture::Camera camera) {
+  camera.pixel[kThresholdOn] *= 1.12F;
+  camera.pixel[kThresholdOff] *= 0.9F;
+  camera.pixel[kReceptorRate] *= 0.75F;
+  camera.pixel[kAmplifierRate] *= 1.3F;
+  camera.pixel[kMismatch] *= 1.3F;
+  camera.pixel[kNoise] *= 0.8F;
+  camera.transmission = {1.0F, 1.0F, 1.0F};
+  camera.transmission_slope_x.clear();
+  camera.transmission_slope_y.clear();
+  return camera;
+}
+
+std::map<std::string, Estimate> by_key(const Calibration& calibration) {
+  std::map<std::string, Estimate> estimates;
+  for (const Estimate& each : calibration.estimates) estimates[each.key] = each;
+  return estimates;
+}
+
+/// Calibrates from even patches behind known open areas, and asks for the constants within the tolerances of
+/// docs/calibration.md.
+void expect_recovered(const capture::Camera& truth) {
+  const capture::Codes codes = known_open_areas();
+  const capture::Camera guess = wrong_guess(truth);
+  const auto found =
+      calibrate({simulate(truth, patches(0.01F, 0.6F), 4, codes)}, codes, guess, {.held = {}, .is_even = true});
+  ASSERT_TRUE(found) << found.error().text();
+  const auto estimates = by_key(*found);
+  const auto expect_within = [&](capture::PixelConstant constant, float share) {
+    const auto* key = capture::pixel_constant_key(constant);
+    const float value = found->camera.pixel[constant];
+    if (estimates.at(key).is_determined) {
+      EXPECT_NEAR(value / truth.pixel[constant], 1.0, share) << key;
+    } else {
+      EXPECT_EQ(value, guess.pixel[constant]) << key;
+    }
+  };
+  for (const auto* key : {"threshold_on", "threshold_off", "mismatch", "receptor_rate_hz", "noise"}) {
+    EXPECT_TRUE(estimates.at(key).is_determined) << key;
+  }
+  expect_within(kThresholdOn, 0.02F);
+  expect_within(kThresholdOff, 0.02F);
+  expect_within(kMismatch, 0.10F);
+  expect_within(kReceptorRate, 0.15F);
+  expect_within(kAmplifierRate, 0.15F);
+  expect_within(kNoise, 0.10F);
+  for (size_t n = 1; n < 3; ++n) {
+    EXPECT_NEAR(found->camera.transmission[n], truth.transmission[n], 0.04);
+    EXPECT_NEAR(found->camera.transmission_slope_x[n], truth.transmission_slope_x[n], 0.02);
+    EXPECT_NEAR(found->camera.transmission_slope_y[n], truth.transmission_slope_y[n], 0.02);
+  }
+  for (const Agreement& row : found->agreement.rows) {
+    EXPECT_LT(row.total_variation, 0.01 + row.chance) << "at " << row.brightness;
+  }
+}
+
+TEST(Calibrate, RecoversConstantsOverAGridFromKnownOpenAreas) {
+  struct Truth {
+    float threshold, receptor_rate, amplifier_rate, mismatch;
+  };
+  for (const Truth& each :
+       {Truth{0.40F, 27.0F, 280.0F, 0.10F}, Truth{0.25F, 15.0F, 500.0F, 0.15F}, Truth{0.50F, 60.0F, 180.0F, 0.05F}}) {
+    auto truth = plain_camera();
+    truth.pixel[kThresholdOn] = each.threshold;
+    truth.pixel[kThresholdOff] = 0.85F * each.threshold;
+    truth.pixel[kReceptorRate] = each.receptor_rate;
+    truth.pixel[kAmplifierRate] = each.amplifier_rate;
+    truth.pixel[kMismatch] = each.mismatch;
+    truth.transmission_slope_x = {0.0F, 0.06F, 0.08F};
+    truth.transmission_slope_y = {0.0F, 0.02F, 0.06F};
+    SCOPED_TRACE("threshold " + std::to_string(each.threshold));
+    expect_recovered(truth);
+  }
+}
+
+TEST(Calibrate, SaysWhatABrightSceneDoesNotDetermineAndKeepsIt) {
+  const auto truth = plain_camera();
+  auto guess = truth;
+  guess.pixel[kDarkOff] = 0.05F;
+  guess.pixel[kLeak] = 0.0008F;
+  guess.pixel[kReceptorRate] = 35.0F;
+  const StillScene scene = simulate(truth, patches(30.0F, 50.0F), 1);
+  const auto found = calibrate({scene}, capture::default_codes(), guess, {.held = {}, .is_even = true});
+  ASSERT_TRUE(found) << found.error().text();
+  const auto estimates = by_key(*found);
+  EXPECT_FALSE(estimates.at("dark_off").is_determined);
+  EXPECT_EQ(found->camera.pixel[kDarkOff], guess.pixel[kDarkOff]);
+}
+
+TEST(Calibrate, HoldsWhatItIsToldAndRefusesUnknownKeys) {
+  const auto guess = wrong_guess(plain_camera());
+  const StillScene scene = simulate(plain_camera(), patches(0.1F, 2.0F), 1);
+  const auto refused = calibrate({scene}, capture::default_codes(), guess, {.held = {"threshold_onn"}});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text().find("threshold_on"), std::string::npos);
+  capture::Camera paper;
+  EXPECT_EQ(calibrate({scene}, capture::default_codes(), paper, {}).error().code, ErrorCode::kInvalidValue);
+  const StillScene black{{capture::EventImages(3, 64, 64)}};
+  EXPECT_EQ(calibrate({black}, capture::Codes(3, 8, 8), guess, {}).error().code, ErrorCode::kShape);
+}
+
+TEST(ThresholdMap, TellsPixelsOfHighAndLowThresholdsApart) {
+  auto truth = plain_camera();
+  truth.pixel[kMismatch] = truth.pixel[kMismatchEach] = 0.0F;
+  const auto field = patches(0.3F, 2.0F);
+  const auto scaled = [&](float factor) {
+    auto camera = truth;
+    camera.pixel[kThresholdOn] *= factor;
+    camera.pixel[kThresholdOff] *= factor;
+    return simulate(camera, field, 16);
+  };
+  // A chequerboard of both.
+  StillScene scene = scaled(0.9F);
+  const StillScene high = scaled(1.1F);
+  const size_t width = scene.cycles[0].width;
+  const auto is_high = [&](size_t p) { return (p / width + p % width) % 2 == 1; };
+  for (size_t c = 0; c < scene.cycles.size(); ++c) {
+    for (size_t n = 0; n < 3; ++n) {
+      for (size_t p = 0; p < scene.cycles[c].image_size(); ++p) {
+        if (is_high(p)) scene.cycles[c].image(n)[p] = high.cycles[c].image(n)[p];
+      }
+    }
+  }
+  truth.pixel[kMismatch] = 0.1F;
+  const auto states = std::vector<PixelState>(scene.cycles[0].image_size(), PixelState::kGood);
+  const Plane map = threshold_map({scene}, capture::default_codes(), truth, states);
+  double sum[2] = {0.0, 0.0}, count[2] = {0.0, 0.0};
+  for (size_t p = 0; p < map.values.size(); ++p) {
+    if (std::isnan(map.values[p])) continue;
+    sum[is_high(p) ? 1 : 0] += map.values[p];
+    count[is_high(p) ? 1 : 0] += 1.0;
+  }
+  ASSERT_GT(count[0], 1000.0);
+  EXPECT_NEAR(sum[0] / count[0], 0.9, 0.03);
+  EXPECT_NEAR(sum[1] / count[1], 1.1, 0.03);
+}
+
+}  // namespace
+}  // namespace e2lf::calibrate

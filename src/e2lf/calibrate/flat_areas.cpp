@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/calibrate/flat_areas.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "e2lf/calibrate/count_distribution.h"
+
+namespace e2lf::calibrate {
+namespace {
+
+constexpr double kLocalMeanPx = 7.0, kWindowPx = 10.0, kTexturePx = 1.5, kSlopePx = 6.0;
+constexpr float kLeastVariance = 0.01F;  // of counts, so that a dark area without events is flat
+constexpr size_t kMarginPx = 40;
+constexpr double kLeastSamples = 150.0;
+constexpr float kDarkest = -1.0F;  // brightness at which the rows begin
+
+/// What texture and slope of a transition may be: the ratio of variances (1 for white noise), and the gradient in
+/// standard deviations that noise alone gives it.
+struct Limits {
+  float texture, slope;
+};
+constexpr Limits kFirst{3.0F, 10.0F}, kSecond{2.0F, 5.0F}, kLater{1.4F, 3.5F};
+
+Limits limits_of(size_t transition) {
+  return transition == 0 ? kFirst : transition == 1 ? kSecond : kLater;
+}
+
+template <typename Function>
+Plane combined(const Plane& a, const Plane& b, const Function& function) {
+  Plane result(a.height, a.width);
+  for (size_t p = 0; p < result.values.size(); ++p) result.values[p] = function(a.values[p], b.values[p]);
+  return result;
+}
+
+Plane minus(const Plane& a, const Plane& b) {
+  return combined(a, b, [](float x, float y) { return x - y; });
+}
+
+/// The variance in a window around each pixel.
+Plane local_variance(const Plane& plane) {
+  const Plane squares = combined(plane, plane, [](float x, float y) { return x * y; });
+  return combined(blurred(squares, kWindowPx), blurred(plane, kWindowPx),
+                  [](float square, float mean) { return std::max(square - mean * mean, 0.0F); });
+}
+
+/// The share of white noise that is left of its variance when it is blurred by kTexturePx, both without local mean.
+float white_share() {
+  constexpr size_t kSize = 129;
+  Plane impulse(kSize, kSize);
+  impulse.values[impulse.values.size() / 2] = 1.0F;
+  const Plane residual = minus(impulse, blurred(impulse, kLocalMeanPx));
+  const auto energy = [](const Plane& plane) {
+    double sum = 0.0;
+    for (const float value : plane.values) sum += static_cast<double>(value) * value;
+    return sum;
+  };
+  return static_cast<float>(energy(blurred(residual, kTexturePx)) / energy(residual));
+}
+
+/// Clears the pixels at which one transition has texture or slope.
+void exclude_structure(const Plane& counts, const Plane& single_variance, const Limits& limits,
+                       std::vector<bool>& is_flat) {
+  static const float share_of_noise = white_share();
+  const Plane residual = minus(counts, blurred(counts, kLocalMeanPx));
+  const Plane texture = local_variance(blurred(residual, kTexturePx));
+  const Plane slope = squared_gradient(blurred(counts, kSlopePx));
+  // The variance of one component of the gradient of white noise of variance 1.
+  const auto slope_of_noise = static_cast<float>(1.0 / (8.0 * std::numbers::pi * std::pow(kSlopePx, 4.0)));
+  for (size_t p = 0; p < is_flat.size(); ++p) {
+    const float variance = single_variance.values[p] + kLeastVariance;
+    if (texture.values[p] > limits.texture * share_of_noise * variance ||
+        slope.values[p] > limits.slope * limits.slope * slope_of_noise * variance) {
+      is_flat[p] = false;
+    }
+  }
+}
+
+/// The variance of the counts of single cycles around each pixel, which several cycles do not lessen.
+Plane variance_of_cycles(const StillScene& scene, size_t transition, const std::vector<PixelState>& states) {
+  Plane sum(scene.cycles.front().height, scene.cycles.front().width);
+  constexpr size_t kEnough = 4;
+  const size_t taken = std::min(scene.cycles.size(), kEnough);
+  for (size_t c = 0; c < taken; ++c) {
+    StillScene single{{scene.cycles[c]}};
+    const Plane counts = mean_counts(single, states)[transition];
+    const Plane variance = local_variance(minus(counts, blurred(counts, kLocalMeanPx)));
+    for (size_t p = 0; p < sum.values.size(); ++p) sum.values[p] += variance.values[p] / static_cast<float>(taken);
+  }
+  return sum;
+}
+
+size_t cell_of(const Plane& plane, size_t pixel) {
+  const size_t y = pixel / plane.width, x = pixel % plane.width;
+  return y * kFieldRows / plane.height * kFieldColumns + x * kFieldColumns / plane.width;
+}
+
+/// All good pixels but those at the edges, all as bright as nothing.
+FlatAreas good_areas(const Plane& like, const std::vector<PixelState>& states) {
+  const size_t height = like.height, width = like.width;
+  FlatAreas areas{std::vector<bool>(height * width), Plane(height, width)};
+  const size_t margin_y = std::min(kMarginPx, height / 8), margin_x = std::min(kMarginPx, width / 8);
+  for (size_t y = margin_y; y < height - margin_y; ++y) {
+    for (size_t x = margin_x; x < width - margin_x; ++x) {
+      areas.is_flat[y * width + x] = states[y * width + x] == PixelState::kGood;
+    }
+  }
+  return areas;
+}
+
+}  // namespace
+
+FlatAreas find_flat_areas(const StillScene& scene, const std::vector<PixelState>& states) {
+  const std::vector<Plane> counts = mean_counts(scene, states);
+  FlatAreas areas = good_areas(counts.front(), states);
+  for (size_t n = 0; n < counts.size(); ++n) {
+    exclude_structure(counts[n], variance_of_cycles(scene, n, states), limits_of(n), areas.is_flat);
+    if (n >= 2) continue;
+    const Plane mean = blurred(counts[n], kLocalMeanPx);
+    for (size_t p = 0; p < mean.values.size(); ++p) areas.brightness.values[p] += mean.values[p];
+  }
+  return areas;
+}
+
+FlatAreas even_areas(const StillScene& scene, const std::vector<PixelState>& states) {
+  const std::vector<Plane> counts = mean_counts(scene, states);
+  FlatAreas areas = good_areas(counts.front(), states);
+  std::array<double, kFieldColumns*kFieldRows> sum = {}, pixels = {};
+  for (size_t p = 0; p < areas.is_flat.size(); ++p) {
+    if (!areas.is_flat[p]) continue;
+    const size_t cell = cell_of(areas.brightness, p);
+    pixels[cell] += 1.0;
+    for (size_t n = 0; n < std::min<size_t>(counts.size(), 2); ++n) sum[cell] += counts[n].values[p];
+  }
+  for (size_t p = 0; p < areas.is_flat.size(); ++p) {
+    const size_t cell = cell_of(areas.brightness, p);
+    areas.brightness.values[p] = static_cast<float>(sum[cell] / std::max(pixels[cell], 1.0));
+  }
+  return areas;
+}
+
+size_t row_of(float brightness) {
+  return static_cast<size_t>(std::max((brightness - kDarkest) / kRowWidth, 0.0F));
+}
+
+float brightness_of(size_t row) {
+  return kDarkest + (static_cast<float>(row) + 0.5F) * kRowWidth;
+}
+
+size_t area_key(const FlatAreas& flat, size_t pixel) {
+  const size_t row = row_of(flat.brightness.values[pixel]);
+  return row * kFieldColumns * kFieldRows + cell_of(flat.brightness, pixel);
+}
+
+std::vector<Area> collect_areas(const StillScene& scene, size_t scene_number, const FlatAreas& flat,
+                                const SquareFilter& is_counted) {
+  const capture::EventImages& first = scene.cycles.front();
+  std::map<size_t, Area> areas;
+  for (size_t p = 0; p < flat.is_flat.size(); ++p) {
+    const size_t y = p / first.width, x = p % first.width;
+    if (!flat.is_flat[p] || !is_counted(y / kSquarePx, x / kSquarePx)) continue;
+    const size_t key = area_key(flat, p);
+    Area& area = areas[key];
+    if (area.histogram.empty()) {
+      area.row = key / (kFieldColumns * kFieldRows);
+      area.cell = key % (kFieldColumns * kFieldRows);
+      area.scene = scene_number;
+      area.histogram.resize(histogram_size(first.transitions));
+    }
+    const float half_width = 0.5F * static_cast<float>(first.width);
+    for (const capture::EventImages& cycle : scene.cycles) {
+      size_t place = 0;
+      for (size_t n = 0; n < cycle.transitions; ++n) place = place * kNumCounts + count_place(cycle.image(n)[p]);
+      area.histogram[place] += 1.0F;
+      area.samples += 1.0;
+      area.x += (static_cast<float>(x) + 0.5F) / half_width - 1.0F;
+      area.y += (static_cast<float>(y) + 0.5F - 0.5F * static_cast<float>(first.height)) / half_width;
+    }
+  }
+  std::vector<Area> result;
+  for (auto& [key, area] : areas) {
+    if (area.samples < kLeastSamples) continue;
+    for (float& share : area.histogram) share /= static_cast<float>(area.samples);
+    area.x /= area.samples;
+    area.y /= area.samples;
+    result.push_back(std::move(area));
+  }
+  return result;
+}
+
+}  // namespace e2lf::calibrate

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/calibrate/parameters.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::calibrate {
+namespace {
+
+using enum capture::PixelConstant;
+using Kind = Parameter::Kind;
+
+constexpr double kLeastValue = 1e-6;  // of a number that is fitted as a logarithm
+
+struct Spread {
+  capture::PixelConstant constant;
+  bool is_logarithm;
+  double spread;
+};
+
+constexpr Spread kSpreads[] = {
+    {kReceptorRate, true, 0.5}, {kAmplifierRate, true, 0.7}, {kLeak, true, 0.7},          {kThresholdOn, true, 0.2},
+    {kThresholdOff, true, 0.2}, {kMismatch, true, 0.5},      {kMismatchEach, true, 1},    {kNoise, true, 0.5},
+    {kShotNoise, true, 0.7},    {kResetSpan, false, 0.3},    {kResetOffset, false, 0.05}, {kDarkOff, true, 0.7},
+    {kDarkOn, true, 0.7},
+};
+constexpr double kTransmissionSpread = 0.1, kSlopeSpread = 0.1;
+
+std::vector<float>& list_of(Kind kind, capture::Camera& camera) {
+  return kind == Kind::kTransmission ? camera.transmission
+         : kind == Kind::kSlopeX     ? camera.transmission_slope_x
+                                     : camera.transmission_slope_y;
+}
+
+std::vector<Parameter> all_parameters(size_t num_lit) {
+  std::vector<Parameter> parameters;
+  for (const Spread& each : kSpreads) {
+    parameters.push_back({Kind::kConstant, static_cast<size_t>(each.constant), each.is_logarithm, each.spread,
+                          capture::pixel_constant_key(each.constant)});
+  }
+  for (size_t n = 1; n < num_lit; ++n) {
+    parameters.push_back({Kind::kTransmission, n, true, kTransmissionSpread, cat("transmission[", n, "]")});
+    parameters.push_back({Kind::kSlopeX, n, false, kSlopeSpread, cat("transmission.slope_x[", n, "]")});
+    parameters.push_back({Kind::kSlopeY, n, false, kSlopeSpread, cat("transmission.slope_y[", n, "]")});
+  }
+  return parameters;
+}
+
+}  // namespace
+
+double Parameter::get(const capture::Camera& camera) const {
+  if (kind == Kind::kConstant) return camera.pixel.values[index];
+  auto copy = camera;
+  const auto& list = list_of(kind, copy);
+  return index < list.size() ? list[index] : kind == Kind::kTransmission ? 1.0 : 0.0;
+}
+
+void Parameter::set(capture::Camera& camera, double value) const {
+  if (kind == Kind::kConstant) {
+    camera.pixel.values[index] = static_cast<float>(value);
+    return;
+  }
+  auto& list = list_of(kind, camera);
+  if (list.size() <= index) list.resize(index + 1, kind == Kind::kTransmission ? 1.0F : 0.0F);
+  list[index] = static_cast<float>(value);
+}
+
+Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const std::vector<std::string>& held) {
+  std::vector<Parameter> parameters = all_parameters(num_lit);
+  std::vector<std::string> keys;
+  for (const Parameter& each : parameters) keys.push_back(each.key);
+  for (const std::string& key : held) {
+    if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("no constant of a fit is called \"", key, "\"; did you mean ", nearest_word(key, keys), "?"),
+                   ""};
+    }
+    std::erase_if(parameters, [&](const Parameter& each) { return each.key == key; });
+  }
+  return parameters;
+}
+
+Eigen::VectorXd to_vector(const std::vector<Parameter>& parameters, const capture::Camera& camera) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(parameters.size()));
+  Eigen::Index i = 0;
+  for (const Parameter& each : parameters) {
+    const double value = each.get(camera);
+    values[i++] = each.is_logarithm ? std::log(std::max(value, kLeastValue)) : value;
+  }
+  return values;
+}
+
+void from_vector(const std::vector<Parameter>& parameters, const Eigen::VectorXd& values, capture::Camera& camera) {
+  Eigen::Index i = 0;
+  for (const Parameter& each : parameters) {
+    const double value = values[i++];
+    each.set(camera, each.is_logarithm ? std::exp(value) : value);
+  }
+}
+
+}  // namespace e2lf::calibrate

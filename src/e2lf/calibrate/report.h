@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "e2lf/calibrate/calibrate.h"
+#include "e2lf/files/options.h"
+
+namespace e2lf::calibrate {
+
+/// A calibration for people: constants with their ranges, bad pixels, and counts measured beside those of the model, by
+/// brightness. `with_places` adds a table by field position.
+[[nodiscard]] std::string report_text(const Calibration& calibration, bool with_places);
+
+/// The same for programs: {"constants": [..], "pixels": {..}, "rows": [..], "places": [..], "first_guess": {..}}.
+[[nodiscard]] Json report_json(const Calibration& calibration);
+
+/// The camera file of a calibration: to_json() of the camera, with where each constant comes from.
+[[nodiscard]] Json camera_json(const Calibration& calibration);
+
+}  // namespace e2lf::calibrate

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/calibrate/still_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/calibrate/count_distribution.h"
+
+namespace e2lf::calibrate {
+namespace {
+
+constexpr size_t kLeastSize = 64;
+constexpr size_t kReach = 2;  // neighbours lie up to so many pixels away
+constexpr size_t kMostNeighbours = (2 * kReach + 1) * (2 * kReach + 1) - 1;
+
+/// Signed counts of each transition summed over the cycles of a scene, and the events of all of them.
+struct Sums {
+  size_t height = 0, width = 0, cycles = 0;
+  std::vector<std::vector<int32_t>> counts;
+  std::vector<int32_t> activity;
+};
+
+Sums sums_of(const StillScene& scene) {
+  const capture::EventImages& first = scene.cycles.front();
+  Sums sums{first.height, first.width, scene.cycles.size(), {}, std::vector<int32_t>(first.image_size())};
+  sums.counts.assign(first.transitions, std::vector<int32_t>(first.image_size()));
+  for (const capture::EventImages& cycle : scene.cycles) {
+    for (size_t n = 0; n < cycle.transitions; ++n) {
+      const auto image = cycle.image(n);
+      for (size_t p = 0; p < image.size(); ++p) {
+        sums.counts[n][p] += image[p];
+        sums.activity[p] += std::abs(image[p]);
+      }
+    }
+  }
+  return sums;
+}
+
+/// Calls visit(neighbour) for those of a pixel that lie in the picture.
+template <typename Visit>
+void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visit) {
+  const size_t y = pixel / width, x = pixel % width;
+  for (size_t v = y - std::min(y, kReach); v <= std::min(y + kReach, height - 1); ++v) {
+    for (size_t u = x - std::min(x, kReach); u <= std::min(x + kReach, width - 1); ++u) {
+      if (v != y || u != x) visit(v * width + u);
+    }
+  }
+}
+
+/// By how many events a pixel leaves the range of its neighbours widened to twice its size, over all transitions. Over
+/// many cycles thresholds far from the mean leave the range itself: without those the mismatch would seem smaller.
+int32_t excess(const Sums& sums, size_t pixel) {
+  int32_t sum = 0;
+  for (const auto& counts : sums.counts) {
+    int32_t least = INT32_MAX, most = INT32_MIN;
+    each_neighbour(sums.height, sums.width, pixel, [&](size_t neighbour) {
+      least = std::min(least, counts[neighbour]);
+      most = std::max(most, counts[neighbour]);
+    });
+    const int32_t slack = (most - least) / 2;
+    sum += std::max({0, counts[pixel] - most - slack, least - slack - counts[pixel]});
+  }
+  return sum;
+}
+
+bool is_hot(const Sums& sums, size_t pixel) {
+  const auto cycles = static_cast<double>(sums.cycles);
+  return excess(sums, pixel) >= std::max(3.0 * std::sqrt(cycles), cycles);
+}
+
+/// Whether the neighbours of a pixel all count so much that silence means something.
+bool is_lit(const Sums& sums, size_t pixel) {
+  constexpr size_t kOutliers = 2;  // that may be dead too
+  std::array<int32_t, kMostNeighbours> activity{};
+  size_t count = 0;
+  each_neighbour(sums.height, sums.width, pixel,
+                 [&](size_t neighbour) { activity[count++] = sums.activity[neighbour]; });
+  std::sort(activity.begin(), activity.begin() + static_cast<ptrdiff_t>(count));
+  const auto cycles = static_cast<int32_t>(sums.cycles);
+  return activity[kOutliers] >= cycles && activity[count / 2] >= 2 * cycles;
+}
+
+}  // namespace
+
+std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes) {
+  std::vector<Sums> sums;
+  for (const StillScene& scene : scenes) sums.push_back(sums_of(scene));
+  std::vector<PixelState> states(sums.front().activity.size(), PixelState::kGood);
+  parallel_for(states.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      const auto in_all = [&](const auto& test) { return std::all_of(sums.begin(), sums.end(), test); };
+      // Dead ones first: among bright neighbours they leave the range too.
+      if (in_all([&](const Sums& each) { return each.activity[p] == 0; }) &&
+          std::any_of(sums.begin(), sums.end(), [&](const Sums& each) { return is_lit(each, p); })) {
+        states[p] = PixelState::kDead;
+      } else if (in_all([&](const Sums& each) { return each.activity[p] > 0 && is_hot(each, p); })) {
+        states[p] = PixelState::kHot;
+      }
+    }
+  });
+  return states;
+}
+
+Result<void> check_scenes(const std::vector<StillScene>& scenes) {
+  if (scenes.empty() || scenes.front().cycles.empty()) {
+    return Error{ErrorCode::kShape, "there is no cycle to calibrate from; give event images or a recording", ""};
+  }
+  const capture::EventImages& first = scenes.front().cycles.front();
+  if (first.transitions < 1 || first.transitions > kMostTransitions) {
+    return Error{ErrorCode::kShape,
+                 cat(first.transitions, " transitions are not 1 to ", kMostTransitions,
+                     "; calibrate with a sequence of two to four patterns"),
+                 ""};
+  }
+  if (first.height < kLeastSize || first.width < kLeastSize) {
+    return Error{ErrorCode::kShape,
+                 cat("pictures of ", first.width, "x", first.height, " px are too small; give at least ", kLeastSize,
+                     "x", kLeastSize),
+                 ""};
+  }
+  for (const StillScene& scene : scenes) {
+    for (const capture::EventImages& cycle : scene.cycles) {
+      if (cycle.transitions == first.transitions && cycle.height == first.height && cycle.width == first.width)
+        continue;
+      return Error{ErrorCode::kShape,
+                   "the cycles differ in size or in their number of transitions; give scenes of one camera with the "
+                   "same patterns",
+                   ""};
+    }
+    if (scene.cycles.empty()) return Error{ErrorCode::kShape, "a scene has no cycle; leave it out", ""};
+  }
+  return {};
+}
+
+std::vector<Plane> mean_counts(const StillScene& scene, const std::vector<PixelState>& states) {
+  const Sums sums = sums_of(scene);
+  std::vector<Plane> planes;
+  for (const auto& counts : sums.counts) {
+    Plane& plane = planes.emplace_back(sums.height, sums.width);
+    const auto mean = [&](size_t p) { return static_cast<float>(counts[p]) / static_cast<float>(sums.cycles); };
+    for (size_t p = 0; p < counts.size(); ++p) {
+      plane.values[p] = mean(p);
+      if (states[p] == PixelState::kGood) continue;
+      std::vector<float> around;
+      each_neighbour(sums.height, sums.width, p, [&](size_t neighbour) {
+        if (states[neighbour] == PixelState::kGood) around.push_back(mean(neighbour));
+      });
+      if (around.empty()) continue;
+      const auto middle = around.begin() + static_cast<ptrdiff_t>(around.size() / 2);
+      std::nth_element(around.begin(), middle, around.end());
+      plane.values[p] = *middle;
+    }
+  }
+  return planes;
+}
+
+}  // namespace e2lf::calibrate

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// e2lf calibrate: event images of still scenes -> the constants of the camera
+#include "e2lf/calibrate/calibrate.h"
+
+#include <cstdio>
+#include <optional>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/calibrate/report.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/cli/camera_option.h"
+#include "e2lf/cli/cycle_input.h"
+#include "e2lf/cli/inputs.h"
+#include "e2lf/cli/output.h"
+#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cli/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/files/npy.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct CalibrateArguments {
+  std::vector<fs::path> inputs;
+  fs::path output, threshold_map, bad_pixels;
+  CodesSource codes;
+  std::string camera = "evk4-lcos", name;
+  std::vector<std::string> held;
+  bool is_even = false, keep_out = false, places = false;
+  CycleFlags cycles;
+};
+
+/// All cycles of an input, and the patterns that it names.
+struct Source {
+  calibrate::StillScene scene;
+  std::optional<capture::Codes> codes;
+};
+
+Result<Source> read_source(const fs::path& path, const CycleFlags& flags, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1));
+  Source source;
+  if (input.is_recording()) {
+    E2LF_ASSIGN_OR_RETURN(source.codes, recorded_codes(path, input.recording_info()));
+  } else if (input.file().codes) {
+    E2LF_ASSIGN_OR_RETURN(source.codes, capture::codes_from_npy(*input.file().codes, path.string()));
+  }
+  while (true) {
+    E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> cycle, input.next());
+    if (!cycle) break;
+    source.scene.cycles.push_back(std::move(cycle->images));
+  }
+  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, input.report());
+  record.add_input(path);
+  return source;
+}
+
+/// The patterns of all inputs, which must be the same.
+Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const std::vector<Source>& sources,
+                                    RunRecord& record) {
+  std::optional<capture::Codes> codes;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    if (codes && sources[i].codes && *codes != *sources[i].codes) {
+      return Error{ErrorCode::kInvalidValue, "the inputs were made with different patterns; calibrate from each alone",
+                   arguments.inputs[i].string()};
+    }
+    if (sources[i].codes) codes = sources[i].codes;
+  }
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(arguments.codes, codes, record));
+  if (!known) {
+    return Error{ErrorCode::kNotFound, "nothing tells the patterns of the events; give --codes FILE", ""};
+  }
+  return std::move(known->codes);
+}
+
+Result<std::optional<OutputFile>> open_optional(const fs::path& path, const CalibrateArguments& arguments,
+                                                bool overwrite) {
+  if (path.empty()) return std::optional<OutputFile>();
+  E2LF_ASSIGN_OR_RETURN(OutputFile output,
+                        OutputFile::create(path, {.inputs = arguments.inputs, .overwrite = overwrite}));
+  return std::optional(std::move(output));
+}
+
+template <typename T>
+Result<void> write_map(const OutputFile& output, const calibrate::StillScene& scene, std::span<const T> values) {
+  const capture::EventImages& first = scene.cycles.front();
+  return write_npy(output.path(), make_npy<T>({first.height, first.width}, values));
+}
+
+Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<OutputFile>& bad,
+                        const std::vector<calibrate::StillScene>& scenes, const capture::Codes& codes,
+                        const calibrate::Calibration& calibration, bool is_even) {
+  if (thresholds) {
+    const calibrate::Plane map =
+        calibrate::threshold_map(scenes, codes, calibration.camera, calibration.states, is_even);
+    E2LF_RETURN_IF_ERROR(write_map<float>(*thresholds, scenes.front(), map.values));
+    E2LF_RETURN_IF_ERROR(thresholds->commit());
+  }
+  if (bad) {
+    std::vector<uint8_t> states;
+    for (const calibrate::PixelState state : calibration.states) states.push_back(static_cast<uint8_t>(state));
+    E2LF_RETURN_IF_ERROR(write_map<uint8_t>(*bad, scenes.front(), states));
+    E2LF_RETURN_IF_ERROR(bad->commit());
+  }
+  return {};
+}
+
+Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  OutputRules rules{.inputs = arguments.inputs, .overwrite = common.overwrite};
+  rules.inputs.insert(rules.inputs.end(), {arguments.codes.codes, arguments.codes.model, arguments.camera});
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
+  E2LF_ASSIGN_OR_RETURN(auto thresholds, open_optional(arguments.threshold_map, arguments, common.overwrite));
+  E2LF_ASSIGN_OR_RETURN(auto bad, open_optional(arguments.bad_pixels, arguments, common.overwrite));
+  RunRecord record("calibrate");
+  E2LF_ASSIGN_OR_RETURN(capture::Camera start, load_camera(arguments.camera, record));
+  std::vector<Source> sources;
+  for (const fs::path& path : arguments.inputs) {
+    E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, record));
+    sources.push_back(std::move(source));
+  }
+  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, common_codes(arguments, sources, record));
+  std::vector<calibrate::StillScene> scenes;
+  for (Source& source : sources) scenes.push_back(std::move(source.scene));
+  start.name = arguments.name.empty() ? arguments.output.stem().string() : arguments.name;
+  record.end_step("read");
+
+  ProgressBar bar("calibrate", common.quiet || common.json);
+  E2LF_ASSIGN_OR_RETURN(const calibrate::Calibration calibration, calibrate::calibrate(scenes, codes, start,
+                                                                                       {.held = arguments.held,
+                                                                                        .is_even = arguments.is_even,
+                                                                                        .keep_out = arguments.keep_out,
+                                                                                        .progress = bar.callback()}));
+  record.end_step("calibrate");
+  E2LF_RETURN_IF_ERROR(write_maps(thresholds, bad, scenes, codes, calibration, arguments.is_even));
+  const Json report = calibrate::report_json(calibration);
+  record.note("report", report);
+  E2LF_RETURN_IF_ERROR(write_file(output.path(), calibrate::camera_json(calibration).dump(2) + "\n"));
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(output.commit());
+  if (common.json) {
+    std::printf("%s\n", report.dump(2).c_str());
+  } else if (!common.quiet) {
+    std::printf("%s", calibrate::report_text(calibration, arguments.places).c_str());
+  }
+  return {};
+}
+
+}  // namespace
+
+int run_calibrate(const std::vector<std::string>& arguments) {
+  Verb verb("calibrate",
+            "Find the constants of an event camera behind a coded aperture from event images or recordings of scenes "
+            "that stood still.",
+            "e2lf calibrate events.npz --codes codes.json -o camera.json");
+  CalibrateArguments calibration;
+  CLI::App& app = verb.app();
+  app.add_option("inputs,-i,--input", calibration.inputs,
+                 "event images or recordings of still scenes; all cycles of each are of one scene")
+      ->required();
+  app.add_option("-o,--output", calibration.output, "camera file to write (JSON)")->required();
+  add_codes_options(app, calibration.codes);
+  add_camera_option(app, calibration.camera, "first guess, to which what the data do not determine is kept");
+  app.add_option("--name", calibration.name, "name of the camera; default: that of the file");
+  app.add_option("--hold", calibration.held,
+                 "constants that stay as in the first guess, e.g. receptor_rate_hz or transmission[1]")
+      ->delimiter(',');
+  app.add_flag("--even", calibration.is_even,
+               "the scenes are known to be even, e.g. a card that fills the picture: no search for flat areas");
+  app.add_flag("--keep-out", calibration.keep_out,
+               "fit every second square of 64 px of the picture, and compare on the others");
+  app.add_flag("--places", calibration.places, "also print the comparison by field position");
+  app.add_option("--threshold-map", calibration.threshold_map,
+                 "write each flat pixel's factor on the thresholds (.npy, float32; NaN elsewhere)");
+  app.add_option("--bad-pixels", calibration.bad_pixels, "write which pixels are hot (1) and dead (2) (.npy, uint8)");
+  add_cycle_options(app, calibration.cycles);
+  return verb.run(arguments, [&] { return calibrate_camera(calibration, verb); });
+}
+
+}  // namespace e2lf::cli
