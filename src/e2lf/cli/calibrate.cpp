@@ -38,8 +38,8 @@ struct Source {
   std::optional<capture::Codes> codes;
 };
 
-Result<Source> read_source(const fs::path& path, const CycleFlags& flags, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1));
+Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const Verb& verb, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1, verb));
   Source source;
   if (input.is_recording()) {
     E2LF_ASSIGN_OR_RETURN(source.codes, recorded_codes(path, input.recording_info()));
@@ -67,7 +67,8 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
     }
     if (sources[i].codes) codes = sources[i].codes;
   }
-  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(arguments.codes, codes, record));
+  E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(arguments.codes, model, codes, record));
   if (!known) {
     return Error{ErrorCode::kNotFound, "nothing tells the patterns of the events; give --codes FILE", ""};
   }
@@ -117,7 +118,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_ASSIGN_OR_RETURN(capture::Camera start, load_camera(arguments.camera, record));
   std::vector<Source> sources;
   for (const fs::path& path : arguments.inputs) {
-    E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, record));
+    E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, verb, record));
     sources.push_back(std::move(source));
   }
   E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, common_codes(arguments, sources, record));

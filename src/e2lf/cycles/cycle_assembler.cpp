@@ -139,14 +139,15 @@ void CycleAssembler::end_cycle() {
   open_.reset();
 }
 
-/// The least of the starts'. Bursts are events; what a trigger or the schedule claims, the events must confirm.
+/// The least of the starts'. Bursts are events; what a trigger or the schedule claims, the events must confirm. Not
+/// where the schedule expects nothing of a pattern: slow pixels make few events between a pattern and its inverse.
 float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) const {
   float least = 1.0F;
   for (const PatternStart& start : starts) {
+    const ScheduledPattern& pattern = options_.schedule.patterns[start.pattern];
     float confidence = start.confidence;
-    if (options_.source != CycleSource::kBursts) {
-      const EventRise rise = event_rise(histogram_, start.t_us, window_us_);
-      confidence *= change_confidence(rise, options_.schedule.patterns[start.pattern].sign);
+    if (options_.source != CycleSource::kBursts && (pattern.image || pattern.sign != BurstSign::kAny)) {
+      confidence *= change_confidence(event_rise(histogram_, start.t_us, window_us_), pattern.sign);
     }
     least = std::min(least, confidence);
   }
