@@ -66,8 +66,9 @@ std::string shade_cycles(const std::vector<FoundCycle>& cycles, const TimeAxis& 
     const FoundCycle& cycle = cycles[i];
     for (const cycles::TimeSlice& slice : cycle.slices) {
       const double begin = axis.x_of(slice.begin_us), end = axis.x_of(slice.end_us);
-      svg += cat("<rect x=\"", begin, "\" y=\"", kTop, "\" width=\"", std::max(end - begin, 0.5), "\" height=\"",
-                 kHeight - kTop - kBottom, "\" fill=\"#2ca02c\" fill-opacity=\"", 0.1 + 0.15 * cycle.confidence, "\"/>\n");
+      svg +=
+          cat("<rect x=\"", begin, "\" y=\"", kTop, "\" width=\"", std::max(end - begin, 0.5), "\" height=\"",
+              kHeight - kTop - kBottom, "\" fill=\"#2ca02c\" fill-opacity=\"", 0.1 + 0.15 * cycle.confidence, "\"/>\n");
     }
     const double x = cycle.slices.empty() ? 0 : axis.x_of(cycle.slices.front().begin_us);
     if (x < labelled_until + 70) continue;
