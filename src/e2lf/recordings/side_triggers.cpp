@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::recordings {
@@ -30,6 +31,19 @@ std::optional<Trigger> parse_line(std::string_view line) {
 /// An empty line, a comment, or the names of the columns above the first trigger.
 bool is_remark(std::string_view line, uint64_t byte) {
   return line.empty() || line == "\r" || line[0] == '#' || line[0] == '%' || (byte == 0 && line.starts_with("p,"));
+}
+
+/// Whether a file begins as a text of events does: a recording of its own that has such a name.
+Result<bool> holds_events(ByteSource& source) {
+  E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
+  std::string_view text(reinterpret_cast<const char*>(head.data()), std::min(head.size(), kDetectBytes));
+  for (uint64_t byte = 0; !text.empty(); byte = 1) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    if (line.starts_with("%geometry")) return true;
+    if (!is_remark(line, byte)) return std::count(line.begin(), line.end(), ',') == 3;
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+  }
+  return false;
 }
 
 class SideTriggerFile final : public TriggerSource {
@@ -97,6 +111,12 @@ std::filesystem::path side_trigger_path(const std::filesystem::path& recording) 
 Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
   if (recording.empty() || !std::filesystem::exists(side_trigger_path(recording))) return TriggerFeed();
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
+  E2LF_ASSIGN_OR_RETURN(const bool is_recording, holds_events(*source));
+  if (is_recording) {
+    log_warning(cat(side_trigger_path(recording).string(), ": holds events and not the triggers of ",
+                    recording.filename().string(), ": leaving it out; give one of them another name"));
+    return TriggerFeed();
+  }
   return make_side_trigger_feed(std::move(source));
 }
 

@@ -19,8 +19,9 @@ namespace e2lf::recordings {
 
 [[nodiscard]] std::filesystem::path side_trigger_path(const std::filesystem::path& recording);
 
-/// The triggers beside a recording; an empty feed when there is no such file (or `recording` is empty). A line that
-/// cannot be read is counted in the reader's summary (kBadRecord). Fails with kIo.
+/// The triggers beside a recording; an empty feed when there is no such file (or `recording` is empty), and, with a
+/// warning, when it holds events. A line that cannot be read is counted in the reader's summary (kBadRecord). Fails
+/// with kIo.
 [[nodiscard]] Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording);
 
 /// The triggers in the text that a source holds.
