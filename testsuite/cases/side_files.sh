@@ -50,3 +50,38 @@ fails 1 "belong to o.csv" "$E2LF" convert more.raw o.npy --overwrite
 fails 1 "belong to o.npy" "$E2LF" convert without.raw o.csv --overwrite
 [ "$(triggers o.csv)" = "$(triggers o.npy)" ] || fail "shared triggers"
 [ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind"
+
+# The name of a side file is no name for a result, asked to overwrite or not: it would be read as the other's.
+"$E2LF" convert with.raw in.csv --quiet 2>warnings.txt
+"$E2LF" convert with.raw x_cd.dat --quiet
+"$E2LF" codes show --json >patterns.json
+mkdir far && ln -s "$PWD/in.csv" far/link.csv && cp in_triggers.csv far/kept.csv && ln -s kept.csv far/link_triggers.csv
+find . -type f ! -name stdout.txt ! -name stderr.txt ! -name before.txt -print0 | sort -z | xargs -0 sha256sum >before.txt
+refused() { # <text> <command...>
+  fails 1 "$@"
+  sha256sum --quiet -c before.txt || fail "a file changed after: $*"
+}
+for flag in "" --overwrite; do
+  # shellcheck disable=SC2086
+  {
+    refused "triggers of in.csv" "$E2LF" convert in.csv in_triggers.csv $flag
+    refused "triggers of in.csv" "$E2LF" convert without.raw in_triggers.csv $flag
+    refused "triggers of x_cd.dat" "$E2LF" convert x_cd.dat x_trigger.dat $flag
+    refused "record of in.csv" "$E2LF" eval demo/scene demo/scene -o in.csv.run.json $flag
+    refused "record of d.dat" "$E2LF" codes show -o d.dat.run.json $flag
+    refused "record of demo" "$E2LF" codes show -o demo/run.json $flag
+  }
+done
+refused "is an input" "$E2LF" convert far/link.csv far/kept.csv --overwrite
+"$E2LF" convert without.raw bb.csv --quiet
+fails 1 "triggers of bb.csv" "$E2LF" convert with.raw bb_triggers.csv
+absent bb_triggers.csv
+# A recording that has such a name is not read as triggers, and not replaced as them.
+cp in.csv bb_triggers.csv
+[ "$(triggers bb.csv)" = 0 ] || fail "events were read as triggers"
+"$E2LF" info bb.csv >info.txt 2>stderr.txt
+grep -q "holds events and not the triggers of bb.csv" stderr.txt || fail "$(cat stderr.txt)"
+"$E2LF" convert without.raw y_cd.dat --quiet
+cp x_cd.dat y_trigger.dat
+fails 1 "did not write it" "$E2LF" convert with.raw y_cd.dat --overwrite
+cmp x_cd.dat y_trigger.dat

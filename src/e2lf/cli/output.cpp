@@ -14,6 +14,7 @@
 #include "e2lf/cli/run_record.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/is_stream.h"
+#include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/open/recording_place.h"
 
 namespace e2lf::cli {
@@ -86,10 +87,42 @@ fs::path other_owner(const fs::path& triggers, const fs::path& target) {
 bool is_our_trigger_file(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
+  if (path.extension() != ".csv") return recordings::dat::is_trigger_file(path);
   std::ifstream file(path, std::ios::binary);
   std::string line;
   std::getline(file, line);
-  return path.extension() == ".csv" ? line == "p,id,t" : line.starts_with("% ");
+  return line == "p,id,t";
+}
+
+/// Fails where a name is that of the record or the triggers of another file that is there: what is written to it would
+/// be read as theirs.
+Result<void> check_not_a_side_file(const fs::path& path) {
+  const std::string name = path.filename().string(), record_end = record_path_beside("").string();
+  const auto belongs = [&path](const char* what, const fs::path& owner) {
+    return exists(path, cat("this is the name of the ", what, " of ", owner.filename().string(),
+                            ", and would be read as such; name another output"));
+  };
+  std::error_code error;
+  if (name.ends_with(record_end) && name.size() > record_end.size()) {
+    const fs::path owner = path.parent_path() / name.substr(0, name.size() - record_end.size());
+    if (fs::is_regular_file(owner, error)) return belongs("record", owner);
+  }
+  if (name == "run.json" && is_our_record(path)) return belongs("record", path.parent_path());
+  if (name.find("_trigger") == std::string::npos) return {};
+  const fs::path owner = other_owner(path, path);
+  return owner.empty() ? Result<void>() : belongs("triggers", owner);
+}
+
+/// What a verb reads beside an input: its record and its triggers.
+void append_side_files(const fs::path& input, std::vector<fs::path>& files) {
+  constexpr std::string_view kReplay = "replay:";
+  std::string name = input.string();
+  if (name.starts_with(kReplay)) name = name.substr(kReplay.size());
+  std::error_code error;
+  if (!fs::is_regular_file(name, error)) return;
+  files.push_back(record_path_beside(name));
+  const auto place = recordings::place_of_recording(name, "");
+  if (place && place->side_file != nullptr) files.push_back(place->side_file(name));
 }
 
 bool is_same_content(const fs::path& a, const fs::path& b) {
@@ -202,6 +235,12 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   }
   E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
   E2LF_ASSIGN_OR_RETURN(output.target_, resolve(named));
+  std::error_code error;
+  E2LF_RETURN_IF_ERROR(check_not_a_side_file(fs::absolute(named, error)));
+  E2LF_RETURN_IF_ERROR(check_not_a_side_file(output.target_));
+  std::vector<fs::path> beside_inputs;
+  for (const fs::path& input : rules.inputs) append_side_files(input, beside_inputs);
+  E2LF_RETURN_IF_ERROR(check_apart(named, beside_inputs));
   E2LF_RETURN_IF_ERROR(check_output(output.target_, rules.overwrite));
   if (rules.side_file != nullptr) output.triggers_ = rules.side_file(output.target_);
   E2LF_RETURN_IF_ERROR(check_apart(record_path_beside(output.target_), rules.inputs));

@@ -29,4 +29,7 @@ namespace e2lf::recordings::dat {
 /// name_trigger.dat for name_cd.dat or name.dat.
 [[nodiscard]] std::filesystem::path trigger_path(const std::filesystem::path& path);
 
+/// Whether a file begins as a name_trigger.dat does, and not as one of events.
+[[nodiscard]] bool is_trigger_file(const std::filesystem::path& path);
+
 }  // namespace e2lf::recordings::dat

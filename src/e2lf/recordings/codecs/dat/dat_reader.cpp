@@ -164,6 +164,13 @@ std::filesystem::path trigger_path(const std::filesystem::path& path) {
   return path.parent_path() / (stem + "_trigger" + path.extension().string());
 }
 
+bool is_trigger_file(const std::filesystem::path& path) {
+  const auto source = open_file_source(path);
+  if (!source) return false;
+  const auto header = read_header(**source);
+  return header && header->type == kTypeTrigger;
+}
+
 Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(Header header, read_header(*source));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
