@@ -7,23 +7,29 @@
 
 # A sender that stays connected and never ends, as a camera does; it tells when everything is sent.
 # Python itself, not a shell around it: what is killed at the end must be the sender.
-/usr/bin/python3 - rec.raw <<'PY' &
-import socket, sys
-server = socket.socket()
-server.bind(("127.0.0.1", 0))
-server.listen(8)
-open("port", "w").write(str(server.getsockname()[1]))
-data = open(sys.argv[1], "rb").read()
-kept = []
+head -c -1 rec.raw >cut.raw
+"$E2LF" convert rec.raw rec.csv --quiet 2>/dev/null
+head -c -3 rec.csv >cut.csv
+/usr/bin/python3 - rec.raw cut.raw cut.csv <<'PY' &
+import selectors, socket, sys
+ready, kept = selectors.DefaultSelector(), []
+for name in sys.argv[1:]:
+    server = socket.socket()
+    server.bind(("127.0.0.1", 0))
+    server.listen(8)
+    ready.register(server, selectors.EVENT_READ, open(name, "rb").read())
+    open("port_of_" + name, "w").write(str(server.getsockname()[1]))
+open("ready", "w")
 while True:
-    connection, _ = server.accept()
-    connection.sendall(data)
-    kept.append(connection)
+    for key, _ in ready.select():
+        kept.append(key.fileobj.accept()[0])
+        kept[-1].sendall(key.data)
 PY
 sender=$!
 trap 'kill "$sender"; remove_folder' EXIT
-until [ -s port ]; do sleep 0.1; done
-address=tcp://127.0.0.1:$(cat port)
+until [ -e ready ]; do sleep 0.1; done
+address_of() { echo "tcp://127.0.0.1:$(cat "port_of_$1")"; }
+address=$(address_of rec.raw)
 
 # ended <signal> <exit code> <condition> <command...>: sends the signal when the condition holds.
 ended() {
@@ -57,6 +63,16 @@ ended INT 130 '[ -e live/cycle_00000 ]' "$E2LF" reconstruct "$address" --method 
 exists live/run.json live/cycle_00000/07_07.png
 [ "$(json live/run.json "len(j['notes']['cycles']) > 0 and j.get('complete', True)")" = True ] || fail "run.json of live"
 ended INT 130 '[ -e replayed/cycle_00000 ]' "$E2LF" reconstruct replay:long.raw --method inversion --source triggers -o replayed
+# Who ends a stream ends it anywhere: inside a word is no damage, and strict reading keeps what there is.
+ended INT 130 'grown strict.raw 20000' "$E2LF" convert "$(address_of cut.raw)" strict.raw --event-format evt3 --strict
+exists strict.raw
+ended INT 130 'grown strict.npz 1000' "$E2LF" accumulate "$(address_of cut.raw)" -o strict.npz --source triggers --strict
+exists strict.npz
+ended INT 130 'grown said.raw 20000' "$E2LF" convert "$(address_of cut.raw)" said.raw --event-format evt3
+grep -qE "damage|left out|ends inside" stderr.txt && fail "a cut by a signal was called damage: $(cat stderr.txt)"
+ended INT 130 'grown said.csv 20000' "$E2LF" convert "$(address_of cut.csv)" said.csv --event-format csv --strict
+[ "$(sed '$!d' said.csv)" = "$(sed '$!d' rec.csv)" ] && fail "the line that was cut is there"
+grep -qxF "$(sed '$!d' said.csv)" rec.csv || fail "a line that was cut passed for an event: $(sed '$!d' said.csv)"
 mkfifo fifo
 (exec 3>fifo; cat rec.raw >&3; until [ -e done ]; do sleep 0.1; done) &
 ended TERM 143 'grown piped.npz 1000' "$E2LF" accumulate fifo --event-format evt3 -o piped.npz --source triggers

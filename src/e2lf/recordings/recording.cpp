@@ -11,7 +11,6 @@
 #include "e2lf/recordings/count_on.h"
 
 namespace e2lf::recordings {
-namespace {}  // namespace
 
 std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   for (const auto& [name, value] : header) {
@@ -46,7 +45,15 @@ Result<void> RecordingReader::find_shift() {
   return {};
 }
 
+/// Who ends a stream ends it anywhere: what is cut there is no damage.
+void RecordingReader::pass_over_cut() {
+  ViolationCount& cut = summary_.of(Violation::kTruncated);
+  const uint64_t known = known_violations_[static_cast<size_t>(Violation::kTruncated)];
+  if (stop_requested()) cut = {known, known == 0 ? 0 : cut.first_byte};
+}
+
 Result<void> RecordingReader::apply_policy() {
+  pass_over_cut();
   const DecodeSummary before = left_out_before();
   if (options_.policy == DecodePolicy::kStrict && before.num_violations() > 0) return violation_error(before, name_);
   if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time + before.events_before_time > 0) {

@@ -88,7 +88,7 @@ class RecordingReader {
 
   /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; a live source gives
   /// what has arrived. False (and an empty batch) at the end. Fails with kIo and, under the strict policy, with the
-  /// first violation.
+  /// first violation. Where a stop was asked for, an end inside a word is none.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
   /// Goes to the first event or trigger with t >= t_us, forwards or backwards; starts the summary anew.
@@ -126,6 +126,7 @@ class RecordingReader {
   [[nodiscard]] Result<void> skip_to(int64_t absolute_us);
   void end_at(int64_t absolute_us, EventBatch& batch);
   [[nodiscard]] Result<void> apply_policy();
+  void pass_over_cut();
   void count(const EventColumns& events, size_t begin, size_t end);
 
   PendingBatch pending_;                        ///< read but not yet handed out, absolute in time

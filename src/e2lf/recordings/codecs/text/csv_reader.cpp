@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/batch_check.h"
@@ -102,6 +103,8 @@ class CsvBlocks final : public EventBlocks {
       const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), block));
       const size_t newline = text.rfind('\n');
       if (newline != std::string_view::npos) return text.substr(0, newline + 1);
+      // A number that a stop cut is another number.
+      if (bytes.size() < wanted && stop_requested() && !source_->seekable()) return std::string_view();
       // The last line may lack its end; one that never ends is handed on to be counted as bad, once.
       if (bytes.size() < wanted || text.size() > kLongestLine) return text;
       wanted = text.size() + 1;
