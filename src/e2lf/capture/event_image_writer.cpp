@@ -143,7 +143,10 @@ class EventImageWriter::Impl {
  public:
   Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
 
-  void set_codes(const NpyArray& codes) { codes_ = codes; }
+  void set_codes(const NpyArray& codes) {
+    E2LF_REQUIRE(cycles_ == 0, "the patterns come before the first cycle");
+    codes_ = codes;
+  }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
@@ -181,15 +184,12 @@ class EventImageWriter::Impl {
     events.crc = static_cast<uint32_t>(crc32_combine(header_crc, data_crc_, static_cast<z_off_t>(data_size_)));
     events.size = header.size() + data_size_;
     events.packed = stored_block(header).size() + packed_size_;
+    events.offset = 0;
+    for (const Member& member : members_) events.offset += local_header(member).size() + member.packed;
     const std::vector<uint8_t> local = local_header(events);
-    std::vector<Member> members = {events};
-    uint64_t end = local.size() + events.packed;
-    if (codes_) {
-      E2LF_ASSIGN_OR_RETURN(members.emplace_back(), write_codes(end));
-      end += local_header(members.back()).size() + members.back().packed;
-    }
-    E2LF_RETURN_IF_ERROR(write(directory(members, end)));
-    if (std::fseek(stream_, 0, SEEK_SET) != 0) return io_error();
+    members_.push_back(events);
+    E2LF_RETURN_IF_ERROR(write(directory(members_, events.offset + local.size() + events.packed)));
+    if (std::fseek(stream_, static_cast<long>(events.offset), SEEK_SET) != 0) return io_error();  // NOLINT: C's type
     E2LF_RETURN_IF_ERROR(write(local));
     E2LF_RETURN_IF_ERROR(write(stored_block(header)));
     const int closed = std::fclose(std::exchange(stream_, nullptr));
@@ -204,22 +204,23 @@ class EventImageWriter::Impl {
     // Speed 1: event images are mostly small numbers, and recordings are long.
     const int status = deflateInit2(&deflate_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
     E2LF_REQUIRE(status == Z_OK, "zlib did not start");
+    // The patterns come first, so that a file that is never finished has them.
+    if (codes_) E2LF_RETURN_IF_ERROR(write_codes());
     E2LF_RETURN_IF_ERROR(write(local_header({})));
     return write(stored_block(npy_header(0, shape_)));
   }
 
-  /// Writes the patterns, not compressed, as a member that begins at `offset`.
-  Result<Member> write_codes(uint64_t offset) {
+  /// Writes the patterns, not compressed, as the first member.
+  Result<void> write_codes() {
     const std::vector<uint8_t> bytes = encode_npy(*codes_);
     const Member member{.name = kCodes,
                         .method = zip::kStored,
                         .crc = static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())),
                         .packed = bytes.size(),
-                        .size = bytes.size(),
-                        .offset = offset};
+                        .size = bytes.size()};
+    members_.push_back(member);
     E2LF_RETURN_IF_ERROR(write(local_header(member)));
-    E2LF_RETURN_IF_ERROR(write(bytes));
-    return member;
+    return write(bytes);
   }
 
   Result<void> pack(std::span<const uint8_t> bytes, int flush) {
@@ -261,6 +262,7 @@ class EventImageWriter::Impl {
   uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
   uLong data_crc_ = 0;
   std::optional<NpyArray> codes_;
+  std::vector<Member> members_;  ///< those that are whole
 };
 
 EventImageWriter::EventImageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

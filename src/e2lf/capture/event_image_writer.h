@@ -20,7 +20,7 @@ class EventImageWriter {
   EventImageWriter(EventImageWriter&&) noexcept;
   ~EventImageWriter();
 
-  /// The patterns [N, view_y, view_x] that the events were made with; finish() puts them into the file as `codes`.
+  /// The patterns [N, view_y, view_x] that the events were made with, `codes` in the file. Before the first cycle.
   void set_codes(const NpyArray& codes);
 
   /// Appends a cycle; all cycles must have the shape of the first. Fails with kIo.
@@ -37,7 +37,7 @@ class EventImageWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Writes the whole cycles of a file that was never finished, without codes, to `path`, and returns how many there are;
+/// Writes the whole cycles of a file that was never finished, and its codes, to `path`, and returns how many there are;
 /// no file when there is none. Fails with kIo, and kFormat for a file of another kind.
 [[nodiscard]] Result<uint64_t> recover_event_images(const std::filesystem::path& unfinished,
                                                     const std::filesystem::path& path);

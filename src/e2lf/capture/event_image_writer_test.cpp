@@ -73,10 +73,12 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
   fs::remove_all(folder);
   auto writer = EventImageWriter::create(folder / "a.npz");
   ASSERT_TRUE(writer);
+  const std::vector<float> values = {0.0F, 0.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F, 1.0F};
+  writer->set_codes(make_npy<float>({4, 1, 2}, values));
   for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
   const fs::path partial = fs::directory_iterator(folder)->path();
   const auto all = fs::file_size(partial);
-  for (const auto size : {all, all - 100, all / 2, uintmax_t{300}, uintmax_t{0}}) {
+  for (const auto size : {all, all - 100, all / 2, uintmax_t{600}, uintmax_t{0}}) {
     fs::copy_file(partial, folder / "cut", fs::copy_options::overwrite_existing);
     fs::resize_file(folder / "cut", size);
     const auto cycles = recover_event_images(folder / "cut", folder / "found.npz");
@@ -91,6 +93,8 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
     ASSERT_TRUE(file) << file.error().text();
     ASSERT_EQ(file->cycles.size(), *cycles);
     EXPECT_EQ(file->cycles.back(), random_images(*cycles - 1));
+    ASSERT_TRUE(file->codes);
+    EXPECT_EQ(file->codes->to_float("").value(), values);
   }
   fs::remove_all(folder);
 }

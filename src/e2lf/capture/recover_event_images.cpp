@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 #include <zlib.h>
@@ -14,6 +16,7 @@ namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr uint64_t kMostCodesBytes = uint64_t{1} << 24;
 constexpr uint64_t kMostBytes = uint64_t{1} << 32;  ///< of a cycle; more is damage
 
 /// Reads a file of event images from its front, without its directory.
@@ -24,9 +27,14 @@ class UnfinishedFile {
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
   ~UnfinishedFile() { inflateEnd(&inflate_); }
 
-  /// Reads the shape of the events. False when the file does not come that far.
+  /// Reads the patterns, where there are some, and the shape of the events. False when the file does not come that far.
   bool open() {
-    if (begin_member() != "events.npy" || inflateInit2(&inflate_, -MAX_WBITS) != Z_OK) return false;
+    Member member = begin_member();
+    if (member.name == "codes.npy") {
+      if (!read_codes(member.size)) return false;
+      member = begin_member();
+    }
+    if (member.name != "events.npy" || inflateInit2(&inflate_, -MAX_WBITS) != Z_OK) return false;
     // The header's own length tells how long it is.
     std::vector<uint8_t> head(10);
     if (!unpack(head)) return false;
@@ -44,6 +52,8 @@ class UnfinishedFile {
     return true;
   }
 
+  [[nodiscard]] const std::optional<NpyArray>& codes() const { return codes_; }
+
   /// The next whole cycle, or null.
   const EventImages* next() {
     std::vector<uint8_t> bytes(images_.counts.size() * sizeof(int16_t));
@@ -53,18 +63,32 @@ class UnfinishedFile {
   }
 
  private:
+  struct Member {
+    std::string name;   ///< empty = none begins here
+    uint64_t size = 0;  ///< 0 = not known yet
+  };
+
+  bool read_codes(uint64_t size) {
+    std::vector<uint8_t> bytes(std::min(size, kMostCodesBytes));
+    if (!read(bytes)) return false;
+    auto codes = decode_npy(bytes, "codes.npy");
+    if (codes) codes_ = *std::move(codes);
+    return codes_.has_value();
+  }
+
   bool read(std::vector<uint8_t>& bytes) {
     return static_cast<bool>(
         file_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())));
   }
 
-  /// The name of the member that begins here; empty when none does.
-  std::string begin_member() {
+  /// The member that begins here.
+  Member begin_member() {
     std::vector<uint8_t> head(zip::kLocalHeaderSize);
     if (!read(head) || load_le<uint32_t>(head.data()) != zip::kLocalHeader) return {};
     std::vector<uint8_t> name(load_le<uint16_t>(&head[26])), extra(load_le<uint16_t>(&head[28]));
     if (!read(name) || !read(extra)) return {};
-    return {name.begin(), name.end()};
+    const bool has_size = extra.size() >= 12 && load_le<uint16_t>(extra.data()) == zip::kExtra64;
+    return {{name.begin(), name.end()}, has_size ? load_le<uint64_t>(&extra[4]) : 0};
   }
 
   /// Fills `bytes` with what comes next in the packed member; false when it ends before.
@@ -89,6 +113,7 @@ class UnfinishedFile {
   std::ifstream file_;
   z_stream inflate_{};
   std::vector<uint8_t> input_;
+  std::optional<NpyArray> codes_;
   EventImages images_;
 };
 
@@ -100,6 +125,7 @@ Result<uint64_t> recover_event_images(const fs::path& unfinished, const fs::path
     return Error{ErrorCode::kFormat, "holds no cycles of event images; nothing can be recovered", unfinished.string()};
   }
   E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
+  if (file.codes()) writer.set_codes(*file.codes());
   while (const EventImages* images = file.next()) E2LF_RETURN_IF_ERROR(writer.add(*images));
   const uint64_t cycles = writer.cycles();
   if (cycles > 0) E2LF_RETURN_IF_ERROR(writer.finish());
