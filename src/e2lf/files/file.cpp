@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/is_stream.h"
 
@@ -56,8 +57,7 @@ Result<void> write_all(int descriptor, const fs::path& path, std::span<const uin
 }
 
 Result<void> write_stream(const fs::path& path, std::span<const uint8_t> bytes) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-  if (descriptor < 0) return system_error(path, "write", errno);
+  E2LF_ASSIGN_OR_RETURN(const int descriptor, open_stream(path));
   const Result<void> status = write_all(descriptor, path, bytes);
   if (::close(descriptor) != 0 && status.ok()) return system_error(path, "write", errno);
   return status;
@@ -97,6 +97,18 @@ Result<std::vector<uint8_t>> read_file(const fs::path& path) {
 bool is_stream(const fs::path& path) {
   std::error_code error;
   return fs::is_other(fs::status(path, error)) && !error;
+}
+
+Result<int> open_stream(const fs::path& path) {
+  for (;;) {
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor >= 0) return descriptor;
+    if (errno != EINTR) return system_error(path, "write", errno);
+    if (stop_requested()) {
+      return Error{ErrorCode::kCancelled, "nobody read from here before the run was ended; start the reader first",
+                   path.string()};
+    }
+  }
 }
 
 Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {

@@ -75,8 +75,7 @@ class DescriptorSink final : public ByteSink {
 Result<std::unique_ptr<ByteSink>> open_file_sink(const std::filesystem::path& path) {
   if (path == "-") return make_descriptor_sink(STDOUT_FILENO, /*owned=*/false, "stdout");
   if (is_stream(path)) {
-    const int stream = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-    if (stream < 0) return write_error(path.string(), errno);
+    E2LF_ASSIGN_OR_RETURN(const int stream, open_stream(path));
     return make_descriptor_sink(stream, /*owned=*/true, path.string());
   }
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/io/tcp.h"
 #include "e2lf/recordings/live/cameras.h"
@@ -62,6 +63,9 @@ Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
     return camera;
   }
   const int descriptor = ::open(address.c_str(), O_RDONLY | O_CLOEXEC);  // waits for who writes
+  if (descriptor < 0 && errno == EINTR && stop_requested()) {
+    return Error{ErrorCode::kCancelled, "nobody wrote to it before the run was ended; start the writer first", address};
+  }
   if (descriptor < 0) {
     const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
     return Error{code, cat("cannot open (", std::strerror(errno), "); check the path and its permissions"), address};
