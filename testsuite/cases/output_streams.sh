@@ -28,6 +28,10 @@ cmp file.raw piped.raw
 "$E2LF" convert rec.raw /dev/null --format csv 2>text.txt
 [ -c /dev/null ] || fail "/dev/null was replaced"
 absent /dev/null.run.json /dev/null_triggers.csv
+# Triggers that are lost are not said to be there.
+grep -q "triggers; they are lost" text.txt || fail "$(cat text.txt)"
+"$E2LF" convert rec.raw /dev/null --format csv >text.txt 2>warnings.txt
+grep -q " events and 0 triggers in /dev/null" text.txt || fail "$(cat text.txt)"
 fails 1 "name a file" "$E2LF" convert rec.raw /dev/null --format hdf5
 "$E2LF" eval demo/scene demo/recon -o /dev/null --quiet
 if [ "$(id -u)" = 0 ]; then

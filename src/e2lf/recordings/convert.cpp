@@ -37,6 +37,7 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
   SideTriggerWriter side(output);
   const bool has_side = output != "-" && !is_stream(output);
   const std::string name = output == "-" ? "standard output" : output.filename().string();
+  const bool keeps_triggers = writer->holds_triggers() || has_side;
   ConvertReport report;
   ReadAhead ahead(reader);
   EventBatch batch;
@@ -46,19 +47,22 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
     E2LF_RETURN_IF_ERROR(writer->write(batch));
     if (!writer->holds_triggers() && has_side) E2LF_RETURN_IF_ERROR(side.write(batch.triggers));
     report.events += batch.events.size();
-    report.triggers += batch.triggers.size();
+    (keeps_triggers ? report.triggers : report.lost_triggers) += batch.triggers.size();
     if (options.progress) options.progress(report.events, 0);
   }
-  if (report.events + report.triggers == 0) return nothing_to_convert(reader);
+  if (report.events + report.triggers + report.lost_triggers == 0) return nothing_to_convert(reader);
   E2LF_RETURN_IF_ERROR(writer->finish());
   E2LF_RETURN_IF_ERROR(side.finish());
   report.summary = reader.summary();
 
   if (report.triggers > 0 && !writer->holds_triggers()) {
-    if (has_side) report.trigger_file = side.path().filename();
-    warn(report, cat(name, ": the format has no place for ", report.triggers, " triggers; ",
-                     has_side ? cat("they are in ", side.path().filename().string(), " beside it")
-                              : "they are lost, write to a file instead"));
+    report.trigger_file = side.path().filename();
+    warn(report, cat(name, ": the format has no place for ", report.triggers, " triggers; they are in ",
+                     side.path().filename().string(), " beside it"));
+  }
+  if (report.lost_triggers > 0) {
+    warn(report, cat(name, ": the format has no place for ", report.lost_triggers,
+                     " triggers; they are lost, write to a file instead"));
   }
   if (!writer->holds_absolute_time()) {
     warn(report, cat(name,

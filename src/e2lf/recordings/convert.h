@@ -18,7 +18,8 @@ struct ConvertOptions {
 
 struct ConvertReport {
   uint64_t events = 0;
-  uint64_t triggers = 0;
+  uint64_t triggers = 0;               ///< written
+  uint64_t lost_triggers = 0;          ///< neither the format nor the place has room for them: text to a pipe
   std::filesystem::path trigger_file;  ///< where triggers went that the format does not hold: a name beside the
                                        ///< output; empty = none
   std::vector<std::string> warnings;   ///< what the output cannot hold, for people; also logged
