@@ -54,3 +54,15 @@ mkdir elsewhere && ln -s elsewhere/e.npz far.npz && cp ev.npz elsewhere/e.npz
 "$E2LF" simulate demo/scene -o far.npz --seed 2 --quiet --overwrite
 [ -L far.npz ] && ! cmp -s ev.npz elsewhere/e.npz || fail "the link was replaced"
 [ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind"
+
+# Errors name the result and not the place where it is made, and what the system says.
+printf '0,0,1,-5\n1,1,0,20\n' >negative.csv
+fails 1 "$PWD/negative.raw: time -5 us cannot be held by this format; begin at zero (--shift-time)" "$E2LF" convert negative.csv negative.raw --sensor-width 64 --sensor-height 48
+"$E2LF" convert negative.csv negative.raw --sensor-width 64 --sensor-height 48 --shift-time --quiet
+mkdir -m 555 locked
+chmod 755 .
+as_other=()
+[ "$(id -u)" != 0 ] || as_other=(setpriv --reuid=65534 --regid=65534 --clear-groups)
+if "${as_other[@]}" "$E2LF" --help >/dev/null 2>&1 && "${as_other[@]}" test -r negative.csv; then
+  fails 1 "cannot write here (Permission denied)" "${as_other[@]}" "$E2LF" convert negative.csv locked/x.csv
+fi

@@ -16,6 +16,7 @@
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/files/workspace.h"
 
 namespace e2lf::cli {
 namespace {
@@ -23,7 +24,8 @@ namespace {
 void print_log(LogLevel level, const std::string& message) {
   if (level == LogLevel::kDebug) return;
   hide_progress();
-  std::fprintf(stderr, "e2lf: %s%s\n", level == LogLevel::kWarning ? "warning: " : "", message.c_str());
+  std::fprintf(stderr, "e2lf: %s%s\n", level == LogLevel::kWarning ? "warning: " : "",
+               without_workspaces(message).c_str());
 }
 
 /// --quiet: what was lost is said all the same.
@@ -269,7 +271,7 @@ std::string Verb::flag_hint(Setting setting) const {
 
 int Verb::exit_code(const Result<void>& result) const {
   if (!result) {
-    const std::string text = result.error().text() + flag_hint(result.error().setting);
+    const std::string text = without_workspaces(result.error().text()) + flag_hint(result.error().setting);
     std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), text.c_str());
   }
   if (!stop_requested()) return result ? 0 : 1;

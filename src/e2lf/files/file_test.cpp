@@ -4,8 +4,10 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "e2lf/files/is_stream.h"
+#include "e2lf/files/workspace.h"
 #include "testing/test_files.h"
 
 namespace e2lf {
@@ -21,6 +23,14 @@ size_t count_entries(const fs::path& folder) {
 std::string text_of(const fs::path& path) {
   const auto bytes = read_file(path);
   return bytes.ok() ? std::string(bytes->begin(), bytes->end()) : "<" + bytes.error().text() + ">";
+}
+
+TEST(Workspace, IsLeftOutOfTextForPeople) {
+  const std::string own = "." + std::to_string(::getpid()) + ".3.part";
+  EXPECT_EQ(without_workspaces("/a/b c.csv" + own + "/b c.csv: cannot write"), "/a/b c.csv: cannot write");
+  EXPECT_EQ(without_workspaces("/a/out" + own + "/out/00_00.png"), "/a/out/00_00.png");
+  EXPECT_EQ(without_workspaces("/a/x.csv" + own + ": cannot write"), "/a/x.csv: cannot write");
+  EXPECT_EQ(without_workspaces("x.csv.0.3.part: removed"), "x.csv.0.3.part: removed");
 }
 
 TEST(File, RoundTripsBytesAndLeavesNothingElse) {

@@ -65,6 +65,11 @@ Descriptor open_lock(const fs::path& workspace, int flags) {
   return Descriptor(::open((workspace / kLock).c_str(), flags | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0666));
 }
 
+Error cannot_write(const fs::path& target, const std::string& reason) {
+  return {ErrorCode::kIo, cat("cannot write here (", reason, "); check the folder's permissions and its disk"),
+          target.string()};
+}
+
 /// Removes the dead workspaces of a target. Fails when one is alive.
 Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead) {
   const std::string stem = stem_of(target);
@@ -111,6 +116,27 @@ void remove_dead_parts(const fs::path& folder) {
   }
 }
 
+std::string without_workspaces(std::string text) {
+  constexpr std::string_view kEnd = ".part";
+  const std::string own = cat(".", ::getpid(), ".");
+  for (size_t at = 0; (at = text.find(own, at)) != std::string::npos;) {
+    size_t end = text.find_first_not_of("0123456789", at + own.size());
+    if (end == std::string::npos || text.compare(end, kEnd.size(), kEnd) != 0) {
+      at += own.size();
+      continue;
+    }
+    end += kEnd.size();
+    size_t begin = at;
+    if (end < text.size() && text[end] == '/') {
+      begin = text.rfind('/', at) + 1;  // 0 where there is none
+      ++end;
+    }
+    text.erase(begin, end - begin);
+    at = begin;
+  }
+  return text;
+}
+
 Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dead) {
   static int counter = 0;
   std::error_code error;
@@ -128,14 +154,12 @@ Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dea
   const int number = __atomic_add_fetch(&counter, 1, __ATOMIC_RELAXED);
   const fs::path path = folder / cat(stem_of(target), ::getpid(), ".", number, ".part");
   fs::create_directory(path, error);
+  if (error) return cannot_write(target, error.message());
   Descriptor lock = open_lock(path, O_CREAT);
   if (!lock.is_open()) {
-    const int error_number = errno;
+    const std::string reason = std::strerror(errno);
     fs::remove(path, error);
-    return Error{
-        ErrorCode::kIo,
-        cat("cannot write here (", std::strerror(error_number), "); check the folder's permissions and its disk"),
-        target.string()};
+    return cannot_write(target, reason);
   }
   static_cast<void>(lock.locks(LOCK_EX | LOCK_NB));
   return Workspace(path, lock.release());

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "e2lf/base/result.h"
 
@@ -31,6 +32,10 @@ class Workspace {
   std::filesystem::path path_;
   int lock_ = -1;
 };
+
+/// A text for people with the names of results in place of those of this process's workspaces and temporary files:
+/// "a/x.csv.7.1.part/x.csv" and "a/x.csv.7.1.part" are "a/x.csv".
+[[nodiscard]] std::string without_workspaces(std::string text);
 
 /// Removes the temporary files of write_file() in a folder whose writers are dead.
 void remove_dead_parts(const std::filesystem::path& folder);
