@@ -57,6 +57,15 @@ same out.npz
 same out.npz
 fails 1 "--columns" "$E2LF" convert square.npy out2.npz
 absent out2.npz
+# An array that was never finished says fewer events than it holds.
+cp out.npz whole.npz && "$E2LF" convert whole.npz cut.npy --quiet
+py - <<'PY'
+data = bytearray(open("cut.npy", "rb").read())
+at = data.index(b"(5000,)")
+data[at:at + 7] = b"(0000,)".replace(b"000", b"   ", 1)
+open("cut.npy", "wb").write(data)
+PY
+fails 1 "the header says 0 events, and the file holds 5000" "$E2LF" info cut.npy
 # Float16 and other numbers as light fields; counts ask for their white.
 py - <<'PY'
 import numpy as np

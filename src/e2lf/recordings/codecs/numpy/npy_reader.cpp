@@ -185,6 +185,17 @@ Result<TimeUnit> unit_of(ByteSource& source, TimeUnit named, const NpyHeader& he
   return find_time_unit(named, bytes.data(), times, count, info.assumptions);
 }
 
+/// Fails where a file goes on behind the events that its header counts: it was never finished, or its header is wrong.
+Result<void> check_count(const NpyHeader& header, const ByteSource& source) {
+  const uint64_t bytes = source.size().value_or(0);
+  const uint64_t stored = bytes < header.data_offset ? 0 : (bytes - header.data_offset) / header.array.item_size;
+  if (stored <= header.array.shape[0]) return {};
+  return Error{ErrorCode::kFormat,
+               cat("the header says ", header.array.shape[0], " events, and the file holds ", stored,
+                   ": it was not finished; write it again, or correct the shape in its header"),
+               source.name()};
+}
+
 }  // namespace
 
 bool detect_npy(std::span<const uint8_t> head) {
@@ -201,6 +212,7 @@ Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> so
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   source->consume(header.data_offset);
   E2LF_ASSIGN_OR_RETURN(RecordFields fields, fields_of(*source, options.columns, header, info));
+  E2LF_RETURN_IF_ERROR(check_count(header, *source));
   E2LF_ASSIGN_OR_RETURN(fields.unit, unit_of(*source, options.time_unit, header, fields.t, info));
   E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->path()));
   const bool is_seekable = source->seekable();
