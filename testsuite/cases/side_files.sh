@@ -30,6 +30,7 @@ for pair in "p.csv p_triggers.csv" "p_cd.dat p_trigger.dat" "p.npy p_triggers.cs
   set -- $pair
   echo "my notes" >"$2"
   fails 1 "$2" "$E2LF" convert with.raw "$1"
+  fails 1 "e2lf did not write it, so it is not replaced; move it away" "$E2LF" convert with.raw "$1"
   fails 1 "e2lf did not write it" "$E2LF" convert with.raw "$1" --overwrite
   [ "$(cat "$2")" = "my notes" ] || fail "$2 was overwritten"
   absent "$1"

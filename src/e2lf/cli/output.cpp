@@ -132,13 +132,13 @@ bool is_same_content(const fs::path& a, const fs::path& b) {
   return std::equal(std::istreambuf_iterator<char>(of_a), {}, std::istreambuf_iterator<char>(of_b));
 }
 
-Error foreign_side(const fs::path& side, const fs::path& target, bool overwrite) {
+Error foreign_side(const fs::path& side, const fs::path& target, bool is_ours) {
   const std::string name = target.filename().string();
-  return exists(
-      side, overwrite ? cat("this file would belong to ", name,
-                            ", but e2lf did not write it, so it is not replaced; move it away or name "
-                            "another output")
-                      : cat("this file would belong to ", name, "; move it away, give --overwrite or another name"));
+  return exists(side,
+                !is_ours ? cat("this file would belong to ", name,
+                               ", but e2lf did not write it, so it is not replaced; move it away or name "
+                               "another output")
+                         : cat("this file would belong to ", name, "; move it away, give --overwrite or another name"));
 }
 
 Error shared_triggers(const fs::path& triggers, const fs::path& target, const fs::path& owner) {
@@ -265,15 +265,15 @@ Result<void> OutputFile::check_place() const {
   const fs::path record = record_path_beside(target_);
   // The record of a result that is gone is of no use to anyone.
   if (is_there(record) && !(is_our_record(record) && (overwrite_ || !is_there(target_)))) {
-    return foreign_side(record, target_, overwrite_);
+    return foreign_side(record, target_, is_our_record(record));
   }
   if (triggers_.empty() || !is_there(triggers_)) return {};
   if (const fs::path owner = other_owner(triggers_, target_); !owner.empty()) {
     // The same triggers will do; a recording that cannot be made again is not put at that risk.
     return is_live_ ? shared_triggers(triggers_, target_, owner) : Result<void>();
   }
-  if (overwrite_ && is_our_trigger_file(triggers_)) return {};
-  return foreign_side(triggers_, target_, overwrite_);
+  const bool is_ours = is_our_trigger_file(triggers_);
+  return overwrite_ && is_ours ? Result<void>() : foreign_side(triggers_, target_, is_ours);
 }
 
 Result<void> OutputFile::commit() {
