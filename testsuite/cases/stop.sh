@@ -10,20 +10,31 @@
 head -c -1 rec.raw >cut.raw
 "$E2LF" convert rec.raw rec.csv --quiet 2>/dev/null
 head -c -3 rec.csv >cut.csv
-/usr/bin/python3 - rec.raw cut.raw cut.csv <<'PY' &
-import selectors, socket, sys
+cp rec.raw slow.raw
+/usr/bin/python3 - rec.raw cut.raw cut.csv slow.raw <<'PY' &
+import selectors, socket, sys, threading, time
+def send(name, connection):
+    data = open(name, "rb").read()
+    pieces = 4 if name == "slow.raw" else 1
+    try:
+        for i in range(pieces):
+            connection.sendall(data[len(data) * i // pieces : len(data) * (i + 1) // pieces])
+            time.sleep(0.7)
+        open("sent_" + name, "w")
+    except OSError:
+        pass
 ready, kept = selectors.DefaultSelector(), []
 for name in sys.argv[1:]:
     server = socket.socket()
     server.bind(("127.0.0.1", 0))
     server.listen(8)
-    ready.register(server, selectors.EVENT_READ, open(name, "rb").read())
+    ready.register(server, selectors.EVENT_READ, name)
     open("port_of_" + name, "w").write(str(server.getsockname()[1]))
 open("ready", "w")
 while True:
     for key, _ in ready.select():
         kept.append(key.fileobj.accept()[0])
-        kept[-1].sendall(key.data)
+        threading.Thread(target=send, args=(key.data, kept[-1]), daemon=True).start()
 PY
 sender=$!
 trap 'kill "$sender"; remove_folder' EXIT
@@ -100,7 +111,36 @@ py - <<'PY'
 import numpy as np
 kept, whole = np.load("taken-interrupted-1.npz")["events"], np.load("all.npz")["events"]
 assert 0 < len(kept) <= len(whole) and np.array_equal(kept, whole[: len(kept)]), kept.shape
+assert np.array_equal(np.load("taken-interrupted-1.npz")["codes"], np.load("all.npz")["codes"])
 PY
+# Every format that is kept can be read, with its triggers.
+count() { "$E2LF" info "$1" --json | py -c "import json, sys; print(json.load(sys.stdin)['$2'])"; }
+for name in kept.csv kept.txt kept.npy kept.dat kept.h5 kept.hdf5; do
+  rm -f sent_slow.raw
+  ended KILL 137 '[ -e sent_slow.raw ]' "$E2LF" convert "$(address_of slow.raw)" "$name" --event-format evt3
+  "$E2LF" convert rec.raw "$name" --quiet 2>stderr.txt
+  stem=${name%.*} end=${name##*.}
+  grep -q "kept in .*$stem-interrupted-1.$end" stderr.txt || fail "$name: $(cat stderr.txt)"
+  [ "$(count "$stem-interrupted-1.$end" events)" -gt 50000 ] || fail "$name: events"
+  [ "$(count "$stem-interrupted-1.$end" triggers)" -gt 5 ] || fail "$name: triggers"
+  rm -f kept*
+done
+# What cannot be read is not kept, and named.
+mkdir none.hdf5.1.1.part
+touch none.hdf5.1.1.part/e2lf.lock none.hdf5.1.1.part/e2lf.live
+head -c 3000 rec.raw >none.hdf5.1.1.part/none.hdf5.1.2.part
+"$E2LF" convert rec.raw none.hdf5 --quiet 2>stderr.txt
+grep -q "none-interrupted-1.hdf5: not kept.*record to .raw" stderr.txt || fail "$(cat stderr.txt)"
+absent none-interrupted-1.hdf5
+ended INT 130 'ls late.npz.*.part >/dev/null 2>&1' "$E2LF" convert "$address" late.npz --event-format evt3 --quiet
+grep -q "late.npz: this format is written at the end.*record to .raw" stderr.txt || fail "$(cat stderr.txt)"
+# A pipe that nobody reads or writes is not the disk's fault.
+mkfifo unread.svg unread.csv unwritten
+for command in "info rec.raw --plot unread.svg" "convert rec.raw unread.csv" "info unwritten"; do
+  # shellcheck disable=SC2086
+  ended TERM 143 'sleep 1' "$E2LF" $command
+  grep -q "nobody" stderr.txt || fail "$command: $(cat stderr.txt)"
+done
 ended KILL 137 'grown taken.raw 20000' "$E2LF" convert "$address" taken.raw --event-format evt3
 "$E2LF" convert rec.raw taken.raw 2>stderr.txt
 grep -q "kept in .*taken-interrupted-1.raw" stderr.txt || fail "the partial recording was not named"

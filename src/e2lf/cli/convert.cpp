@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstdio>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/file_kind.h"
@@ -111,8 +112,14 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
                                                                                  .overwrite = common.overwrite,
                                                                                  .streams = place.streams,
                                                                                  .side_file = place.side_file,
-                                                                                 .recover = recover_recording}));
+                                                                                 .recover = recover_recording(place)}));
   E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording));
+  // What is replayed can be replayed again.
+  if (place.is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
+    log_warning(cat(arguments.output.string(),
+                    ": this format is written at the end of a recording, and a crash leaves ",
+                    "nothing of it; record to .raw to be safe"));
+  }
   RunRecord record("convert");
   open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(arguments.input.string(), open));
@@ -131,6 +138,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   if (common.json) {
     const Json json = {{"events", report.events},
                        {"triggers", report.triggers},
+                       {"lost_triggers", report.lost_triggers},
                        {"trigger_file", trigger_file.string()},
                        {"left_out", losses_json(report.summary)},
                        {"sorted", report.summary.out_of_order},

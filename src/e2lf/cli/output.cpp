@@ -21,6 +21,8 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
+using SideFile = fs::path (*)(const fs::path&);
+
 constexpr char kLive[] = "e2lf.live";  ///< in a workspace: what is made there cannot be made again
 
 Error exists(const fs::path& path, const std::string& what) {
@@ -147,32 +149,44 @@ Error shared_triggers(const fs::path& triggers, const fs::path& target, const fs
                     target.filename().string(), " too; name another output"));
 }
 
-/// "events-interrupted-1.npz", or the next one that is free.
-fs::path free_name(const fs::path& target) {
+/// "events-interrupted-1.npz", or the next one that is free, with its triggers' name.
+fs::path free_name(const fs::path& target, SideFile side_file) {
   for (int number = 1;; ++number) {
     fs::path name = target;
     name.replace_filename(cat(target.stem().string(), "-interrupted-", number, target.extension().string()));
-    if (!is_there(name)) return name;
+    if (!is_there(name) && (side_file == nullptr || !is_there(side_file(name)))) return name;
   }
 }
 
-/// Keeps what a killed run had finished of a target, where it cannot be made again.
-Workspace::OnDead keeper(const fs::path& target, const Recover& recover) {
+/// What a workspace holds of the file that would have had a name; empty when there is nothing.
+fs::path part_of(const fs::path& workspace, const std::string& name) {
+  std::error_code error;
+  for (fs::directory_iterator entry(workspace, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string found = entry->path().filename().string();
+    const bool is_record = found.starts_with(record_path_beside(name).string());
+    if (found == name || (found.starts_with(name + ".") && !is_record)) return entry->path();
+  }
+  return {};
+}
+
+/// Keeps what a killed run had finished of a target and of its triggers, where it cannot be made again.
+Workspace::OnDead keeper(const fs::path& target, SideFile side_file, const Recover& recover) {
   if (!recover) return {};
-  return [target, recover](const fs::path& workspace) {
+  return [target, side_file, recover](const fs::path& workspace) {
     std::error_code error;
-    if (!fs::exists(workspace / kLive, error)) return;
     const std::string name = target.filename().string();
-    for (fs::directory_iterator entry(workspace, error), end; !error && entry != end; entry.increment(error)) {
-      const std::string found = entry->path().filename().string();
-      if (!found.starts_with(name) || found.ends_with(".json")) continue;
-      const fs::path kept = free_name(target);
-      const std::string what = recover(entry->path(), kept);
-      if (!what.empty()) {
-        log_warning(cat("an interrupted run had written ", what, " of ", name, "; they are kept in ", kept.string()));
-      }
-      return;
+    const fs::path partial = part_of(workspace, name);
+    if (partial.empty() || !fs::exists(workspace / kLive, error)) return;
+    const fs::path kept = free_name(target, side_file);
+    const std::string what = recover(partial, kept);
+    if (what.empty()) return;
+    std::string names = kept.string();
+    if (side_file != nullptr) {
+      const fs::path triggers = part_of(workspace, side_file(target).filename().string());
+      if (!triggers.empty()) fs::rename(triggers, side_file(kept), error);
+      if (!triggers.empty() && !error) names += cat(" and ", side_file(kept).filename().string());
     }
+    log_warning(cat("an interrupted run had written ", what, " of ", name, "; they are kept in ", names));
   };
 }
 
@@ -214,12 +228,19 @@ std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
   return cat(*cycles, *cycles == 1 ? " cycle" : " cycles");
 }
 
-std::string recover_recording(const fs::path& partial, const fs::path& kept) {
-  std::error_code error;
-  const auto bytes = fs::file_size(partial, error);
-  if (error || bytes == 0) return {};
-  fs::rename(partial, kept, error);
-  return error ? "" : cat(bytes, " bytes");
+Recover recover_recording(const recordings::RecordingPlace& place) {
+  return [place](const fs::path& partial, const fs::path& kept) -> std::string {
+    std::error_code error;
+    const auto bytes = fs::file_size(partial, error);
+    if (error || bytes == 0) return {};
+    if (place.recover != nullptr && !place.recover(partial)) {
+      log_warning(cat(kept.string(), ": not kept, what an interrupted run had written cannot be read; record to .raw, ",
+                      "of which all that was written can be"));
+      return {};
+    }
+    fs::rename(partial, kept, error);
+    return error ? "" : cat(bytes, " bytes");
+  };
 }
 
 Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& rules) {
@@ -249,7 +270,8 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   output.is_live_ = std::none_of(rules.inputs.begin(), rules.inputs.end(),
                                  [](const fs::path& input) { return !file_of_input(input).empty(); });
   E2LF_RETURN_IF_ERROR(output.check_place());
-  E2LF_ASSIGN_OR_RETURN(Workspace workspace, Workspace::create(output.target_, keeper(output.target_, rules.recover)));
+  E2LF_ASSIGN_OR_RETURN(Workspace workspace,
+                        Workspace::create(output.target_, keeper(output.target_, rules.side_file, rules.recover)));
   output.place_ = workspace.path() / output.target_.filename();
   if (output.is_live_) E2LF_RETURN_IF_ERROR(write_file(workspace.path() / kLive, std::string("live\n")));
   output.workspace_.emplace(std::move(workspace));

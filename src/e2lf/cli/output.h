@@ -11,6 +11,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/files/workspace.h"
+#include "e2lf/recordings/open/recording_place.h"
 
 namespace e2lf::cli {
 
@@ -33,7 +34,7 @@ struct OutputRules {
 
 /// For event images, and for recordings.
 [[nodiscard]] std::string recover_cycles(const std::filesystem::path& partial, const std::filesystem::path& kept);
-[[nodiscard]] std::string recover_recording(const std::filesystem::path& partial, const std::filesystem::path& kept);
+[[nodiscard]] Recover recover_recording(const recordings::RecordingPlace& place);
 
 /// A file of results with the files that belong to it: its record (<file>.run.json) and its triggers
 /// (<stem>_triggers.csv, <stem>_trigger.dat). They are checked together, appear together and are replaced together.

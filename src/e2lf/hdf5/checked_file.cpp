@@ -175,6 +175,15 @@ Result<void> CheckedFile::check() const {
   return {};
 }
 
+void CheckedFile::keep_up() {
+  kept_up_ = std::chrono::steady_clock::now();
+  H5Fflush(file_.get(), H5F_SCOPE_LOCAL);
+}
+
+bool CheckedFile::is_behind() const {
+  return std::chrono::steady_clock::now() - kept_up_ >= std::chrono::seconds(1);
+}
+
 Result<void> CheckedFile::close() {
   const bool is_closed = file_.close();
   E2LF_RETURN_IF_ERROR(check());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 
@@ -24,6 +25,12 @@ class CheckedFile {
   /// The first write that failed. To be asked after every stretch of data, before more is written.
   [[nodiscard]] Result<void> check() const;
 
+  /// Brings the file up to date on the disk, so that a run that is killed leaves one that can be opened. What could not
+  /// be written is in check().
+  void keep_up();
+  /// Whether that was never done, or not for a second.
+  [[nodiscard]] bool is_behind() const;
+
   /// Closes the file, after all of its objects. Fails with kIo when anything did not get to the disk.
   [[nodiscard]] Result<void> close();
 
@@ -31,6 +38,7 @@ class CheckedFile {
   std::string name_;
   std::shared_ptr<int> error_number_;
   Handle file_;
+  std::chrono::steady_clock::time_point kept_up_{};
 };
 
 }  // namespace e2lf::hdf5

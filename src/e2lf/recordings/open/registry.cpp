@@ -48,13 +48,15 @@ std::deque<Codec> built_in_codecs() {
        .description = "Metavision HDF5, compressed with ECF",
        .detect = hdf5_events::detect,
        .open = hdf5_events::open,
-       .create_file = hdf5_events::create_file},
+       .create_file = hdf5_events::create_file,
+       .recover = hdf5_events::recover},
       {.name = "dsec",
        .extensions = {".h5"},
        .description = "HDF5 with columns as in the DSEC data set",
        .open = hdf5_events::open,
        .create_file = hdf5_events::create_dsec_file,
-       .side_file = side_trigger_path},
+       .side_file = side_trigger_path,
+       .recover = hdf5_events::recover},
       {.name = "aedat4",
        .extensions = {".aedat4"},
        .description = "iniVation AEDAT 4",
@@ -66,13 +68,15 @@ std::deque<Codec> built_in_codecs() {
        .detect = numpy::detect_npy,
        .open = numpy::open_npy,
        .create_file = numpy::create_npy_file,
-       .side_file = side_trigger_path},
+       .side_file = side_trigger_path,
+       .recover = numpy::recover_npy},
       {.name = "npz",
        .extensions = {".npz"},
        .description = "numpy arrays x, y, p, t, held in memory",
        .detect = numpy::detect_npz,
        .open = numpy::open_npz,
-       .create = numpy::create_npz},
+       .create = numpy::create_npz,
+       .is_written_at_end = true},
       {.name = "csv",
        .extensions = {".csv"},
        .description = "text, x,y,p,t with t in microseconds",
@@ -196,7 +200,7 @@ Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::p
 
 Result<RecordingPlace> place_of_recording(const std::filesystem::path& path, const std::string& format) {
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
-  return RecordingPlace{codec->create != nullptr, codec->side_file};
+  return RecordingPlace{codec->create != nullptr, codec->side_file, codec->is_written_at_end, codec->recover};
 }
 
 Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem::path& path, const std::string& format,

@@ -32,6 +32,12 @@ struct Codec {
 
   /// Where the triggers of a file are that the format has no place for, when the reader looks for them there.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
+
+  /// Whether the writer holds all in memory until finish().
+  bool is_written_at_end = false;
+
+  /// Makes what a writer that was killed left a file that can be read; null = it can be read as it is.
+  Result<void> (*recover)(const std::filesystem::path& path) = nullptr;
 };
 
 /// All formats, in the order in which detection asks them. What they point to stays.

@@ -288,7 +288,10 @@ class DsecWriter final : public RecordingWriter {
     const EventColumns& events = batch.events;
     const size_t count = events.size();
     if (count == 0) return {};
-    if (t_.length() == 0) offset_us_ = events.t.front();
+    if (t_.length() == 0) {
+      offset_us_ = events.t.front();
+      E2LF_RETURN_IF_ERROR(write_offset());
+    }
     if (events.t.back() - offset_us_ > UINT32_MAX) {
       return Error{ErrorCode::kInvalidValue,
                    "the recording is longer than the 71 minutes that this layout holds; write HDF5 with ECF", name_};
@@ -308,6 +311,7 @@ class DsecWriter final : public RecordingWriter {
     E2LF_RETURN_IF_ERROR(y_.append(H5T_NATIVE_UINT16, events.y.data(), count));
     E2LF_RETURN_IF_ERROR(p_.append(H5T_NATIVE_UINT8, events.p.data(), count));
     E2LF_RETURN_IF_ERROR(t_.append(H5T_NATIVE_UINT32, times.data(), count));
+    if (hdf5_file_.is_behind()) hdf5_file_.keep_up();
     return hdf5_file_.check();
   }
 
@@ -316,7 +320,7 @@ class DsecWriter final : public RecordingWriter {
     // One more entry, behind the last event, so that every event has a millisecond after it.
     const uint64_t end = t_.length();
     E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, &end, 1));
-    E2LF_RETURN_IF_ERROR(write_offset());
+    if (end == 0) E2LF_RETURN_IF_ERROR(write_offset());
     for (GrowingDataset* column : {&x_, &y_, &p_, &t_, &ms_to_idx_}) *column = {};
     E2LF_RETURN_IF_ERROR(hdf5_file_.close());
     return file_.commit();
@@ -324,6 +328,7 @@ class DsecWriter final : public RecordingWriter {
 
  private:
   Result<void> write_offset() {
+    const LibraryLock lock;
     const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
     const Handle offset(
         H5Dcreate2(hdf5_file_.get(), "t_offset", H5T_STD_I64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),

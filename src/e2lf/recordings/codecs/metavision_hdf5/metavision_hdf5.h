@@ -24,4 +24,7 @@ namespace e2lf::recordings::hdf5_events {
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path,
                                                                    const RecordingInfo& info);
 
+/// Fails where a file whose writer was killed cannot be read: within the first second of writing.
+[[nodiscard]] Result<void> recover(const std::filesystem::path& path);
+
 }  // namespace e2lf::recordings::hdf5_events

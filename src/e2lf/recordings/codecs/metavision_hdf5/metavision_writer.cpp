@@ -154,7 +154,8 @@ Result<void> MetavisionWriter::write(const EventBatch& batch) {
   E2LF_RETURN_IF_ERROR(check_(batch));
   E2LF_RETURN_IF_ERROR(event_index_.add(batch.events.size(), [&](size_t i) { return batch.events.t[i]; }));
   pending_.append(batch.events);
-  if (pending_.size() >= kBlockChunks * kChunkEvents) E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/false));
+  if (pending_.size() >= kBlockChunks * kChunkEvents || hdf5_file_.is_behind())
+    E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/false));
 
   std::vector<TriggerRecord> records;
   E2LF_RETURN_IF_ERROR(trigger_index_.add(batch.triggers.size(), [&](size_t i) { return batch.triggers[i].t; }));
@@ -162,6 +163,8 @@ Result<void> MetavisionWriter::write(const EventBatch& batch) {
     records.push_back({static_cast<int16_t>(trigger.p), trigger.t, static_cast<int16_t>(trigger.id)});
   }
   E2LF_RETURN_IF_ERROR(triggers_.append(trigger_type().get(), records.data(), records.size()));
+  const LibraryLock lock;
+  if (hdf5_file_.is_behind()) hdf5_file_.keep_up();
   return hdf5_file_.check();
 }
 

@@ -59,6 +59,7 @@ class NpyWriter final : public RecordingWriter {
     out_.write(reinterpret_cast<const char*>(records_.data()),
                static_cast<std::streamsize>(records_.size() * sizeof(Record)));
     events_ += events.size();
+    out_.flush();  // for recover_npy()
     return check_stream();
   }
 
@@ -91,6 +92,28 @@ class NpyWriter final : public RecordingWriter {
 };
 
 }  // namespace
+
+Result<void> recover_npy(const std::filesystem::path& path) {
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  std::vector<uint8_t> head(kHeaderBytes);
+  const auto size_of = [](const std::vector<uint8_t>& bytes) { return static_cast<std::streamsize>(bytes.size()); };
+  std::error_code error;
+  const uintmax_t bytes = std::filesystem::file_size(path, error);
+  const uintmax_t events = error || bytes < kHeaderBytes ? 0 : (bytes - kHeaderBytes) / sizeof(Record);
+  const bool is_read = static_cast<bool>(file.read(reinterpret_cast<char*>(head.data()), size_of(head)));
+  if (is_read && head == header_bytes(events)) return {};
+  if (!is_read || head != header_bytes(0)) {
+    return Error{ErrorCode::kFormat, "this is no array of events whose writing was cut off; record to .raw",
+                 path.string()};
+  }
+  head = header_bytes(events);
+  file.seekp(0);
+  file.write(reinterpret_cast<const char*>(head.data()), size_of(head));
+  file.close();
+  if (file && !error) std::filesystem::resize_file(path, kHeaderBytes + events * sizeof(Record), error);
+  if (file && !error) return {};
+  return Error{ErrorCode::kIo, "cannot write the number of events; check the disk", path.string()};
+}
 
 Result<std::unique_ptr<RecordingWriter>> create_npy_file(const std::filesystem::path& path, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));

@@ -21,6 +21,9 @@ namespace e2lf::recordings::numpy {
                                                                 const OpenOptions& options);
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_npy_file(const std::filesystem::path& path,
                                                                        const RecordingInfo& info);
+/// Gives a file of create_npy_file()'s writer that was killed the number of events that are in it. Fails with kFormat
+/// (no such file) and kIo.
+[[nodiscard]] Result<void> recover_npy(const std::filesystem::path& path);
 
 [[nodiscard]] bool detect_npz(std::span<const uint8_t> head);
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source,
