@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -55,22 +56,32 @@ int run_model_import(const std::vector<std::string>& arguments) {
 }
 
 int run_model_store(const std::vector<std::string>& arguments) {
-  Verb verb("model store", "Write a model again with its weights in 16 or 32 bits.",
+  Verb verb("model store",
+            "Write a model again with its weights in 16 or 32 bits, or with another camera to begin from.",
             "e2lf model store MODEL.safetensors -o SMALL.safetensors --weights bfloat16");
   fs::path input, output;
-  std::string weights = "bfloat16";
+  std::string weights = "bfloat16", camera;
   verb.app().add_option("model,-m,--model", input, "model file (.safetensors)")->required();
   verb.app().add_option("-o,--output", output, "model file to write")->required();
   verb.app()
       .add_option("--weights", weights, "bfloat16 (half the size, relative errors of 2^-8 at most) or float32")
       ->check(CLI::IsMember({"bfloat16", "float32"}))
       ->capture_default_str();
+  add_camera_option(verb.app(), camera,
+                    "for networks that are told: the camera to take where `reconstruct` names none");
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(OutputFile file,
-                          OutputFile::create(output, {.inputs = {input}, .overwrite = verb.common().overwrite}));
+    E2LF_ASSIGN_OR_RETURN(
+        OutputFile file, OutputFile::create(output, {.inputs = {input, camera}, .overwrite = verb.common().overwrite}));
     RunRecord record("model store");
     record.add_input(input);
-    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(input));
+    E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(input));
+    if (!camera.empty() && !model::is_told_the_camera(model)) {
+      return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
+                   "--camera"};
+    }
+    if (!camera.empty()) {
+      E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(camera, record));
+    }
     const bool is_half = weights == "bfloat16";
     E2LF_RETURN_IF_ERROR(model::write_model(
         file.path(), model, is_half ? model::WeightStorage::kBfloat16 : model::WeightStorage::kFloat32));
@@ -86,7 +97,7 @@ int run_model(const std::vector<std::string>& arguments) {
   return run_subverb("model",
                      {{"info", "say what a model file holds", run_model_info},
                       {"import", "turn the paper's released weights into a model file", run_model_import},
-                      {"store", "write a model again with its weights in 16 or 32 bits", run_model_store}},
+                      {"store", "write a model again: weights in 16 or 32 bits, another camera", run_model_store}},
                      arguments);
 }
 

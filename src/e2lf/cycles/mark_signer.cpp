@@ -6,7 +6,10 @@ namespace e2lf::cycles {
 void MarkSigner::add(const recordings::EventColumns& events, const std::vector<Mark>& marks) {
   marks_.insert(marks_.end(), marks.begin(), marks.end());
   histogram_.add(events, 0, events.size());
-  if (!events.empty()) last_event_us_ = std::max(last_event_us_, events.t.back());
+  if (!events.empty()) {
+    first_event_us_ = std::min(first_event_us_, events.t.front());
+    last_event_us_ = std::max(last_event_us_, events.t.back());
+  }
   forget();
 }
 
@@ -21,8 +24,10 @@ std::optional<Mark> MarkSigner::take(bool needs_sign, bool is_end) {
   return mark;
 }
 
-/// The share of ON in what rises at a time; nothing where chance may have made it.
+/// The share of ON in what rises at a time; nothing where chance may have made it, and where the recording begins: what
+/// pixels do first says little of the change.
 std::optional<float> MarkSigner::on_share_at(int64_t t_us) const {
+  if (t_us - options_.window_us < first_event_us_) return std::nullopt;
   const EventRise rise = event_rise(histogram_, t_us, options_.window_us);
   if (rise.significance < options_.min_significance) return std::nullopt;
   return static_cast<float>(rise.on / rise.total());

@@ -43,7 +43,7 @@ class MarkSigner {
   SignOptions options_;
   std::deque<Mark> marks_;
   EventHistogram histogram_;
-  int64_t last_event_us_ = INT64_MIN;
+  int64_t first_event_us_ = INT64_MAX, last_event_us_ = INT64_MIN;
 };
 
 }  // namespace e2lf::cycles

@@ -73,7 +73,9 @@ class PhysicalPixels : public SinglePixels {
       pixel.inverse = 1.0 / exposure(first.from[i]);
       pixel.level = pixel.start = -std::log(pixel.inverse);
       const float draw = sensor::uniform_of(CounterRng(options.seed, 0).bits(i)[0]);
-      pixel.reference = pixel.level + pixel.thresholds.off * constants()[kResetSpan] * draw - constants()[kResetOffset];
+      // A pixel at rest has no event due: its reference is less than a threshold away, whatever span the fit found.
+      const double above = pixel.thresholds.off * constants()[kResetSpan] * draw - constants()[kResetOffset];
+      pixel.reference = pixel.level + std::min(above, 0.999 * pixel.thresholds.off);
       pixel.noise_to = 0.0;
     }
   }
