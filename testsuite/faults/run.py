@@ -3,7 +3,7 @@
 
 Runs every verb with everything that can go wrong: TRIALS times kill -9 (200), a quarter as often each other fault. After
 each, no file of the user's has changed, nothing lies half-written at a final name, and the command works when it is given
-again, leaving its result and nothing else. Prints a table of trials and losses; ends with 1 where something was lost."""
+again, leaving its result and nothing else. Prints a table of trials and losses, after Ctrl-C, too; ends with 1 where something was lost."""
 import argparse
 import collections
 import pathlib
@@ -129,6 +129,21 @@ class Machine:
         print(f"faults: {sum(self.losses.values())} losses in {sum(self.trials.values())} trials")
 
 
+def run_faults(machine, names, verbs, arguments):
+    for fault in names:
+        if arguments.only not in (None, fault):
+            continue
+        count = arguments.trials if fault == "kill -9" else max(1, arguments.trials // 4)
+        if fault == "full disk" and not SmallDisk.is_allowed(machine.folder):
+            print("faults: full disk is SKIPPED: this machine does not let us mount a small tmpfs (root is needed)")
+            continue
+        for verb in verbs:
+            if fault == "full disk":
+                machine.fill_disks(verb, count)
+            else:
+                machine.repeat(fault, verb, faults.FAULTS[fault], count)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("e2lf")
@@ -145,18 +160,10 @@ def main():
         verbs = [verb for verb in prepare(e2lf, machine.folder) if arguments.verb in (None, verb.name)]
         for verb in verbs:
             machine.learn(verb)
-        for fault in names:
-            if arguments.only not in (None, fault):
-                continue
-            count = arguments.trials if fault == "kill -9" else max(1, arguments.trials // 4)
-            if fault == "full disk" and not SmallDisk.is_allowed(machine.folder):
-                print("faults: full disk is SKIPPED: this machine does not let us mount a small tmpfs (root is needed)")
-                continue
-            for verb in verbs:
-                if fault == "full disk":
-                    machine.fill_disks(verb, count)
-                else:
-                    machine.repeat(fault, verb, faults.FAULTS[fault], count)
+        try:
+            run_faults(machine, names, verbs, arguments)
+        except KeyboardInterrupt:
+            print("faults: ended early")
         machine.print_table(names, verbs)
     return 1 if machine.losses else 0
 
