@@ -10,8 +10,7 @@
 namespace e2lf::fuzz {
 namespace {
 
-using namespace recordings::hdf5;
-using load_le;
+using namespace recordings::hdf5_events;
 
 constexpr size_t kMaxChunks = 12;
 

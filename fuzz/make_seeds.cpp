@@ -19,7 +19,7 @@
 namespace {
 
 using namespace e2lf;
-namespace ev = e2lf::events;
+namespace ev = e2lf::recordings;
 namespace fs = std::filesystem;
 using Bytes = std::vector<uint8_t>;
 
@@ -120,7 +120,11 @@ Result<void> write_arrays(const fs::path& folder) {
   file.tensors["weight"] = make_tensor({2, 3}, floats);
   file.metadata["e2lf"] = R"({"version": 1})";
   E2LF_RETURN_IF_ERROR(write_file(folder / "safetensors" / "one", encode_safetensors(file)));
-  return write_file(folder / "safetensors" / "none", encode_safetensors({}));
+  E2LF_RETURN_IF_ERROR(write_file(folder / "safetensors" / "none", encode_safetensors({})));
+  Safetensors packed;
+  packed.tensors["lightfield/a"] = make_tensor({8, 8, 1, 2}, Bytes(128, 7));
+  packed.tensors["texture/set/b"] = make_tensor({3, 2}, Bytes(6, 9));
+  return write_file(folder / "packed_data" / "both", encode_safetensors(packed));
 }
 
 Result<void> write_images(const fs::path& folder) {

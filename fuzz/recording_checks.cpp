@@ -15,7 +15,7 @@
 namespace e2lf::fuzz {
 namespace {
 
-using namespace events;
+using namespace recordings;
 using Bytes = std::span<const uint8_t>;
 
 /// Compressed formats hold millions of events in a few bytes: the rest of such an input says nothing new.
@@ -227,8 +227,6 @@ void check_recording(const std::string& format, Bytes bytes) {
     case 3:
       return check_strict(*decoded, options, bytes);
     case 4:
-      return check_accumulation(*decoded, options, bytes);
-    case 5:
       return check_seek(*decoded, options, bytes, choice);
     default:
       return check_round_trips(*decoded, format, choice);

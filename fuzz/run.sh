@@ -39,7 +39,7 @@ fixed_runs() {
     evt2 | dat) echo 20000 ;;
     aedat4 | csv | txt | npy) echo 50000 ;;
     camera | schedule | settings) echo 50000 ;;
-    safetensors) echo 120000 ;;
+    safetensors | packed_data) echo 120000 ;;
     ecf | npz | side_triggers) echo 250000 ;;
     *) echo 1000000 ;;
   esac

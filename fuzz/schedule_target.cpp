@@ -4,7 +4,7 @@
 #include "require.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace e2lf::recordings;
+  using namespace e2lf::cycles;
   using e2lf::fuzz::require;
   const auto schedule = parse_schedule(std::string(reinterpret_cast<const char*>(data), size), "input");
   if (!schedule) return 0;

@@ -13,6 +13,7 @@
 #include "e2lf/eval/report.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/safetensors.h"
+#include "e2lf/learn/packed_data.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
@@ -35,27 +36,23 @@ Result<Description> describe_model(const fs::path& path) {
 }
 
 /// Data to train on, as `e2lf pack` writes it.
-std::optional<Description> describe_packed_data(const Safetensors& file) {
-  size_t textures = 0;
+Result<Description> describe_packed_data(Safetensors file, const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const learn::PackedData data, learn::sort_packed_data(std::move(file), path.string()));
   Json light_fields = Json::array();
-  std::string text;
-  for (const auto& [name, tensor] : file.tensors) {
-    const bool is_light_field = name.starts_with("lightfield/") && tensor.shape.size() == 4;
-    if (!is_light_field && !name.starts_with("texture/")) return std::nullopt;
-    textures += is_light_field ? 0 : 1;
-    if (!is_light_field) continue;
-    light_fields.push_back({{"name", name.substr(11)}, {"shape", tensor.shape}});
-    text += cat("  ", name.substr(11), ": ", shape_text(tensor.shape), "\n");
+  std::string text =
+      cat("data to train on: ", data.light_fields.size(), " light fields, ", data.textures.size(), " photographs\n");
+  for (const learn::PackedPicture& field : data.light_fields) {
+    light_fields.push_back({{"name", field.name}, {"shape", field.pixels.shape}});
+    text += cat("  ", field.name, ": ", shape_text(field.pixels.shape), "\n");
   }
-  if (light_fields.empty() && textures == 0) return std::nullopt;
-  text = cat("data to train on: ", light_fields.size(), " light fields, ", textures, " photographs\n", text);
-  return Description{std::move(text),
-                     {{"kind", "training data"}, {"light_fields", std::move(light_fields)}, {"textures", textures}}};
+  return Description{
+      std::move(text),
+      {{"kind", "training data"}, {"light_fields", std::move(light_fields)}, {"textures", data.textures.size()}}};
 }
 
 Result<Description> describe_safetensors(const fs::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const Safetensors file, read_safetensors(path));
-  if (auto packed = describe_packed_data(file)) return std::move(*packed);
+  E2LF_ASSIGN_OR_RETURN(Safetensors file, read_safetensors(path));
+  if (learn::is_packed_data(file)) return describe_packed_data(std::move(file), path);
   return describe_model(path);
 }
 

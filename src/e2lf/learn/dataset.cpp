@@ -2,24 +2,15 @@
 #include "e2lf/learn/dataset.h"
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/safetensors.h"
+#include "e2lf/learn/packed_data.h"
 
 namespace e2lf::learn {
 namespace {
-
-constexpr std::string_view kTexture = "texture/", kLightField = "lightfield/";
 
 torch::Tensor to_torch(const Tensor& tensor, torch::Device device) {
   std::vector<int64_t> shape(tensor.shape.begin(), tensor.shape.end());
   // from_blob wants a mutable pointer; clone() makes our own copy at once.
   return torch::from_blob(const_cast<uint8_t*>(tensor.bytes.data()), shape, torch::kByte).clone().to(device);
-}
-
-Error misfit(ErrorCode code, const std::string& name, const Tensor& tensor, const std::string& file) {
-  return Error{code,
-               cat("\"", name, "\" is ", tensor.type, " ", shape_text(tensor.shape),
-                   "; pack the data with `e2lf pack` (textures U8 [y, x], light fields U8 [8, 8, y, x])"),
-               file};
 }
 
 }  // namespace
@@ -38,20 +29,11 @@ Result<const Scene*> Dataset::find(const std::string& name) const {
 Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device) {
   Dataset dataset;
   if (path.empty()) return dataset;
-  E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
-  for (const auto& [name, tensor] : file.tensors) {
-    const bool texture = name.starts_with(kTexture), light_field = name.starts_with(kLightField);
-    if (!texture && !light_field) return misfit(ErrorCode::kFormat, name, tensor, path.string());
-    if (tensor.type != "U8") return misfit(ErrorCode::kFormat, name, tensor, path.string());
-    if (texture) {
-      if (tensor.shape.size() != 2) return misfit(ErrorCode::kShape, name, tensor, path.string());
-      dataset.textures.push_back(to_torch(tensor, device));
-    } else {
-      if (tensor.shape.size() != 4 || tensor.shape[0] != 8 || tensor.shape[1] != 8) {
-        return misfit(ErrorCode::kShape, name, tensor, path.string());
-      }
-      dataset.scenes.push_back({name.substr(kLightField.size()), views_last(to_torch(tensor, device).flatten(0, 1))});
-    }
+  E2LF_ASSIGN_OR_RETURN(auto file, read_safetensors(path));
+  E2LF_ASSIGN_OR_RETURN(const PackedData packed, sort_packed_data(std::move(file), path.string()));
+  for (const PackedPicture& texture : packed.textures) dataset.textures.push_back(to_torch(texture.pixels, device));
+  for (const PackedPicture& scene : packed.light_fields) {
+    dataset.scenes.push_back({scene.name, views_last(to_torch(scene.pixels, device).flatten(0, 1))});
   }
   return dataset;
 }
