@@ -21,6 +21,8 @@ Result<Json> parse_json(const std::string& text, const std::string& name) {
     return Json::parse(text, nullptr, /*allow_exceptions=*/true, /*ignore_comments=*/true);
   } catch (const nlohmann::json::parse_error& error) {
     return Error{ErrorCode::kFormat, cat("not valid JSON; ", error.what()), cat(name, ": byte ", error.byte)};
+  } catch (const nlohmann::json::out_of_range& error) {
+    return Error{ErrorCode::kFormat, cat("a number is too large; ", error.what()), name};
   }
 }
 

@@ -113,6 +113,12 @@ TEST(ParseJson, AllowsCommentsAndNamesTheByteOfAMistake) {
   EXPECT_EQ(error.location, "c.json: byte 7");
 }
 
+TEST(ParseJson, RefusesNumbersBeyondEveryDouble) {
+  const Error error = parse_json(R"({"tau": 555555e555})", "c.json").error();
+  EXPECT_EQ(error.code, ErrorCode::kFormat);
+  EXPECT_NE(error.message.find("555555e555"), std::string::npos) << error.message;
+}
+
 TEST(ReadJson, NamesTheMissingFile) {
   const TestFolder folder;
   EXPECT_EQ(read_json(folder / "none.json").error().code, ErrorCode::kNotFound);
