@@ -5,6 +5,7 @@
 #include "bench/simulate/benchmark_simulate.h"
 #include "bench/simulate/benchmark_stream.h"
 #include "e2lf/base/progress.h"
+#include "e2lf/cli/bench_camera.h"
 #include "e2lf/cli/bench_decode.h"
 #include "e2lf/cli/bench_reconstruct.h"
 #include "e2lf/cli/bench_rig.h"
@@ -134,7 +135,8 @@ int run_bench_train(const std::vector<std::string>& arguments) {
 
 int run_bench(const std::vector<std::string>& arguments) {
   return run_subverb("bench",
-                     {{"decode", "RAW recordings, against the scalar reference", run_bench_decode},
+                     {{"camera", "what each imperfection of a camera costs, for each model", run_bench_camera},
+                      {"decode", "RAW recordings, against the scalar reference", run_bench_decode},
                       {"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
                       {"rig", "one cycle from light field to light field, each stage", run_bench_rig},
                       {"simulate", "the event simulation, against the scalar reference", run_bench_simulate},

@@ -82,6 +82,7 @@ class PhysicalPixels : public SinglePixels {
 
   void advance(const LightSegment& segment, std::vector<std::vector<PixelEvent>>& parts) override {
     SinglePixels::advance(segment, parts);
+    was_black_ = segment.is_black;
     ++segment_;
   }
 
@@ -129,6 +130,7 @@ class PhysicalPixels : public SinglePixels {
     pixel.start = pixel.level;
     pixel.reference += std::exchange(pixel.pending, 0.0);
     pixel.noise_from = pixel.noise_to;
+    if (was_black_ && !segment.is_black) draw_reference(segment, i);
     if (segment.is_black) {
       // In the dark noise takes the reference down with it.
       pixel.noise_to = -constants()[kResetOffset];
@@ -140,6 +142,20 @@ class PhysicalPixels : public SinglePixels {
     if (deviation == 0.0) return;
     const auto words = CounterRng(options_.seed, segment.pattern).bits(i);
     pixel.noise_to = deviation * sensor::normals_of(words[0], words[1])[0];
+  }
+
+  /// Without noise in black, events leave the reference less than an OFF threshold above the signal, and a scene in the
+  /// dark leaves it where it was. Where a fit found it elsewhere (reset_span above 1) it is drawn as in the closed
+  /// form. The noise moves along, so that the difference comes in the course of the next pattern: a pixel whose light
+  /// comes back at once has no OFF event due.
+  void draw_reference(const LightSegment& segment, size_t i) {
+    const double span = constants()[kResetSpan];
+    if (span <= 1.0) return;
+    PhysicalPixel& pixel = pixels_[i];
+    const float draw = sensor::uniform_of(CounterRng(options_.seed, segment.pattern - 1).bits(i)[0]);
+    const double drawn = pixel.level + pixel.noise_to + static_cast<double>(pixel.thresholds.off) * span * draw;
+    pixel.noise_from += drawn - pixel.reference;
+    pixel.reference = drawn;
   }
 
   /// One pixel through a segment, from node to node and from stray event to stray event.
@@ -257,6 +273,7 @@ class PhysicalPixels : public SinglePixels {
   StreamOptions options_;
   NodesFunction nodes_;
   uint64_t segment_ = 0;
+  bool was_black_ = false;  ///< in the segment before
   std::vector<PhysicalPixel> pixels_;
 };
 

@@ -164,8 +164,20 @@ BandCounts counts_of(const capture::EventImages& images, size_t transition, size
   return counts;
 }
 
-TEST(VirtualRig, PhysicalPixelsCountAsTheClosedFormDoes) {
-  const auto camera = fitted_camera();
+/// The same with references held further above black, and thresholds as such a fit finds them.
+capture::Camera camera_that_stretches() {
+  auto camera = fitted_camera();
+  const std::pair<capture::PixelConstant, float> values[] = {
+      {kThresholdOn, 0.405F}, {kThresholdOff, 0.312F}, {kMismatch, 0.108F},     {kNoise, 0.0427F},
+      {kShotNoise, 0.118F},   {kResetSpan, 1.27F},     {kResetOffset, -0.004F}, {kDarkOff, 0.00765F}};
+  for (const auto& [constant, value] : values) camera.pixel[constant] = value;
+  return camera;
+}
+
+class CountsOfTheRig : public testing::TestWithParam<capture::Camera> {};
+
+TEST_P(CountsOfTheRig, AreThoseOfTheClosedForm) {
+  const auto& camera = GetParam();
   const auto field = bands(0.8F);
   auto rig = make_rig(camera_stream(camera, 1), still(field), camera);
   ASSERT_TRUE(rig.play_cycle());
@@ -188,6 +200,11 @@ TEST(VirtualRig, PhysicalPixelsCountAsTheClosedFormDoes) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(VirtualRig, CountsOfTheRig, testing::Values(fitted_camera(), camera_that_stretches()),
+                         [](const auto& camera) {
+                           return camera.param.pixel[kResetSpan] > 1.0F ? "SpanAboveOne" : "SpanOne";
+                         });
 
 TEST(VirtualRig, KeepsUnequalPixelsFromCycleToCycle) {
   auto camera = fitted_camera();
