@@ -35,3 +35,32 @@ fails 1 'leak' "$E2LF" simulate scene --camera wrong.json -o x.npz
 fails 1 'leave them out' "$E2LF" simulate scene --camera evk4-lcos --tau 0.2 -o x.npz
 fails 1 'leave --camera out' "$E2LF" reconstruct paper.npz -m "$TESTSUITE/../models/e2lf-n4.safetensors" --camera paper -o x
 absent x.npz x
+
+# Events say which camera recorded them, in every format and through every step; a network that asks is told that one.
+told="$TESTSUITE/../models/e2lf-n4-capture.safetensors"
+told_by() { "$E2LF" reconstruct "$@" -m "$told" -o told --overwrite --quiet 2>/dev/null; json told/run.json 'j["notes"]["camera_told_by"], j["notes"]["camera"]["name"]'; }
+[ "$(told_by paper.npz)" = "(\"the events' file\", 'paper')" ] || fail "the paper's pixels: $(told_by paper.npz)"
+[ "$(told_by real.npz --camera paper)" = "('--camera', 'paper')" ] || fail "--camera: $(told_by real.npz --camera paper)"
+py - <<'EOF'
+import numpy as np
+np.savez("bare.npz", events=np.load("real.npz")["events"])
+EOF
+[ "$(told_by bare.npz)" = "('the model', 'evk4-lcos')" ] || fail "no camera: $(told_by bare.npz)"
+"$E2LF" simulate scene --tau 0.25 -o rec.raw --quiet
+"$E2LF" simulate scene --tau 0.25 -o rec.csv --quiet 2>/dev/null
+"$E2LF" convert rec.raw rec.dat --quiet
+for recording in rec.raw rec.csv rec.dat; do
+  "$E2LF" accumulate "$recording" -o acc.npz --overwrite --quiet 2>/dev/null
+  py - <<'EOF' || fail "the camera of $recording"
+import json
+import numpy as np
+camera = json.loads(np.load("acc.npz")["camera"].tobytes())
+assert camera["event_model"] == "reference-aware" and camera["constants"]["tau"]["value"] == 0.25, camera
+EOF
+done
+py - <<'EOF'
+import numpy as np
+np.savez("odd.npz", events=np.load("real.npz")["events"], camera=np.frombuffer(b"{}", np.uint8))
+EOF
+fails 1 'odd.npz: camera' "$E2LF" reconstruct odd.npz -m "$told" -o x
+absent x

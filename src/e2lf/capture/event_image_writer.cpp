@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <string>
 #include <vector>
 #include <zlib.h>
@@ -17,7 +18,7 @@ namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kEvents[] = "events.npy", kCodes[] = "codes.npy";
+constexpr char kEvents[] = "events.npy", kCodes[] = "codes.npy", kCamera[] = "camera.npy";
 constexpr size_t kHeaderSize = 128;  ///< of the .npy part: its shape is known last, its size first
 
 template <typename T>
@@ -143,9 +144,9 @@ class EventImageWriter::Impl {
  public:
   Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
 
-  void set_codes(const NpyArray& codes) {
-    E2LF_REQUIRE(cycles_ == 0, "the patterns come before the first cycle");
-    codes_ = codes;
+  void set(const char* member, const NpyArray& array) {
+    E2LF_REQUIRE(cycles_ == 0, "patterns and camera come before the first cycle");
+    known_[member] = array;
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -184,8 +185,7 @@ class EventImageWriter::Impl {
     events.crc = static_cast<uint32_t>(crc32_combine(header_crc, data_crc_, static_cast<z_off_t>(data_size_)));
     events.size = header.size() + data_size_;
     events.packed = stored_block(header).size() + packed_size_;
-    events.offset = 0;
-    for (const Member& member : members_) events.offset += local_header(member).size() + member.packed;
+    events.offset = end_of_members();
     const std::vector<uint8_t> local = local_header(events);
     members_.push_back(events);
     E2LF_RETURN_IF_ERROR(write(directory(members_, events.offset + local.size() + events.packed)));
@@ -204,23 +204,30 @@ class EventImageWriter::Impl {
     // Speed 1: event images are mostly small numbers, and recordings are long.
     const int status = deflateInit2(&deflate_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
     E2LF_REQUIRE(status == Z_OK, "zlib did not start");
-    // The patterns come first, so that a file that is never finished has them.
-    if (codes_) E2LF_RETURN_IF_ERROR(write_codes());
+    // They come first, so that a file that is never finished has them.
+    for (const auto& [member, array] : known_) E2LF_RETURN_IF_ERROR(write_known(member, array));
     E2LF_RETURN_IF_ERROR(write(local_header({})));
     return write(stored_block(npy_header(0, shape_)));
   }
 
-  /// Writes the patterns, not compressed, as the first member.
-  Result<void> write_codes() {
-    const std::vector<uint8_t> bytes = encode_npy(*codes_);
-    const Member member{.name = kCodes,
+  /// Writes what is known of the events, not compressed.
+  Result<void> write_known(const std::string& name, const NpyArray& array) {
+    const std::vector<uint8_t> bytes = encode_npy(array);
+    const Member member{.name = name,
                         .method = zip::kStored,
                         .crc = static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())),
                         .packed = bytes.size(),
-                        .size = bytes.size()};
+                        .size = bytes.size(),
+                        .offset = end_of_members()};
     members_.push_back(member);
     E2LF_RETURN_IF_ERROR(write(local_header(member)));
     return write(bytes);
+  }
+
+  [[nodiscard]] uint64_t end_of_members() const {
+    uint64_t end = 0;
+    for (const Member& member : members_) end += local_header(member).size() + member.packed;
+    return end;
   }
 
   Result<void> pack(std::span<const uint8_t> bytes, int flush) {
@@ -261,8 +268,8 @@ class EventImageWriter::Impl {
   EventImages shape_;  ///< without counts
   uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
   uLong data_crc_ = 0;
-  std::optional<NpyArray> codes_;
-  std::vector<Member> members_;  ///< those that are whole
+  std::map<std::string, NpyArray> known_;  ///< by the names of the members
+  std::vector<Member> members_;            ///< those that are whole
 };
 
 EventImageWriter::EventImageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -280,7 +287,10 @@ Result<EventImageWriter> EventImageWriter::create(const fs::path& path) {
 }
 
 void EventImageWriter::set_codes(const NpyArray& codes) {
-  impl_->set_codes(codes);
+  impl_->set(kCodes, codes);
+}
+void EventImageWriter::set_camera(const NpyArray& camera) {
+  impl_->set(kCamera, camera);
 }
 Result<void> EventImageWriter::add(const EventImages& images) {
   return impl_->add(images);

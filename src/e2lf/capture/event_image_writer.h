@@ -23,6 +23,9 @@ class EventImageWriter {
   /// The patterns [N, view_y, view_x] that the events were made with, `codes` in the file. Before the first cycle.
   void set_codes(const NpyArray& codes);
 
+  /// The camera that recorded them, `camera` in the file; see camera_to_npy(). Before the first cycle.
+  void set_camera(const NpyArray& camera);
+
   /// Appends a cycle; all cycles must have the shape of the first. Fails with kIo.
   [[nodiscard]] Result<void> add(const EventImages& images);
 
@@ -37,8 +40,8 @@ class EventImageWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Writes the whole cycles of a file that was never finished, and its codes, to `path`, and returns how many there are;
-/// no file when there is none. Fails with kIo, and kFormat for a file of another kind.
+/// Writes the whole cycles of a file that was never finished, its codes and its camera to `path`, and returns how many
+/// there are; no file when there is none. Fails with kIo, and kFormat for a file of another kind.
 [[nodiscard]] Result<uint64_t> recover_event_images(const std::filesystem::path& unfinished,
                                                     const std::filesystem::path& path);
 

@@ -46,6 +46,8 @@ TEST(EventImageWriter, KeepsThePatternsBesideTheEvents) {
   auto writer = EventImageWriter::create(path);
   ASSERT_TRUE(writer) << writer.error().text();
   writer->set_codes(make_npy<float>({4, 1, 2}, values));
+  const std::vector<uint8_t> text = {'{', '}'};
+  writer->set_camera(make_npy<uint8_t>({2}, text));
   ASSERT_TRUE(writer->add(random_images(1)));
   ASSERT_TRUE(writer->finish());
   const auto file = read_event_images(path);
@@ -54,6 +56,8 @@ TEST(EventImageWriter, KeepsThePatternsBesideTheEvents) {
   ASSERT_TRUE(file->codes);
   EXPECT_EQ(file->codes->shape, (std::vector<size_t>{4, 1, 2}));
   EXPECT_EQ(file->codes->to_float("").value(), values);
+  ASSERT_TRUE(file->camera);
+  EXPECT_EQ(file->camera->bytes, text);
   fs::remove(path);
 }
 
@@ -75,10 +79,12 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
   ASSERT_TRUE(writer);
   const std::vector<float> values = {0.0F, 0.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F, 1.0F};
   writer->set_codes(make_npy<float>({4, 1, 2}, values));
+  const std::vector<uint8_t> text = {'{', '}'};
+  writer->set_camera(make_npy<uint8_t>({2}, text));
   for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
   const fs::path partial = fs::directory_iterator(folder)->path();
   const auto all = fs::file_size(partial);
-  for (const auto size : {all, all - 100, all / 2, uintmax_t{600}, uintmax_t{0}}) {
+  for (const auto size : {all, all - 100, all / 2, uintmax_t{800}, uintmax_t{0}}) {
     fs::copy_file(partial, folder / "cut", fs::copy_options::overwrite_existing);
     fs::resize_file(folder / "cut", size);
     const auto cycles = recover_event_images(folder / "cut", folder / "found.npz");
@@ -95,6 +101,8 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
     EXPECT_EQ(file->cycles.back(), random_images(*cycles - 1));
     ASSERT_TRUE(file->codes);
     EXPECT_EQ(file->codes->to_float("").value(), values);
+    ASSERT_TRUE(file->camera);
+    EXPECT_EQ(file->camera->bytes, text);
   }
   fs::remove_all(folder);
 }

@@ -73,6 +73,7 @@ Result<EventImageFile> read_archive(const fs::path& path) {
     E2LF_RETURN_IF_ERROR(check_codes(codes->second, file.cycles.front().transitions, path.string() + ": codes"));
     file.codes = std::move(codes->second);
   }
+  if (const auto camera = arrays.find("camera"); camera != arrays.end()) file.camera = std::move(camera->second);
   return file;
 }
 
@@ -137,7 +138,7 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
     E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, path.string()));
     cycle.counts.insert(cycle.counts.end(), counts.begin(), counts.end());
   }
-  return EventImageFile{{std::move(cycle)}, std::nullopt};
+  return EventImageFile{{std::move(cycle)}, {}, {}};
 }
 
 }  // namespace
@@ -153,7 +154,7 @@ Result<EventImageFile> read_event_images(const fs::path& path) {
   if (extension == ".npy") {
     E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
     E2LF_ASSIGN_OR_RETURN(std::vector<EventImages> cycles, cycles_from_array(array, path.string()));
-    return EventImageFile{std::move(cycles), std::nullopt};
+    return EventImageFile{std::move(cycles), {}, {}};
   }
   return Error{ErrorCode::kUnsupported,
                "not a kind of event image file; use .npz, .npy or a folder of event_image_*.npy", path.string()};
@@ -173,6 +174,7 @@ Result<void> write_event_images(const fs::path& path, const EventImageFile& file
   arrays["events"] = make_npy(std::vector<size_t>{file.cycles.size(), first.transitions, first.height, first.width},
                               std::span<const int16_t>(counts));
   if (file.codes) arrays["codes"] = *file.codes;
+  if (file.camera) arrays["camera"] = *file.camera;
   return write_npz(path, arrays);
 }
 

@@ -32,22 +32,23 @@ struct EventImages {
   bool operator==(const EventImages&) const = default;
 };
 
-/// What an EVENTS.npz holds: one entry per cycle, all of one shape, and the codes [N, view_y, view_x] when known.
+/// What an EVENTS.npz holds: one entry per cycle, all of one shape, and what is known of how they came about.
 struct EventImageFile {
   std::vector<EventImages> cycles;
-  std::optional<NpyArray> codes;
+  std::optional<NpyArray> codes;   ///< [N, view_y, view_x]
+  std::optional<NpyArray> camera;  ///< see camera_from_npy()
 };
 
 /// Reads event images from
 ///  - an .npz with `events` [cycles, N-1, y, x] or [N-1, y, x] (any integer type, or float with whole values) and maybe
-///  `codes`;
+///  `codes` and `camera`;
 ///  - an .npy of either shape;
 ///  - a folder of event_image_00000.npy ... as the paper's software writes them, [y, x] or [y, x, 1] each, one per
 ///  transition.
 /// NaN, fractions and values beyond int16 are kInvalidValue, different sizes or a missing number kShape / kNotFound.
 [[nodiscard]] Result<EventImageFile> read_event_images(const std::filesystem::path& path);
 
-/// Writes `events` int16 [cycles, N-1, y, x] and `codes` (when given) as an .npz.
+/// Writes `events` int16 [cycles, N-1, y, x], and `codes` and `camera` when given, as an .npz.
 [[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
 
 }  // namespace e2lf::capture

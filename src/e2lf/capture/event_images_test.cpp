@@ -99,7 +99,7 @@ TEST_F(EventImageFiles, BadShapesAreNamed) {
   EXPECT_EQ(failure(write<int32_t>("flat.npy", {2, 2}, {0, 0, 0, 0})), ErrorCode::kShape);
   EXPECT_EQ(failure(write<int32_t>("none.npy", {0, 2, 2}, {})), ErrorCode::kShape);
 
-  EventImageFile file{{ramp(0)}, std::nullopt};
+  EventImageFile file{{ramp(0)}, {}, {}};
   const std::vector<float> codes(4 * 64);
   file.codes = make_npy(std::vector<size_t>{4, 8, 8}, std::span<const float>(codes));
   ASSERT_TRUE(write_event_images(folder_ / "codes.npz", file));

@@ -16,7 +16,7 @@ namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr uint64_t kMostCodesBytes = uint64_t{1} << 24;
+constexpr uint64_t kMostKnownBytes = uint64_t{1} << 24;
 constexpr uint64_t kMostBytes = uint64_t{1} << 32;  ///< of a cycle; more is damage
 
 /// Reads a file of event images from its front, without its directory.
@@ -27,12 +27,12 @@ class UnfinishedFile {
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
   ~UnfinishedFile() { inflateEnd(&inflate_); }
 
-  /// Reads the patterns, where there are some, and the shape of the events. False when the file does not come that far.
+  /// Reads patterns and camera, where there are some, and the shape of the events. False when the file does not come
+  /// that far.
   bool open() {
     Member member = begin_member();
-    if (member.name == "codes.npy") {
-      if (!read_codes(member.size)) return false;
-      member = begin_member();
+    for (; member.name == "codes.npy" || member.name == "camera.npy"; member = begin_member()) {
+      if (!read_known(member)) return false;
     }
     if (member.name != "events.npy" || inflateInit2(&inflate_, -MAX_WBITS) != Z_OK) return false;
     // The header's own length tells how long it is.
@@ -53,6 +53,7 @@ class UnfinishedFile {
   }
 
   [[nodiscard]] const std::optional<NpyArray>& codes() const { return codes_; }
+  [[nodiscard]] const std::optional<NpyArray>& camera() const { return camera_; }
 
   /// The next whole cycle, or null.
   const EventImages* next() {
@@ -68,12 +69,13 @@ class UnfinishedFile {
     uint64_t size = 0;  ///< 0 = not known yet
   };
 
-  bool read_codes(uint64_t size) {
-    std::vector<uint8_t> bytes(std::min(size, kMostCodesBytes));
+  bool read_known(const Member& member) {
+    std::vector<uint8_t> bytes(std::min(member.size, kMostKnownBytes));
     if (!read(bytes)) return false;
-    auto codes = decode_npy(bytes, "codes.npy");
-    if (codes) codes_ = *std::move(codes);
-    return codes_.has_value();
+    auto array = decode_npy(bytes, member.name);
+    if (!array) return false;
+    (member.name == "codes.npy" ? codes_ : camera_) = *std::move(array);
+    return true;
   }
 
   bool read(std::vector<uint8_t>& bytes) {
@@ -113,7 +115,7 @@ class UnfinishedFile {
   std::ifstream file_;
   z_stream inflate_{};
   std::vector<uint8_t> input_;
-  std::optional<NpyArray> codes_;
+  std::optional<NpyArray> codes_, camera_;
   EventImages images_;
 };
 
@@ -126,6 +128,7 @@ Result<uint64_t> recover_event_images(const fs::path& unfinished, const fs::path
   }
   E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
   if (file.codes()) writer.set_codes(*file.codes());
+  if (file.camera()) writer.set_camera(*file.camera());
   while (const EventImages* images = file.next()) E2LF_RETURN_IF_ERROR(writer.add(*images));
   const uint64_t cycles = writer.cycles();
   if (cycles > 0) E2LF_RETURN_IF_ERROR(writer.finish());

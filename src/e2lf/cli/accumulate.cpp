@@ -6,14 +6,13 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/live_log.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
-#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/json_text.h"
@@ -68,12 +67,16 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Puts the patterns of the recording beside its event images, where they are those of the schedule.
-void keep_codes(const capture::Codes& codes, const fs::path& input, size_t transitions,
-                capture::EventImageWriter& writer) {
-  if (codes.num_patterns == transitions + 1) return writer.set_codes(capture::codes_to_npy(codes));
-  log_warning(cat(input.string(), " holds ", codes.num_patterns, " patterns, which are not those of the schedule with ",
-                  transitions, " event images: leaving them out"));
+/// Puts patterns and camera of the recording beside its event images; the patterns where they are those of the
+/// schedule.
+void keep_setup_of(const fs::path& input, RecordedSetup setup, size_t transitions, capture::EventImageWriter& writer) {
+  if (setup.codes && setup.codes->num_patterns != transitions + 1) {
+    log_warning(cat(input.string(), " holds ", setup.codes->num_patterns,
+                    " patterns, which are not those of the schedule with ", transitions,
+                    " event images: leaving them out"));
+    setup.codes.reset();
+  }
+  keep_setup(setup, writer);
 }
 
 Result<std::optional<OutputFile>> open_picture(const fs::path& path, OutputRules rules) {
@@ -101,7 +104,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
-  E2LF_ASSIGN_OR_RETURN(const auto codes, recorded_codes(arguments.input, reader.recording().info()));
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(arguments.input, reader.recording().info()));
   ConfidenceWatch confidence;
   LiveLog live_log;
   Json cycles = Json::array();
@@ -109,7 +112,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_ASSIGN_OR_RETURN(const std::optional<cycles::Cycle> cycle, reader.next());
     if (!cycle) break;
     confidence.add(*cycle);
-    if (writer.cycles() == 0 && codes) keep_codes(*codes, arguments.input, cycle->images.transitions, writer);
+    if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.transitions, writer);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
     if (cycle->arrival) {

@@ -8,12 +8,11 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/calibrate/report.h"
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_input.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
-#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/npy.h"
@@ -41,11 +40,8 @@ struct Source {
 Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const Verb& verb, RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1, verb));
   Source source;
-  if (input.is_recording()) {
-    E2LF_ASSIGN_OR_RETURN(source.codes, recorded_codes(path, input.recording_info()));
-  } else if (input.file().codes) {
-    E2LF_ASSIGN_OR_RETURN(source.codes, capture::codes_from_npy(*input.file().codes, path.string()));
-  }
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, input.setup(path));
+  source.codes = std::move(setup.codes);
   while (true) {
     E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> cycle, input.next());
     if (!cycle) break;

@@ -12,7 +12,7 @@ namespace e2lf::cli {
 /// A camera with one property changed, to see what that property costs.
 struct CameraSetting {
   std::string name;
-  capture::Camera camera;             ///< what the network is told
+  capture::Camera camera;              ///< what the network is told
   streams::PixelDefects defects = {};  ///< what it is not told
   double readout_events_per_s = 0;     ///< of a sensor of 1280x720 pixels; 0 = no limit
   int64_t rise_us = 0;                 ///< of the display

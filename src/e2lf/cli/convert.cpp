@@ -11,7 +11,7 @@
 #include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
-#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -94,13 +94,13 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   return {};
 }
 
-/// Writes the record of a converted recording, with the patterns that the input says.
+/// Writes the record of a converted recording, with the patterns and the camera that the input says.
 Result<void> write_record(RunRecord& record, const fs::path& input, const recordings::RecordingReader& reader,
                           const OutputFile& output, const Verb& verb) {
   record.add_input(input);
   record.note("left_out", losses_json(reader.summary()));
-  E2LF_ASSIGN_OR_RETURN(const auto codes, recorded_codes(input, reader.info()));
-  if (codes) note_recorded_codes(record, *codes, output.path());
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(input, reader.info()));
+  note_setup(record, setup, output.path());
   return record.write(output.record_path(), verb);
 }
 

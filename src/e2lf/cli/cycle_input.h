@@ -8,6 +8,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
 
@@ -44,8 +45,10 @@ class CycleInput {
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
   /// Of a recording nobody knows.
   [[nodiscard]] bool has_one_field() const { return !reader_ && file_.cycles.size() / cycles_per_field_ == 1; }
-  [[nodiscard]] const capture::EventImageFile& file() const { return file_; }
-  [[nodiscard]] const recordings::RecordingInfo& recording_info() const { return reader_->recording().info(); }
+  /// What the events were made with; `input` as it was opened. Fails as recorded_setup() does.
+  [[nodiscard]] Result<RecordedSetup> setup(const std::filesystem::path& input) const {
+    return reader_ ? recorded_setup(input, reader_->recording().info()) : recorded_setup(file_, input);
+  }
   [[nodiscard]] cycles::CycleSource source() const { return reader_->source(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
   [[nodiscard]] cycles::CycleReport report() const { return reader_->report(); }

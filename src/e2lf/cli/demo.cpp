@@ -4,6 +4,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/camera_record.h"
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/bundled_files.h"
@@ -115,8 +116,11 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   std::error_code ignored;
   fs::create_directory(folder / "scene", ignored);
   E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
-  E2LF_RETURN_IF_ERROR(
-      capture::write_event_images(folder / "events.npz", {{images}, capture::codes_to_npy(camera.codes)}));
+  capture::Camera recorded;
+  recorded.event_model = sensor::event_model_name(camera.event_model);
+  recorded.constants = camera.constants;
+  E2LF_RETURN_IF_ERROR(capture::write_event_images(
+      folder / "events.npz", {{images}, capture::codes_to_npy(camera.codes), capture::camera_to_npy(recorded)}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
   fs::create_directory(folder / "recon", ignored);
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}));

@@ -9,7 +9,6 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_input.h"
@@ -19,7 +18,7 @@
 #include "e2lf/cli/live_log.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
-#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/json_text.h"
@@ -71,29 +70,37 @@ void tell_patterns(const ReconstructArguments& arguments, const model::Model& mo
                         "they are those of the events"));
 }
 
-/// Gives the network the constants of the camera that --camera names, in place of those that the model was made for.
-Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& model, RunRecord& record) {
-  if (arguments.camera.empty()) {
-    if (model::is_told_the_camera(model) && model.camera) record.note("camera", capture::to_json(*model.camera));
-    return {};
-  }
+/// Gives the network the constants of a camera: those of --camera, else those that the events' file names, else those
+/// that the model was made for.
+Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& model,
+                         const std::optional<capture::Camera>& of_events, RunRecord& record) {
   if (!model::is_told_the_camera(model)) {
+    if (arguments.camera.empty()) return {};
     return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
                  "--camera"};
   }
-  E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(arguments.camera, record));
+  if (!arguments.camera.empty()) {
+    E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(arguments.camera, record));
+    record.note("camera_told_by", "--camera");
+    return {};
+  }
+  if (of_events) model.camera = of_events;
+  if (!model.camera) return {};
+  record.note("camera", capture::to_json(*model.camera));
+  record.note("camera_told_by", of_events ? "the events' file" : "the model");
   return {};
 }
 
 Result<recon::Method> network_method(const ReconstructArguments& arguments, std::optional<model::Model> named,
-                                     const std::optional<KnownCodes>& known, RunRecord& record) {
+                                     const std::optional<KnownCodes>& known,
+                                     const std::optional<capture::Camera>& of_events, RunRecord& record) {
   if (!named) {
     return Error{ErrorCode::kInvalidValue, "the network needs a model; give one with -m, or use --method inversion",
                  "--model"};
   }
   model::Model& model = *named;
   tell_patterns(arguments, model, known, record);
-  E2LF_RETURN_IF_ERROR(tell_camera(arguments, model, record));
+  E2LF_RETURN_IF_ERROR(tell_camera(arguments, model, of_events, record));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor reconstructor,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
@@ -132,19 +139,6 @@ Result<recon::Method> inversion_method(const ReconstructArguments& arguments, st
   return recon::Method([known = std::move(*known)](const capture::EventImages& images, const ProgressFn&) {
     return recon::reconstruct_by_inversion(images, known.codes, known.constants);
   });
-}
-
-/// The patterns that the events were made with, as far as anything tells: --codes, their own file, or the model.
-Result<std::optional<KnownCodes>> codes_of_events(const ReconstructArguments& arguments,
-                                                  const std::optional<model::Model>& model, const CycleInput& input,
-                                                  RunRecord& record) {
-  std::optional<capture::Codes> own;
-  if (input.is_recording()) {
-    E2LF_ASSIGN_OR_RETURN(own, recorded_codes(arguments.input, input.recording_info()));
-  } else if (input.file().codes) {
-    E2LF_ASSIGN_OR_RETURN(own, capture::codes_from_npy(*input.file().codes, arguments.input.string()));
-  }
-  return find_codes(arguments.codes, model, own, record);
 }
 
 std::string cycle_name(size_t cycle) {
@@ -281,10 +275,12 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(CycleInput input,
                         open_cycle_input(arguments.input, arguments.cycles, arguments.cycles_per_field, verb));
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
-  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, codes_of_events(arguments, model, input, record));
-  E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
-                                                  ? network_method(arguments, std::move(model), codes, record)
-                                                  : inversion_method(arguments, codes, record));
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments.codes, model, setup.codes, record));
+  E2LF_ASSIGN_OR_RETURN(recon::Method method,
+                        arguments.method == "network"
+                            ? network_method(arguments, std::move(model), codes, setup.camera, record)
+                            : inversion_method(arguments, codes, record));
   record.end_step("open");
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
@@ -333,9 +329,10 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("--method", reconstruction.method, "network, or inversion (closed form, needs no model, only codes)")
       ->check(CLI::IsMember({"network", "inversion"}))
       ->capture_default_str();
-  add_camera_option(
-      app, reconstruction.camera,
-      "the camera that recorded, for networks that are told; default: the one that the model was made for");
+  add_camera_option(app, reconstruction.camera,
+                    "the camera that recorded, for networks that are told; default: the one that the events' file "
+                    "names, else the one "
+                    "that the model was made for");
   app.add_option("--precision", reconstruction.precision, "arithmetic of the network: auto, float32 or bfloat16")
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
       ->capture_default_str();

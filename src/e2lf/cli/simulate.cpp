@@ -8,15 +8,13 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/codes_header.h"
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
-#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/simulate_stream.h"
 #include "e2lf/cli/verb.h"
@@ -109,10 +107,10 @@ ImagesOf physical_pixels(const SimulateArguments& arguments, const capture::Code
   };
 }
 
-Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const capture::Codes& codes,
+Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const RecordedSetup& setup,
                           const ImagesOf& images_of) {
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(path));
-  writer.set_codes(capture::codes_to_npy(codes));
+  keep_setup(setup, writer);
   for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
     E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, images_of(cycle));
     E2LF_RETURN_IF_ERROR(writer.add(images));
@@ -122,15 +120,15 @@ Result<void> write_images(const SimulateArguments& arguments, const fs::path& pa
 
 /// A recording as the paper's camera makes it: every pattern after its inverse ones, bursts of events after each
 /// change.
-Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path, const capture::Codes& codes,
+Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path, const RecordedSetup& setup,
                              const lightfield::Shape& shape, const ImagesOf& images_of) {
   recordings::RecordingInfo info;
   info.width = shape.width;
   info.height = shape.height;
-  info.header = capture::codes_to_header(codes);
+  info.header = header_of(setup);
   E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(path, "", info));
   cycles::SynthesisOptions synthesis;
-  synthesis.schedule = cycles::paper_schedule(codes.num_patterns);
+  synthesis.schedule = cycles::paper_schedule(setup.codes->num_patterns);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
   if (!arguments.no_triggers && !writer->holds_triggers()) {
     log_warning(cat(arguments.output.string(), ": this format holds no triggers, so they are left out; write .raw, ",
@@ -173,6 +171,18 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
   return setup;
 }
 
+/// Patterns and camera as the result says them. ESIM and v2e are no models of a camera file: of them the patterns
+/// alone.
+RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
+  RecordedSetup recorded{setup.known.codes, setup.camera};
+  if (setup.is_pixel()) return recorded;
+  if (!sensor::event_model_from_name(setup.known.event_model)) return {setup.known.codes, std::nullopt};
+  capture::Camera& camera = recorded.camera ? *recorded.camera : recorded.camera.emplace();
+  camera.event_model = setup.known.event_model;
+  camera.constants = constants_of(arguments, setup.known);
+  return recorded;
+}
+
 /// Event by event: where no count of a whole pattern will do. Recordings of the paper's models are made of counts
 /// unless something asks for more.
 bool is_stream(const SimulateArguments& arguments, const Setup& setup, bool as_images) {
@@ -194,6 +204,7 @@ Result<capture::EventImages> run_stream(const SimulateArguments& arguments, cons
   run.camera = setup.camera.value_or(capture::Camera{});
   E2LF_ASSIGN_OR_RETURN(run.stream, stream_options(arguments.stream, setup.known.event_model,
                                                    constants_of(arguments, setup.known), setup.camera, common.seed));
+  run.recorded = recorded_setup(arguments, setup);
   run.gain = arguments.scene_gain;
   run.cycles = arguments.cycles;
   run.is_quiet = common.quiet;
@@ -221,9 +232,9 @@ Result<capture::EventImages> run_counts(const SimulateArguments& arguments, cons
     return images;
   };
   if (arguments.output.extension() == ".npz") {
-    E2LF_RETURN_IF_ERROR(write_images(arguments, place, setup.known.codes, images_of));
+    E2LF_RETURN_IF_ERROR(write_images(arguments, place, recorded_setup(arguments, setup), images_of));
   } else {
-    E2LF_RETURN_IF_ERROR(write_recording(arguments, place, setup.known.codes, scene.shape(), images_of));
+    E2LF_RETURN_IF_ERROR(write_recording(arguments, place, recorded_setup(arguments, setup), scene.shape(), images_of));
   }
   return first;
 }
@@ -259,7 +270,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   const auto run = by_events ? run_stream : run_counts;
   E2LF_ASSIGN_OR_RETURN(const capture::EventImages first, run(arguments, setup, output.path(), verb.common(), record));
   hide_progress();
-  if (!as_images && !output.is_stream()) note_recorded_codes(record, setup.known.codes, output.path());
+  if (!as_images && !output.is_stream()) note_setup(record, recorded_setup(arguments, setup), output.path());
   record.end_step("simulate");
   if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());

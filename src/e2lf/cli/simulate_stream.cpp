@@ -5,8 +5,6 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/codes_header.h"
-#include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/recordings/recording.h"
 
@@ -58,12 +56,12 @@ Result<capture::EventImages> simulate_stream(const StreamRun& run, const fs::pat
   recordings::RecordingInfo info;
   info.width = scene.width;
   info.height = scene.height;
-  info.header = capture::codes_to_header(run.codes);
+  info.header = header_of(run.recorded);
   E2LF_ASSIGN_OR_RETURN(streams::VirtualRig rig, make_rig(run, std::move(scene)));
   record.end_step("read");
   if (output.extension() == ".npz") {
     E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
-    writer.set_codes(capture::codes_to_npy(run.codes));
+    keep_setup(run.recorded, writer);
     E2LF_ASSIGN_OR_RETURN(capture::EventImages first, play(run, rig, record, [&](const recordings::EventBatch& batch) {
                             return writer.add(rig.sum_windows(batch));
                           }));

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "e2lf/capture/event_images.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/stream_flags.h"
 
@@ -17,6 +18,7 @@ struct StreamRun {
   LightFieldFlags light_field;
   capture::Codes codes;
   capture::Camera camera;
+  RecordedSetup recorded;  ///< what the result says it was made with
   streams::StreamOptions stream;
   float gain = 1.0F;
   size_t cycles = 1;

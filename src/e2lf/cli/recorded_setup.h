@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "e2lf/base/result.h"
+#include "e2lf/capture/camera.h"
+#include "e2lf/capture/codes.h"
+#include "e2lf/capture/codes_header.h"
+#include "e2lf/capture/event_image_writer.h"
+#include "e2lf/cli/run_record.h"
+#include "e2lf/recordings/recording.h"
+
+namespace e2lf::cli {
+
+/// What events were made with, as far as anything tells.
+struct RecordedSetup {
+  std::optional<capture::Codes> codes;
+  std::optional<capture::Camera> camera;
+};
+
+/// It as lines of a recording's header.
+[[nodiscard]] capture::HeaderLines header_of(const RecordedSetup& setup);
+
+/// Puts it beside event images, before the first cycle.
+void keep_setup(const RecordedSetup& setup, capture::EventImageWriter& writer);
+
+/// Keeps it in the run record of a recording that was just written, for formats whose header has no room.
+void note_setup(RunRecord& record, const RecordedSetup& setup, const std::filesystem::path& recording);
+
+/// What a recording was made with: as its header says, else the run record beside it, where that is of a recording of
+/// this size. Fails as capture::codes_from_header() and camera_from_header() do.
+[[nodiscard]] Result<RecordedSetup> recorded_setup(const std::filesystem::path& recording,
+                                                   const recordings::RecordingInfo& info);
+
+/// The same of event images. Fails as codes_from_npy() and camera_from_npy() do.
+[[nodiscard]] Result<RecordedSetup> recorded_setup(const capture::EventImageFile& file,
+                                                   const std::filesystem::path& path);
+
+}  // namespace e2lf::cli
