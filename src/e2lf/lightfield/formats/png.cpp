@@ -17,6 +17,7 @@ constexpr size_t kSignatureBytes = 8;
 constexpr const char* kViewGridKey = "Light field views";
 // Deflate cannot make one byte stand for more than 1032.
 constexpr double kMaxDeflateRatio = 1032.0;
+constexpr png_alloc_size_t kMostChunkBytes = png_alloc_size_t{8} << 20;  ///< of texts and colour profiles
 
 struct PngFailure {
   std::string message;
@@ -45,6 +46,7 @@ class PngReader {
     if (png_ == nullptr || info_ == nullptr) return false;
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_read_fn(png_, this, read_bytes);
+    png_set_chunk_malloc_max(png_, kMostChunkBytes);  // libpng makes room for what a chunk claims to hold
     png_read_info(png_, info_);
     image.width = png_get_image_width(png_, info_);
     image.height = png_get_image_height(png_, info_);
