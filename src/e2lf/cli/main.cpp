@@ -4,6 +4,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,9 @@ int run(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   try {
     return check_standard_output(run({argv + 1, argv + argc}));
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "e2lf: there is not enough memory; end other programs, or give a part of the input\n");
+    return 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "e2lf: internal error: %s; please report it with the command you ran\n", error.what());
     return 1;

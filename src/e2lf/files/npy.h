@@ -65,6 +65,7 @@ using NpzArrays = std::map<std::string, NpyArray>;
 
 /// Names, types and shapes of the arrays, with no bytes: tells what an archive holds without unpacking it. Fails as
 /// decode_npz does, but does not notice damaged data.
+[[nodiscard]] Result<NpzArrays> peek_npz(std::span<const uint8_t> bytes, const std::string& name);
 [[nodiscard]] Result<NpzArrays> peek_npz(const std::filesystem::path& path);
 
 [[nodiscard]] Result<void> write_npz(const std::filesystem::path& path, const NpzArrays& arrays, bool compress = true);

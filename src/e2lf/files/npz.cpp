@@ -66,9 +66,13 @@ Result<NpzArrays> read_npz(const std::filesystem::path& path) {
   return decode_npz(bytes, path.string());
 }
 
+Result<NpzArrays> peek_npz(std::span<const uint8_t> bytes, const std::string& name) {
+  return arrays_of(bytes, name, peek_member);
+}
+
 Result<NpzArrays> peek_npz(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
-  return arrays_of(bytes, path.string(), peek_member);
+  return peek_npz(bytes, path.string());
 }
 
 Result<void> write_npz(const std::filesystem::path& path, const NpzArrays& arrays, bool compress) {

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "e2lf/base/little_endian.h"
+#include "e2lf/base/memory.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/recordings/batch_check.h"
@@ -16,6 +17,8 @@ namespace e2lf::recordings::numpy {
 namespace {
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
+constexpr uint64_t kEventBytes = 13;  // of its columns x, y, p, t
+constexpr const char* kReadRemedy = "an .npz is read whole: store the events as .npy, .csv or .hdf5, or in parts";
 
 using Names = std::initializer_list<const char*>;
 
@@ -86,6 +89,17 @@ Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::s
   return triggers;
 }
 
+/// Refuses an archive whose events have no room: its arrays, their columns, and these once more where they are sorted.
+Result<void> check_memory(std::span<const uint8_t> archive, const std::string& name) {
+  E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, peek_npz(archive, name));
+  uint64_t bytes = 0, most_rows = 0;
+  for (const auto& [key, array] : arrays) {
+    bytes += static_cast<uint64_t>(array.num_elements()) * array.item_size;
+    if (!array.shape.empty()) most_rows = std::max<uint64_t>(most_rows, array.shape[0]);
+  }
+  return require_memory(bytes + 2 * kEventBytes * most_rows, kReadRemedy, name);
+}
+
 /// A whole recording in memory, handed out block by block.
 class MemoryBlocks final : public EventBlocks {
  public:
@@ -132,6 +146,7 @@ class NpzWriter final : public RecordingWriter {
 
   Result<void> write(const EventBatch& batch) override {
     E2LF_RETURN_IF_ERROR(check_(batch));
+    E2LF_RETURN_IF_ERROR(check_room(batch.events.size()));
     all_.events.append(batch.events);
     all_.triggers.insert(all_.triggers.end(), batch.triggers.begin(), batch.triggers.end());
     return {};
@@ -164,10 +179,20 @@ class NpzWriter final : public RecordingWriter {
   }
 
  private:
+  /// Where the columns grow to twice their size: room for these beside the old ones, or for the archive at the end.
+  Result<void> check_room(size_t more) {
+    const size_t count = all_.events.size() + more;
+    if (count <= room_) return {};
+    room_ = std::max(2 * count, kBlockEvents);
+    return require_memory(2 * kEventBytes * room_, "an .npz is written whole: write .raw, .npy or .hdf5 instead",
+                          sink_->name());
+  }
+
   std::unique_ptr<ByteSink> sink_;
   RecordingInfo info_;
   BatchCheck check_;
   EventBatch all_;
+  size_t room_ = 0;  ///< events for which there was memory
 };
 
 void read_size(const NpzArrays& arrays, RecordingInfo& info) {
@@ -248,7 +273,10 @@ bool detect_npz(std::span<const uint8_t> head) {
 
 Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
   const std::string name = source->name();
+  // Its bytes double their room as they come.
+  E2LF_RETURN_IF_ERROR(require_memory(2 * source->size().value_or(0), kReadRemedy, name));
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
+  E2LF_RETURN_IF_ERROR(check_memory(bytes, name));
   E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, decode_npz(bytes, name));
   RecordingInfo info;
   info.format = "npz";
