@@ -40,7 +40,8 @@ std::string shape_text(const std::vector<size_t>& shape) {
   return "[" + join(parts) + "]";
 }
 
-std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
+std::string suggestion(std::string_view word, const std::vector<std::string>& candidates, std::string_view quote) {
+  if (candidates.empty()) return "there are none";
   // What is left out behind a beginning costs nothing: it is how names are cut short.
   const auto distance = [&](const std::string& candidate) {
     const bool is_beginning = !word.empty() && std::string_view(candidate).starts_with(word);
@@ -48,7 +49,12 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
   };
   const auto nearest = std::min_element(candidates.begin(), candidates.end(),
                                         [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-  return nearest == candidates.end() ? std::string() : *nearest;
+  if (distance(*nearest) <= std::max<size_t>(2, word.size() / 3)) {
+    return cat("did you mean ", quote, *nearest, quote, "?");
+  }
+  constexpr size_t kMost = 12;
+  const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(std::min(kMost, candidates.size()));
+  return cat("known are ", join({candidates.begin(), end}), candidates.size() > kMost ? ", ..." : "");
 }
 
 }  // namespace e2lf

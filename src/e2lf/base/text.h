@@ -22,8 +22,9 @@ template <typename... Args>
 /// A shape as "[3, 720, 1280]".
 [[nodiscard]] std::string shape_text(const std::vector<size_t>& shape);
 
-/// The candidate that begins with `word`, otherwise the one with the smallest edit distance to it; empty when there are
-/// no candidates. Used by error messages that name the nearest known key.
-[[nodiscard]] std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
+/// For error messages about a word that is not known: "did you mean "batch"?" where a candidate begins with the word or
+/// is a typing mistake away, else "known are batch, steps, rate" (twelve at most), else "there are none".
+[[nodiscard]] std::string suggestion(std::string_view word, const std::vector<std::string>& candidates,
+                                     std::string_view quote = "\"");
 
 }  // namespace e2lf

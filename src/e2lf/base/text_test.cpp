@@ -26,17 +26,20 @@ TEST(Text, JoinKeepsEmptyParts) {
   EXPECT_EQ(join({"", "b", ""}), ", b, ");
 }
 
-TEST(NearestWord, HasTheSmallestEditDistance) {
+TEST(Suggestion, IsTheWordThatATypingMistakeMissed) {
   const std::vector<std::string> words = {"batch", "steps", "rate"};
-  EXPECT_EQ(nearest_word("bacth", words), "batch");
-  EXPECT_EQ(nearest_word("step", words), "steps");
-  EXPECT_EQ(nearest_word("learning_rate", words), "rate");
-  EXPECT_EQ(nearest_word("x", {}), "");
+  EXPECT_EQ(suggestion("bacth", words), "did you mean \"batch\"?");
+  EXPECT_EQ(suggestion("step", words), "did you mean \"steps\"?");
+  EXPECT_EQ(suggestion("--step", {"--steps"}, ""), "did you mean --steps?");
+  EXPECT_EQ(suggestion("recon", {"demo", "reconstruct", "resume"}), "did you mean \"reconstruct\"?");
 }
 
-TEST(NearestWord, IsTheOneThatBeginsSo) {
-  EXPECT_EQ(nearest_word("recon", {"demo", "reconstruct", "resume"}), "reconstruct");
-  EXPECT_EQ(nearest_word("", {"batch", "steps"}), "batch");
+TEST(Suggestion, NamesAllWhereNoneIsNear) {
+  EXPECT_EQ(suggestion("learning_rate", {"batch", "steps"}), "known are batch, steps");
+  EXPECT_EQ(suggestion("", {"batch", "steps"}), "known are batch, steps");
+  EXPECT_EQ(suggestion("x", {}), "there are none");
+  const std::string many = suggestion("learning", std::vector<std::string>(20, "steps"));
+  EXPECT_TRUE(many.ends_with("steps, ...")) << many;
 }
 
 TEST(ProgressLine, ShowsShareAndRemainingTime) {

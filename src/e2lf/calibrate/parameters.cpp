@@ -74,8 +74,7 @@ Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const std::vector<
   for (const std::string& key : held) {
     if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("no constant of a fit is called \"", key, "\"; did you mean ", nearest_word(key, keys), "?"),
-                   ""};
+                   cat("no constant of a fit is called \"", key, "\"; ", suggestion(key, keys)), ""};
     }
     std::erase_if(parameters, [&](const Parameter& each) { return each.key == key; });
   }

@@ -42,6 +42,11 @@ std::vector<std::string> long_flags(const CLI::App& app) {
   return names;
 }
 
+std::vector<std::string> with_dashes(std::vector<std::string> names) {
+  for (std::string& name : names) name.insert(0, "--");
+  return names;
+}
+
 /// What is wrong with the first argument that looks like a long flag and is none.
 std::optional<std::string> unknown_argument(const CLI::App& app, const std::vector<std::string>& arguments) {
   const std::vector<std::string> known = long_flags(app);
@@ -49,7 +54,7 @@ std::optional<std::string> unknown_argument(const CLI::App& app, const std::vect
     if (!argument.starts_with("--")) continue;
     const std::string name = argument.substr(2, argument.find('=') - 2);
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    return cat("there is no option --", name, "; did you mean --", nearest_word(name, known), "?");
+    return cat("there is no option --", name, "; ", suggestion(cat("--", name), with_dashes(known), ""));
   }
   return std::nullopt;
 }
@@ -115,8 +120,7 @@ Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI
     std::string name = key;
     std::replace(name.begin(), name.end(), '_', '-');
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("unknown key \"", key, "\"; did you mean \"", nearest_word(name, known), "\"?"), location};
+      return Error{ErrorCode::kInvalidValue, cat("unknown key \"", key, "\"; ", suggestion(name, known)), location};
     }
     if (value.is_boolean()) {
       if (value.get<bool>()) flags.push_back("--" + name);
@@ -160,8 +164,8 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
     if (name == entry.name) return entry.run({arguments.begin() + 1, arguments.end()});
     names.emplace_back(entry.name);
   }
-  std::cerr << (prefix.empty() ? "e2lf" : "e2lf: " + prefix) << ": there is no verb \"" << name << "\"; did you mean \""
-            << nearest_word(name, names) << "\"? See " << command << " --help\n";
+  std::cerr << (prefix.empty() ? "e2lf" : "e2lf: " + prefix) << ": there is no verb \"" << name << "\"; "
+            << suggestion(name, names) << " See " << command << " --help\n";
   return 2;
 }
 

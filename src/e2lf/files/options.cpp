@@ -83,8 +83,7 @@ Result<void> OptionReader::finish() const {
   if (!object_->is_object()) return {};
   for (const auto& [key, value] : object_->items()) {
     if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("unknown key \"", key, "\"; did you mean \"", nearest_word(key, known_), "\"?"),
+      return Error{ErrorCode::kInvalidValue, cat("unknown key \"", key, "\"; ", suggestion(key, known_)),
                    child_location(key)};
     }
   }

@@ -170,11 +170,7 @@ Result<const Tensor*> Safetensors::find(const std::string& name, const std::stri
   if (found != tensors.end()) return &found->second;
   std::vector<std::string> names;
   for (const auto& entry : tensors) names.push_back(entry.first);
-  const std::string nearest = nearest_word(name, names);
-  return Error{ErrorCode::kNotFound,
-               cat("there is no tensor \"", name, "\"; ",
-                   nearest.empty() ? "the file holds none" : cat("the nearest name is \"", nearest, "\"")),
-               file};
+  return Error{ErrorCode::kNotFound, cat("there is no tensor \"", name, "\"; ", suggestion(name, names)), file};
 }
 
 Result<Safetensors> decode_safetensors(std::span<const uint8_t> bytes, const std::string& name) {

@@ -21,8 +21,7 @@ Result<const Scene*> Dataset::find(const std::string& name) const {
     if (scene.name == name) return &scene;
     names.push_back(scene.name);
   }
-  const std::string remedy = names.empty() ? "it has none; pack some with `e2lf pack`."
-                                           : cat("did you mean \"", nearest_word(name, names), "\"?");
+  const std::string remedy = names.empty() ? "it has none; pack some with `e2lf pack`." : suggestion(name, names);
   return Error{ErrorCode::kNotFound, cat("no light field \"", name, "\" in the packed data; ", remedy), "data.file"};
 }
 

@@ -49,7 +49,7 @@ class LayerCheck {
     if (found != known_.end()) return found->second;
     std::vector<std::string> names;
     for (const auto& entry : known_) names.push_back(entry.first);
-    return invalid(cat("no earlier layer is named \"", name, "\"; did you mean \"", nearest_word(name, names), "\"?"));
+    return invalid(cat("no earlier layer is named \"", name, "\"; ", suggestion(name, names)));
   }
 
   Result<void> find_inputs() {

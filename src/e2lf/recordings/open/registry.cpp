@@ -181,8 +181,7 @@ Result<const Codec*> find_codec(const std::string& name) {
     if (codec->name == name) return codec;
     names.push_back(codec->name);
   }
-  return Error{ErrorCode::kInvalidValue,
-               cat("unknown format \"", name, "\"; did you mean \"", nearest_word(name, names), "\"?"), ""};
+  return Error{ErrorCode::kInvalidValue, cat("unknown format \"", name, "\"; ", suggestion(name, names)), ""};
 }
 
 Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
