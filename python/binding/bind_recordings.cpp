@@ -15,12 +15,18 @@ namespace {
 
 using RecordingPointer = std::shared_ptr<Recording>;
 
-/// An iterator over a recording.
+/// An iterator over a recording, and one that gives its events alone.
 struct Slices {
   RecordingPointer recording;
   SliceSize size;
-  bool events_only = false;
+
+  [[nodiscard]] Slice next() const {
+    std::optional<Slice> slice = recording->next(size);
+    if (!slice) throw py::stop_iteration();
+    return std::move(*slice);
+  }
 };
+struct EventSlices : Slices {};
 
 RecordingPointer open(const fs::path& path, const OpenArguments& arguments) {
   // Slices begin there only where that is a time of the clock that they are in.
@@ -44,13 +50,6 @@ py::object slice_of(Slice slice) {
   const int64_t begin_us = slice.begin_us, end_us = slice.end_us;
   py::array triggers = to_array(slice.triggers);
   return make_tuple_of("Slice", to_array(std::move(slice.events)), std::move(triggers), begin_us, end_us);
-}
-
-py::object next_slice(const Slices& slices) {
-  std::optional<Slice> slice = slices.recording->next(slices.size);
-  if (!slice) throw py::stop_iteration();
-  if (slices.events_only) return to_array(std::move(slice->events));
-  return slice_of(std::move(*slice));
 }
 
 py::object codes_of_recording(const Recording& recording) {
@@ -78,6 +77,20 @@ py::tuple read_events(const fs::path& path, const OpenArguments& arguments) {
   return py::make_tuple(to_array(std::move(records)), to_array(triggers));
 }
 
+/// What `e2lf bench` would call decoding: the peer of iterating in bench/python/iterate.py.
+uint64_t count_events(const fs::path& path, int threads) {
+  OpenArguments arguments;
+  arguments.threads = threads;
+  const auto reader = open_reader(path.string(), arguments);
+  return without_gil([&]() -> Result<uint64_t> {
+    recordings::EventBatch batch;
+    for (bool more = true; more;) {
+      E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
+    }
+    return reader->summary().events();
+  });
+}
+
 py::object info(const fs::path& path, const OpenArguments& arguments, const ProgressArgument& progress) {
   check_word(arguments.time_unit, {"auto", "s", "ms", "us", "ns"}, "time_unit");
   cli::DescribeOptions options;
@@ -92,10 +105,16 @@ py::object info(const fs::path& path, const OpenArguments& arguments, const Prog
 }
 
 void bind_recording(py::module_& module) {
-  using Class = py::class_<Recording, RecordingPointer>;
-  Class recording(module, "Recording",
-                  "A recording that is read from front to back in bounded memory; made by open_recording().\n\n"
-                  "Iterating gives slices as they come out of the file, the fastest way. One thread at a time.");
+  py::class_<Slices>(module, "Slices", "An iterator over slices of a Recording; made by slices().")
+      .def("__iter__", [](py::object self) { return self; })
+      .def("__next__", [](const Slices& self) { return slice_of(self.next()); });
+  py::class_<EventSlices>(module, "EventSlices", "An iterator over the events of a Recording; made by events().")
+      .def("__iter__", [](py::object self) { return self; })
+      .def("__next__", [](const EventSlices& self) { return to_array(self.next().events); });
+  py::class_<Recording, RecordingPointer> recording(
+      module, "Recording",
+      "A recording that is read from front to back in bounded memory; made by open_recording().\n\n"
+      "Iterating gives slices as they come out of the file, the fastest way. One thread at a time.");
   recording.def_property_readonly("name", &Recording::name, "What was opened.")
       .def_property_readonly(
           "format", [](const Recording& self) { return self.reader().info().format; }, "\"evt3\", \"hdf5\", ...")
@@ -124,7 +143,7 @@ void bind_recording(py::module_& module) {
       .def_property_readonly("codes", &codes_of_recording,
                              "The patterns it was made with, float32 [N, view_y, view_x]; None where nothing tells.")
       .def(
-          "summary", [](const Recording& self) { return to_python(cli::summary_json(self.reader().summary())); },
+          "summary", [](Recording& self) { return to_python(cli::summary_json(self.summary())); },
           "What has been read so far: counts of events and triggers, times in us, what was left out and why.")
       .def(
           "slices",
@@ -140,7 +159,7 @@ void bind_recording(py::module_& module) {
       .def(
           "events",
           [](RecordingPointer self, std::optional<int64_t> delta_t, std::optional<int64_t> n_events) {
-            return Slices{std::move(self), slice_size(delta_t, n_events), true};
+            return EventSlices{{std::move(self), slice_size(delta_t, n_events)}};
           },
           py::arg("delta_t") = py::none(), py::arg("n_events") = py::none(),
           "The same with the events alone: structured arrays with fields x, y (uint16, px), p (int16, 1 = ON, 0 = "
@@ -160,10 +179,6 @@ void bind_recording(py::module_& module) {
       .def("__enter__", [](RecordingPointer self) { return self; })
       .def("__exit__", [](Recording& self, const py::args&) { self.close(); })
       .def("__repr__", [](const Recording& self) { return "<e2lf.Recording " + self.name() + ">"; });
-
-  py::class_<Slices>(module, "Slices", "An iterator over a Recording; made by slices() and events().")
-      .def("__iter__", [](py::object self) { return self; })
-      .def("__next__", &next_slice);
 }
 
 }  // namespace
@@ -179,6 +194,7 @@ void bind_recordings(py::module_& module) {
       "read_events", [](const fs::path& path, E2LF_OPEN_PARAMETERS) { return read_events(path, E2LF_OPEN_VALUES); },
       py::arg("path"), py::kw_only(), E2LF_OPEN_ARGUMENTS,
       "All of a recording: (events, triggers), structured arrays of event_dtype and trigger_dtype." E2LF_OPEN_DOC);
+  module.def("_count_events", &count_events, py::arg("path"), py::arg("threads"));
   module.def(
       "info",
       [](const fs::path& path, const std::string& format, size_t width, size_t height, const std::string& columns,

@@ -49,7 +49,7 @@ py::dtype make_dtype(const char* text) {
 /// A field as whole numbers within [least, most].
 py::array_t<int64_t> field_of(const py::array& array, const char* name, int64_t least, int64_t most) {
   const std::string place = cat("field ", name);
-  if (!array.dtype().has_fields() || !array.dtype().contains(name)) {
+  if (!array.dtype().has_fields() || !array.dtype().attr("fields").contains(name)) {
     throw ResultError({ErrorCode::kFormat, "there is no such field; give a structured array with it", place});
   }
   const py::array field = array[name];

@@ -111,6 +111,11 @@ void Recording::seek(int64_t t_us) {
   slice_begin_us_ = t_us;
 }
 
+recordings::DecodeSummary Recording::summary() {
+  const OneAtATime::Use use(use_, kWhat);
+  return open_reader().summary();
+}
+
 void Recording::close() {
   const OneAtATime::Use use(use_, kWhat);
   batch_ = {};

@@ -56,6 +56,7 @@ class Recording {
   [[nodiscard]] Slice between(int64_t begin_us, int64_t end_us);
 
   void seek(int64_t t_us);
+  [[nodiscard]] recordings::DecodeSummary summary();
   void close();
 
  private:

@@ -9,6 +9,7 @@ from ._e2lf import (
     Camera,
     Cycles,
     Error,
+    EventSlices,
     Model,
     Reconstructor,
     Recording,
