@@ -13,6 +13,8 @@ namespace e2lf::python {
 namespace {
 
 constexpr const char* kWhat = "recording";
+/// For one thread: what is decoded is still in its cache when it is put into records. Several get larger parts.
+constexpr size_t kCachedBatch = size_t{1} << 16;
 constexpr int64_t kEver = std::numeric_limits<int64_t>::max();
 
 /// The largest multiple of `step` at or below a time.
@@ -59,6 +61,7 @@ Recording::Recording(std::string name, std::unique_ptr<recordings::RecordingRead
     : name_(std::move(name)),
       is_live_(recordings::is_live_recording(name_)),
       reader_(std::move(reader)),
+      most_events_(reader_->options().threads == 1 ? kCachedBatch : recordings::RecordingReader::kDefaultBatch),
       slice_begin_us_(from_us) {}
 
 const recordings::RecordingReader& Recording::reader() const {
@@ -128,7 +131,7 @@ Result<bool> Recording::refill() {
   if (event_ < batch_.events.size() || trigger_ < batch_.triggers.size()) return true;
   if (has_ended_) return false;
   event_ = trigger_ = 0;
-  E2LF_ASSIGN_OR_RETURN(const bool more, reader_->read(batch_));
+  E2LF_ASSIGN_OR_RETURN(const bool more, reader_->read(batch_, most_events_));
   has_ended_ = !more;
   if (has_ended_) warn_of_losses(name_, reader_->summary());
   return more;

@@ -72,6 +72,7 @@ class Recording {
   std::string name_;
   bool is_live_;
   std::unique_ptr<recordings::RecordingReader> reader_;
+  size_t most_events_;                     ///< of one batch
   std::optional<int64_t> slice_begin_us_;  ///< of the next slice of time
   recordings::EventBatch batch_;           ///< read, and handed out up to event_ and trigger_
   size_t event_ = 0, trigger_ = 0;
