@@ -20,11 +20,10 @@ Extents extents(Sizes... sizes) {
 /// An array over memory of `owner`, which it keeps; `name` says what the owner is.
 template <typename Owner, typename Value>
 py::array own(std::unique_ptr<Owner> owner, const char* name, const Extents& shape, Value* values) {
-  // Asks for the name first: unique_ptr gives up the owner only to a capsule that is made.
   const py::capsule capsule(owner.get(), name, [](PyObject* self) {
     delete static_cast<Owner*>(PyCapsule_GetPointer(self, PyCapsule_GetName(self)));
   });
-  owner.release();
+  static_cast<void>(owner.release());  // the capsule has it
   return py::array(py::dtype::of<Value>(), shape, {}, values, capsule);
 }
 
