@@ -10,6 +10,9 @@ if(BUILD_SHARED_LIBS)
   set(CMAKE_INSTALL_RPATH "\$ORIGIN" "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endif()
 
+# Shared libraries are of the package of the programs, which need them.
+set(E2LF_LIBRARY_COMPONENT program)
+
 # What a module links outside of the project: target, how CMake finds it, what pkg-config calls it.
 set(E2LF_EXTERNAL_TARGETS
   "PkgConfig::HWY" "PkgConfig::HDF5" "PkgConfig::LZ4" "PkgConfig::ZSTD" "ZLIB::ZLIB" "PNG::PNG" "JPEG::JPEG"
@@ -31,11 +34,13 @@ function(e2lf_install_module module)
   get_target_property(folder ${target} SOURCE_DIR)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${module} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
   target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  install(TARGETS ${target} EXPORT e2lf-${module} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(EXPORT e2lf-${module} NAMESPACE e2lf:: FILE e2lf-${module}-targets.cmake DESTINATION ${E2LF_CMAKE_DIR})
+  install(TARGETS ${target} EXPORT e2lf-${module} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${E2LF_LIBRARY_COMPONENT} NAMELINK_COMPONENT development)
+  install(EXPORT e2lf-${module} NAMESPACE e2lf:: FILE e2lf-${module}-targets.cmake DESTINATION ${E2LF_CMAKE_DIR}
+    COMPONENT development)
   foreach(header IN LISTS headers)
     get_filename_component(inner_folder ${header} DIRECTORY)
-    install(FILES ${folder}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/e2lf/${module}/${inner_folder})
+    install(FILES ${folder}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/e2lf/${module}/${inner_folder} COMPONENT development)
   endforeach()
 
   set(modules) # of ours that this one needs
@@ -72,7 +77,8 @@ function(e2lf_install_module module)
   list(JOIN pkg_requires " " pkg_requires)
   list(JOIN pkg_flags " " pkg_flags)
   configure_file(${PROJECT_SOURCE_DIR}/cmake/e2lf-module.pc.in ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+  install(FILES ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+    COMPONENT development)
 endfunction()
 
 # e2lf_install_package(): the modules on offer, and what goes beside them. Call it last.
@@ -87,13 +93,22 @@ function(e2lf_install_package)
     INSTALL_DESTINATION ${E2LF_CMAKE_DIR})
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake ${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake
-    DESTINATION ${E2LF_CMAKE_DIR})
+    DESTINATION ${E2LF_CMAKE_DIR} COMPONENT development)
 
-  install(TARGETS e2lf RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS e2lf RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
   if(TARGET e2lf-train)
-    install(TARGETS e2lf-train RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(TARGETS e2lf-train RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training)
   endif()
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/models ${PROJECT_SOURCE_DIR}/cameras ${PROJECT_SOURCE_DIR}/configs
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/e2lf)
-  install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/e2lf COMPONENT program)
+  install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+  # Where only a part was built they are not there.
+  set(texts ${PROJECT_BINARY_DIR}/texts)
+  install(FILES ${texts}/bash/e2lf DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program OPTIONAL)
+  install(FILES ${texts}/zsh/_e2lf DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program OPTIONAL)
+  install(FILES ${texts}/fish/e2lf.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program
+    OPTIONAL)
+  install(DIRECTORY ${texts}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program OPTIONAL)
+  include(E2lfPackage)
 endfunction()

@@ -44,6 +44,19 @@ c++ -O1 "$TESTSUITE/../examples/custom_codec.cpp" -o with_pkg_config $(pkg-confi
 rm records.raw
 LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH") ./with_pkg_config records.bin records.raw 2>/dev/null | grep -qx "3 events" || fail "the program made with pkg-config"
 
+# Python: from the prefix alone, in an empty folder; the files that come with e2lf are the installed ones.
+if [ -d "$E2LF_BUILD/python/e2lf" ]; then
+  mkdir python
+  (cd python && PYTHONPATH=$(dirname "$(find ../prefix -type d -path '*-packages/e2lf')") py -c '
+import e2lf, os
+prefix = os.path.realpath("../prefix")
+assert os.path.realpath(e2lf.__file__).startswith(prefix) and e2lf.bundled_model().startswith(prefix), e2lf.__file__
+model = e2lf.read_model(e2lf.bundled_model())
+assert e2lf.Reconstructor(model).reconstruct(e2lf.read_event_images("../events.npz").cycles[0]).shape[:2] == (8, 8)
+assert e2lf.read_camera("ideal").name
+') || fail "import e2lf"
+fi
+
 # Headers: none needs one that stays out. What a component does not have is said.
 for header in $(cd prefix/include && find e2lf -name '*.h'); do echo "#include <$header>"; done >all.txt
 c++ -fsyntax-only -x c++ $(pkg-config --cflags e2lf-recon e2lf-eval e2lf-cycles) all.txt || fail "a header needs one that is not installed"

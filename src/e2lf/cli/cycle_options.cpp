@@ -68,10 +68,9 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   add_recording_options(app, flags.recording, group);
 }
 
-Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
-  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags.recording));
+Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Schedule schedule) {
   cycles::CycleOptions options;
-  E2LF_ASSIGN_OR_RETURN(options.schedule, schedule_of(flags));
+  options.schedule = std::move(schedule);
   options.source = source_of(flags);
   options.edge = edge_of(flags.edge);
   options.channel = flags.channel;
@@ -88,9 +87,16 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
         "--origin-us"};
   }
   options.origin_us = flags.origin_us.value_or(0);
+  if (flags.filter_pixels) options.filter = cycles::PixelFilterOptions{};
+  return options;
+}
+
+Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
+  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags.recording));
+  E2LF_ASSIGN_OR_RETURN(cycles::Schedule schedule, schedule_of(flags));
+  E2LF_ASSIGN_OR_RETURN(cycles::CycleOptions options, cycle_options(flags, std::move(schedule)));
   options.on_batch = observer.on_batch;
   options.on_mark = observer.on_mark;
-  if (flags.filter_pixels) options.filter = cycles::PixelFilterOptions{};
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
   say_assumptions(*reader);
   return cycles::CycleReader::open(std::move(reader), options);

@@ -39,8 +39,11 @@ inline constexpr const char* kCycleOptions = "Pattern cycles of a recording";
 /// Declares all of CycleFlags; --max-cycles is for event images too.
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
+/// What the flags say of cycles of a schedule; --schedule and --patterns, and the flags of the recording, are left
+/// aside. Fails with kInvalidValue where the schedule alone shall tell and nothing says when it began.
+[[nodiscard]] Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Schedule schedule);
+
 /// Opens a recording (a path, "-" for standard input, or a camera's name) cut into cycles as the flags say.
-/// Fails with kInvalidValue where the schedule alone shall tell and nothing says when it began.
 /// "auto" takes triggers when the recording begins with some, else bursts.
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});

@@ -3,13 +3,20 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
+#include <map>
 #include <new>
 #include <string>
 #include <vector>
 
+#include "e2lf/base/isa.h"
+#include "e2lf/cli/completion.h"
+#include "e2lf/cli/features.h"
+#include "e2lf/cli/manual_page.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/version.h"
+#include "e2lf/files/file.h"
 
 namespace {
 
@@ -45,11 +52,57 @@ int check_standard_output(int code) {
   return code == 0 ? 1 : code;
 }
 
-int run(const std::vector<std::string>& arguments) {
-  if (!arguments.empty() && (arguments.front() == "--version" || arguments.front() == "version")) {
-    std::printf("e2lf %s\n", kVersion);
-    return 0;
+/// The version, what this build can do, and what kernels run as on this processor.
+int print_version() {
+  std::printf("e2lf %s\n%sinstructions: %s\n", kVersion, kFeatures, e2lf::current_isa().c_str());
+  return 0;
+}
+
+int fail(const std::string& verb, const e2lf::Error& error, int code) {
+  std::fprintf(stderr, "e2lf: %s: %s\n", verb.c_str(), error.text().c_str());
+  return code;
+}
+
+/// e2lf completion SHELL
+int print_completion(const std::vector<std::string>& arguments) {
+  if (arguments.size() != 2 || arguments[1] == "--help" || arguments[1] == "-h") {
+    std::printf(
+        "usage: e2lf completion bash|zsh|fish\n\nPrints the script that completes e2lf in that shell, e.g.\n"
+        "  source <(e2lf completion bash)\n");
+    return arguments.size() == 2 ? 0 : 2;
   }
+  const auto script = completion_script(arguments[1], declared_verbs(verbs()));
+  if (!script) return fail("completion", script.error(), 2);
+  std::fputs(script->c_str(), stdout);
+  return 0;
+}
+
+/// e2lf shell-texts FOLDER, for the build: manual pages (man1/) and completion (bash/, zsh/, fish/).
+int write_texts(const std::vector<std::string>& arguments) {
+  if (arguments.size() != 2) {
+    std::fprintf(stderr, "usage: e2lf shell-texts FOLDER\n");
+    return 2;
+  }
+  const std::filesystem::path folder = arguments[1];
+  const std::vector<DeclaredVerb> declared = declared_verbs(verbs());
+  std::map<std::filesystem::path, std::string> texts;
+  for (const DeclaredVerb& verb : declared) texts["man1/" + manual_name(verb) + ".1"] = manual_page(verb, declared);
+  texts["bash/e2lf"] = *completion_script("bash", declared);
+  texts["zsh/_e2lf"] = *completion_script("zsh", declared);
+  texts["fish/e2lf.fish"] = *completion_script("fish", declared);
+  for (const auto& [name, text] : texts) {
+    const auto written = e2lf::write_file(folder / name, text);
+    if (!written) return fail("shell-texts", written.error(), 1);
+  }
+  return 0;
+}
+
+int run(const std::vector<std::string>& arguments) {
+  const std::string first = arguments.empty() ? "" : arguments.front();
+  if (first == "--version" || first == "version") return print_version();
+  // Not in the list of verbs: of the shell and of the build.
+  if (first == "completion") return print_completion(arguments);
+  if (first == "shell-texts") return write_texts(arguments);
   return run_subverb("", verbs(), arguments);
 }
 

@@ -13,6 +13,7 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/cli/declared_verbs.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
@@ -149,6 +150,10 @@ std::string list_of(const std::string& command, const std::vector<VerbEntry>& en
 
 int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
                 const std::vector<std::string>& arguments) {
+  if (are_verbs_asked()) {
+    declare_subverbs(prefix, entries);
+    return 0;
+  }
   const std::string command = prefix.empty() ? "e2lf" : "e2lf " + prefix;
   if (arguments.empty()) {
     std::cerr << list_of(command, entries);
@@ -234,6 +239,10 @@ Result<void> Verb::refuse_options(const std::string& group, const std::string& w
 }
 
 int Verb::run(std::vector<std::string> arguments, const std::function<Result<void>()>& work) {
+  if (are_verbs_asked()) {
+    declare_verb(name_, app_);
+    return 0;
+  }
   const auto parse = [this](std::vector<std::string> list) {
     std::reverse(list.begin(), list.end());  // CLI11 takes its vector from the back
     app_.parse(list);

@@ -1,0 +1,17 @@
+# e2lf in a Debian container. Not tried: no Docker was at hand when it was written.
+#   docker build -t e2lf . && docker run --rm -v "$PWD/out:/out" e2lf demo -o /out/demo
+FROM debian:12-slim AS build
+RUN apt-get update && apt-get install -y --no-install-recommends \
+    g++ cmake ninja-build pkg-config dpkg-dev file \
+    libhwy-dev libhdf5-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev liblz4-dev libzstd-dev libssl-dev libeigen3-dev \
+    nlohmann-json3-dev libcli11-dev pybind11-dev python3-dev python3-numpy
+COPY . /e2lf
+WORKDIR /e2lf
+RUN cmake --preset minimal -DE2LF_WITH_VIEWER=OFF && cmake --build build/minimal && cd build/minimal && cpack -G DEB
+
+FROM debian:12-slim
+COPY --from=build /e2lf/build/minimal/e2lf_*.deb /e2lf/build/minimal/python3-e2lf_*.deb /packages/
+RUN apt-get update && apt-get install -y --no-install-recommends /packages/*.deb && rm -rf /packages /var/lib/apt/lists/*
+WORKDIR /out
+ENTRYPOINT ["e2lf"]
+CMD ["demo", "-o", "/out/demo", "--overwrite"]

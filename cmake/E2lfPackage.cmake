@@ -1,0 +1,63 @@
+# Debian packages: `cpack -G DEB` in the build folder makes e2lf (programs, models, manual), e2lf-dev (headers, libraries)
+# and python3-e2lf, each with the packages that its files need. Configure with CMAKE_INSTALL_PREFIX=/usr: Debian's folder of
+# libraries follows from that.
+set(CPACK_PACKAGE_NAME e2lf)
+set(CPACK_PACKAGE_VENDOR "the e2lf authors")
+set(CPACK_PACKAGE_CONTACT "the e2lf authors <e2lf@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "light fields from the events of a coded-aperture camera")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_VERBATIM_VARIABLES ON)
+set(CPACK_GENERATOR DEB)
+
+set(CPACK_COMPONENTS_ALL program development)
+if(TARGET e2lf_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+if(TARGET e2lf-train)
+  list(APPEND CPACK_COMPONENTS_ALL training)
+endif()
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+
+# The parts of one build fit each other.
+set(same_version "e2lf (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME e2lf)
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
+"e2lf reconstructs a 4-D light field from the events of one event camera
+behind a display in the aperture of its lens. It reads recordings of event
+cameras, simulates them, reconstructs, measures and shows the results.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME e2lf-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "${same_version}, libhwy-dev, libhdf5-dev, libpng-dev, libjpeg62-turbo-dev, zlib1g-dev, liblz4-dev, libzstd-dev, nlohmann-json3-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
+"Static libraries, headers, and what CMake and pkg-config need to find them.
+Each module is a library of its own: recordings, light fields, simulation,
+reconstruction.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-e2lf)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION
+"The functions of e2lf for Python, with numpy arrays: recordings, event
+images, simulation, reconstruction, light fields, measures.")
+set(CPACK_DEBIAN_TRAINING_PACKAGE_NAME e2lf-train)
+set(CPACK_DEBIAN_TRAINING_PACKAGE_DEPENDS "${same_version}")
+set(CPACK_DEBIAN_TRAINING_DESCRIPTION
+"Learns aperture patterns and the network that reconstructs light fields from
+the events they make, on libtorch.")
+
+# What Debian asks of each package beside its files; see the script.
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian_files.cmake)
+set(CPACK_E2LF_SOURCE_DIR ${PROJECT_SOURCE_DIR})
+if(TARGET e2lf_python)
+  string(REPLACE "." ";" python_version ${Python_VERSION})
+  list(GET python_version 0 major)
+  list(GET python_version 1 minor)
+  math(EXPR next "${minor} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "${same_version}, python3 (>= ${major}.${minor}), python3 (<< ${major}.${next}), python3-numpy")
+endif()
+include(CPack)

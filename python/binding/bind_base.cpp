@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/base/isa.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/cli/version.h"
+#include "python/binding/errors.h"
+#include "python/binding/module.h"
+
+namespace e2lf::python {
+namespace {
+
+/// Messages go to the logger "e2lf" of Python's logging.
+void log_to_python(LogLevel level, const std::string& message) {
+  const py::gil_scoped_acquire acquire;
+  try {
+    const char* const method = level == LogLevel::kWarning ? "warning" : level == LogLevel::kInfo ? "info" : "debug";
+    // As an argument: a message may hold "%".
+    py::module_::import("logging").attr("getLogger")("e2lf").attr(method)("%s", message);
+  } catch (py::error_already_set& error) {
+    error.discard_as_unraisable("e2lf's log");  // the library cannot pass it on
+  }
+}
+
+}  // namespace
+
+void bind_base(py::module_& module) {
+  module.attr("__version__") = cli::kVersion;
+  module.attr("_source_tree") = E2LF_SOURCE_TREE;
+  take(apply_isa_cap());
+  set_log_sink(log_to_python);
+  py::module_::import("atexit").attr("register")(py::cpp_function([] { set_log_sink({}); }));
+
+  module.def("num_threads", &num_threads, "The number of threads that the library works with: all cores unless set.");
+  module.def(
+      "set_num_threads",
+      [](int threads) {
+        if (threads < 0) throw py::value_error("the number of threads cannot be negative; 0 is all cores");
+        set_num_threads(threads);
+      },
+      py::arg("threads"), "Sets it for the whole process; 0 = all cores.");
+  module.def("instruction_set", &current_isa,
+             "What kernels run as: \"scalar\", \"sse4\", \"avx2\", \"avx512\" or \"amx\". The environment's "
+             "E2LF_MAX_ISA caps it.");
+}
+
+}  // namespace e2lf::python

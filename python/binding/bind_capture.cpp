@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+#include <sstream>
+
+#include "e2lf/base/text.h"
+#include "e2lf/capture/camera.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/event_image_writer.h"
+#include "e2lf/capture/event_images.h"
+#include "e2lf/cli/pictures.h"
+#include "python/binding/arrays.h"
+#include "python/binding/module.h"
+#include "python/binding/outputs.h"
+
+namespace e2lf::python {
+namespace fs = std::filesystem;
+namespace {
+
+using capture::SensorConstants;
+
+void bind_constants(py::module_& module) {
+  py::class_<SensorConstants>(
+      module, "SensorConstants",
+      "The constants of the paper's event sensor, those of a Prophesee EVK4 by default.\n\n"
+      "eps: dark level added to the intensity.\ntau: contrast threshold, natural logarithm.\n"
+      "sigma_w: standard deviation of the log-intensity noise.\nsigma_z: standard deviation of the threshold.")
+      .def(py::init([](float eps, float tau, float sigma_w, float sigma_z) {
+             return SensorConstants{eps, tau, sigma_w, sigma_z};
+           }),
+           py::arg("eps") = json_number(SensorConstants().eps).get<double>(),
+           py::arg("tau") = json_number(SensorConstants().tau).get<double>(),
+           py::arg("sigma_w") = json_number(SensorConstants().sigma_w).get<double>(),
+           py::arg("sigma_z") = json_number(SensorConstants().sigma_z).get<double>())
+      .def_readwrite("eps", &SensorConstants::eps)
+      .def_readwrite("tau", &SensorConstants::tau)
+      .def_readwrite("sigma_w", &SensorConstants::sigma_w)
+      .def_readwrite("sigma_z", &SensorConstants::sigma_z)
+      .def("__eq__", [](const SensorConstants& self, const SensorConstants& other) { return self == other; })
+      .def("__repr__",
+           [](const SensorConstants& self) {
+             return cat("SensorConstants(eps=", self.eps, ", tau=", self.tau, ", sigma_w=", self.sigma_w,
+                        ", sigma_z=", self.sigma_z, ")");
+           })
+      .def(py::pickle(
+          [](const SensorConstants& self) { return py::make_tuple(self.eps, self.tau, self.sigma_w, self.sigma_z); },
+          [](const py::tuple& state) {
+            return SensorConstants{state[0].cast<float>(), state[1].cast<float>(), state[2].cast<float>(),
+                                   state[3].cast<float>()};
+          }));
+}
+
+void bind_camera(py::module_& module) {
+  using capture::Camera;
+  py::class_<Camera>(module, "Camera", "What is known of a camera: how its pixels make events. See read_camera().")
+      .def_readonly("name", &Camera::name)
+      .def_readonly("event_model", &Camera::event_model, "\"reference-aware\", \"quantised\" or \"pixel\".")
+      .def_readonly("constants", &Camera::constants, "Of the paper's models; of \"pixel\" eps and the mean threshold.")
+      .def(
+          "to_dict", [](const Camera& self) { return to_python(capture::to_json(self)); },
+          "What a camera file holds: every constant with its uncertainty.")
+      .def("__repr__", [](const Camera& self) { return "<e2lf.Camera " + self.name + ", " + self.event_model + ">"; });
+  module.def(
+      "_read_camera", [](const fs::path& path) { return take(capture::read_camera(path)); }, py::arg("path"));
+}
+
+void bind_codes(py::module_& module) {
+  module.def(
+      "read_codes", [](const fs::path& path) { return to_array(take(capture::read_codes(path))); }, py::arg("path"),
+      "Aperture patterns of a .json, .npy or .npz file: float32 [N, view_y, view_x], 0 = closed, 1 = open.");
+  module.def(
+      "write_codes",
+      [](const fs::path& path, const py::array& codes, bool overwrite) {
+        const capture::Codes values = codes_of(codes, "codes");
+        write_output(path, overwrite, [&](const fs::path& place) { return capture::write_codes(place, values); });
+      },
+      py::arg("path"), py::arg("codes"), py::kw_only(), py::arg("overwrite") = false,
+      "Writes patterns [N, view_y, view_x] as .json, .npy or .npz.");
+  module.def(
+      "default_codes", [] { return to_array(capture::default_codes()); },
+      "Four binary patterns of 8x8 for demonstrations, black first: float32 [4, 8, 8].");
+}
+
+/// What the functions of event images call a file of them.
+py::object read_event_images(const fs::path& path) {
+  auto file = without_gil([&] { return capture::read_event_images(path); });
+  py::list cycles;
+  for (capture::EventImages& images : file.cycles) cycles.append(to_array(std::move(images)));
+  py::object codes = py::none();
+  if (file.codes) codes = to_array(take(capture::codes_from_npy(*file.codes, path.string())));
+  return make_tuple_of("EventImageFile", std::move(cycles), std::move(codes));
+}
+
+void write_event_images(const fs::path& path, const std::vector<py::array>& cycles,
+                        const std::optional<py::array>& codes, bool overwrite) {
+  std::optional<NpyArray> patterns;
+  if (codes) patterns = capture::codes_to_npy(codes_of(*codes, "codes"));
+  std::vector<Borrowed<capture::EventImages>> all;
+  for (const py::array& images : cycles) all.push_back(event_images_of(images, "cycles"));
+  write_output(path, overwrite, [&](const fs::path& place) -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
+    if (patterns) writer.set_codes(*patterns);
+    for (const auto& images : all) E2LF_RETURN_IF_ERROR(writer.add(*images));
+    return writer.finish();
+  });
+}
+
+void bind_event_images(py::module_& module) {
+  module.def(
+      "read_event_images", &read_event_images, py::arg("path"),
+      "EventImageFile(cycles, codes) of an .npz, an .npy or a folder of event_image_00000.npy ...: a list of int16 "
+      "[transition, y, x], one for each cycle, and the patterns, or None.");
+  module.def("write_event_images", &write_event_images, py::arg("path"), py::arg("cycles"),
+             py::arg("codes") = py::none(), py::kw_only(), py::arg("overwrite") = false,
+             "Writes an .npz: `events` int16 [cycle, transition, y, x] and `codes` where given.\n\n"
+             "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].");
+  module.def(
+      "event_picture",
+      [](const py::array& images) {
+        const auto counts = event_images_of(images, "images");
+        return to_array(cli::event_picture(*counts));
+      },
+      py::arg("images"),
+      "Event images [transition, y, x] side by side as float32 [y, x, 3]: towards red = ON, towards blue = OFF.");
+}
+
+}  // namespace
+
+void bind_capture(py::module_& module) {
+  bind_constants(module);
+  bind_camera(module);
+  bind_codes(module);
+  bind_event_images(module);
+}
+
+}  // namespace e2lf::python

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+#include <variant>
+
+#include "e2lf/capture/codes_header.h"
+#include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/output.h"
+#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/cycles/synthesise.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/recording_place.h"
+#include "python/binding/arrays.h"
+#include "python/binding/module.h"
+#include "python/binding/open_arguments.h"
+
+namespace e2lf::python {
+namespace fs = std::filesystem;
+namespace {
+
+using cycles::Schedule;
+using cycles::ScheduledPattern;
+
+constexpr const char* kSignNames[] = {"any", "on", "off"};
+
+cycles::BurstSign sign_of(const std::string& name) {
+  for (const auto sign : {cycles::BurstSign::kAny, cycles::BurstSign::kOn, cycles::BurstSign::kOff}) {
+    if (name == kSignNames[static_cast<size_t>(sign)]) return sign;
+  }
+  throw py::value_error("a sign is \"any\", \"on\" or \"off\"");
+}
+
+Schedule checked(Schedule schedule) {
+  take(cycles::validate(schedule, "schedule"));
+  return schedule;
+}
+
+void bind_schedule(py::module_& module) {
+  py::class_<ScheduledPattern>(module, "ScheduledPattern",
+                               "One pattern on the aperture.\n\nduration_us: how long it is shown.\n"
+                               "overhead_us: from its end to the start of the next.\n"
+                               "image: the event image that its events go to; None = they are not used.\n"
+                               "sign: of the events that the change to it makes: \"any\", \"on\" or \"off\".")
+      .def(py::init([](std::string name, int64_t duration_us, int64_t overhead_us, std::optional<size_t> image,
+                       const std::string& sign) {
+             return ScheduledPattern{std::move(name), duration_us, overhead_us, image, sign_of(sign)};
+           }),
+           py::arg("name"), py::arg("duration_us") = 10000, py::arg("overhead_us") = 0, py::arg("image") = py::none(),
+           py::arg("sign") = "any")
+      .def_readonly("name", &ScheduledPattern::name)
+      .def_readonly("duration_us", &ScheduledPattern::duration_us)
+      .def_readonly("overhead_us", &ScheduledPattern::overhead_us)
+      .def_readonly("image", &ScheduledPattern::image)
+      .def_property_readonly("sign",
+                             [](const ScheduledPattern& self) { return kSignNames[static_cast<size_t>(self.sign)]; })
+      .def("__eq__", [](const ScheduledPattern& self, const ScheduledPattern& other) { return self == other; })
+      .def("__repr__", [](const ScheduledPattern& self) { return "<e2lf.ScheduledPattern " + self.name + ">"; });
+
+  py::class_<Schedule>(module, "Schedule", "The patterns of one cycle in the order in which they are shown.")
+      .def(py::init([](std::vector<ScheduledPattern> patterns) { return checked({std::move(patterns)}); }),
+           py::arg("patterns"))
+      .def_readonly("patterns", &Schedule::patterns)
+      .def_property_readonly("num_images", &Schedule::num_images, "Event images in a cycle.")
+      .def_property_readonly("cycle_us", &Schedule::cycle_us, "Duration of a cycle.")
+      .def("to_json", &cycles::schedule_text, "The text of a schedule's file.")
+      .def("__eq__", [](const Schedule& self, const Schedule& other) { return self == other; })
+      .def("__len__", &Schedule::size)
+      .def("__repr__",
+           [](const Schedule& self) {
+             return cat("<e2lf.Schedule of ", self.size(), " patterns, ", self.cycle_us(), " us>");
+           })
+      .def(py::pickle([](const Schedule& self) { return cycles::schedule_text(self); },
+                      [](const std::string& text) { return take(cycles::parse_schedule(text, "pickle")); }));
+
+  module.def(
+      "read_schedule", [](const fs::path& path) { return take(cycles::read_schedule(path)); }, py::arg("path"),
+      "Reads a schedule's JSON file, as `e2lf codes render` writes it.");
+  module.def(
+      "paper_schedule",
+      [](size_t num_codes) {
+        if (num_codes < 2) throw py::value_error("a schedule needs at least 2 codes");
+        return cycles::paper_schedule(num_codes);
+      },
+      py::arg("num_codes") = 4, "The paper's: the inverses of all patterns, then the patterns; 94.7 ms for 4 codes.");
+  module.def(
+      "plain_schedule",
+      [](size_t num_codes, int64_t duration_us) { return checked(cycles::plain_schedule(num_codes, duration_us)); },
+      py::arg("num_codes"), py::arg("duration_us"), "The patterns without inverses, each for duration_us.");
+}
+
+using ScheduleArgument = std::variant<std::monostate, Schedule, fs::path>;
+
+Schedule schedule_of(const ScheduleArgument& argument, size_t num_codes) {
+  if (const auto* schedule = std::get_if<Schedule>(&argument)) return *schedule;
+  if (const auto* path = std::get_if<fs::path>(&argument)) return take(cycles::read_schedule(*path));
+  return cycles::paper_schedule(num_codes);
+}
+
+/// An iterator over the cycles of a recording.
+class CycleIterator {
+ public:
+  CycleIterator(std::string name, cycles::CycleReader reader)
+      : name_(std::move(name)), is_live_(recordings::is_live_recording(name_)), reader_(std::move(reader)) {}
+
+  py::object next() {
+    const OneAtATime::Use use(use_, "reader of cycles");
+    std::optional<cycles::Cycle> cycle;
+    {
+      const StopOnInterrupt interrupt(is_live_);
+      cycle = without_gil([&] { return reader_.next(); });
+    }
+    check_signals();
+    if (!cycle) {
+      if (!std::exchange(has_ended_, true)) end();
+      throw py::stop_iteration();
+    }
+    confidence_.add(*cycle);
+    py::list slices;
+    for (const cycles::TimeSlice& slice : cycle->slices) slices.append(py::make_tuple(slice.begin_us, slice.end_us));
+    return make_tuple_of("Cycle", to_array(std::move(cycle->images)), cycle->number, cycle->begin_us, std::move(slices),
+                         cycle->events, cycle->saturated, cycle->confidence);
+  }
+
+  [[nodiscard]] std::string source() const { return cli::source_name(reader_.source()); }
+  [[nodiscard]] py::object report() {
+    const OneAtATime::Use use(use_, "reader of cycles");
+    Json report = cli::report_json(reader_.report());
+    report["least_confidence"] = confidence_.least();
+    report["left_out"] = cli::losses_json(reader_.summary());
+    return to_python(report);
+  }
+  [[nodiscard]] py::object codes() const {
+    const auto codes = take(cli::recorded_codes(name_, reader_.recording().info()));
+    return codes ? py::object(to_array(*codes)) : py::none();
+  }
+
+ private:
+  void end() {
+    warn_of_losses(name_, reader_.summary());
+    confidence_.warn(name_, reader_.report());
+  }
+
+  std::string name_;
+  bool is_live_, has_ended_ = false;
+  cycles::CycleReader reader_;
+  cli::ConfidenceWatch confidence_;
+  OneAtATime use_;
+};
+
+/// What tells when patterns change, and the schedule.
+struct CycleArguments {
+  std::string source = "auto", edge = "rising";
+  ScheduleArgument schedule;
+  size_t num_codes = 4;
+  std::optional<uint16_t> channel;
+  std::optional<size_t> first_pattern;
+  bool one_trigger_per_cycle = false, filter_pixels = false;
+  std::optional<int64_t> origin_us;
+};
+
+std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArguments& arguments,
+                                           const OpenArguments& open) {
+  check_word(arguments.source, {"auto", "triggers", "bursts", "schedule"}, "source");
+  check_word(arguments.edge, {"rising", "falling", "both"}, "edge");
+  cli::CycleFlags flags;
+  flags.source = arguments.source;
+  flags.edge = arguments.edge;
+  flags.channel = arguments.channel;
+  flags.first_pattern = arguments.first_pattern;
+  flags.one_trigger_per_cycle = arguments.one_trigger_per_cycle;
+  flags.filter_pixels = arguments.filter_pixels;
+  flags.origin_us = arguments.origin_us;
+  const cycles::CycleOptions options =
+      take(cli::cycle_options(flags, schedule_of(arguments.schedule, arguments.num_codes)));
+  auto reader = open_reader(path.string(), open);
+  const StopOnInterrupt interrupt(recordings::is_live_recording(path.string()));
+  return std::make_unique<CycleIterator>(
+      path.string(), without_gil([&] { return cycles::CycleReader::open(std::move(reader), options); }));
+}
+
+void bind_cycle_reader(py::module_& module) {
+  py::class_<CycleIterator>(module, "Cycles", "An iterator over the cycles of a recording; made by accumulate().")
+      .def("__iter__", [](py::object self) { return self; })
+      .def("__next__", &CycleIterator::next)
+      .def_property_readonly("source", &CycleIterator::source, "What tells: \"triggers\", \"bursts\" or \"schedule\".")
+      .def_property_readonly("codes", &CycleIterator::codes,
+                             "The patterns of the recording, float32 [N, view_y, view_x]; None where nothing tells.")
+      .def("report", &CycleIterator::report, "Cycles found and dropped so far, why, and what was left out.");
+  module.def(
+      "accumulate",
+      [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule, size_t num_codes,
+         const std::string& edge, std::optional<uint16_t> channel, std::optional<size_t> first_pattern,
+         bool one_trigger_per_cycle, std::optional<int64_t> origin_us, bool filter_pixels, E2LF_OPEN_PARAMETERS) {
+        if (num_codes < 2) throw py::value_error("num_codes is at least 2");
+        const CycleArguments arguments{
+            source, edge, schedule, num_codes, channel, first_pattern, one_trigger_per_cycle, filter_pixels, origin_us};
+        return open_cycles(path, arguments, E2LF_OPEN_VALUES);
+      },
+      py::arg("path"), py::kw_only(), py::arg("source") = "auto", py::arg("schedule") = py::none(),
+      py::arg("num_codes") = 4, py::arg("edge") = "rising", py::arg("channel") = py::none(),
+      py::arg("first_pattern") = py::none(), py::arg("one_trigger_per_cycle") = false,
+      py::arg("origin_us") = py::none(), py::arg("filter_pixels") = false, E2LF_OPEN_ARGUMENTS,
+      "Cuts a recording into pattern cycles: an iterator over Cycle(images, number, begin_us, slices, events, "
+      "saturated, "
+      "confidence), images int16 [transition, y, x].\n\n"
+      "source: what tells when patterns change: \"triggers\", \"bursts\" (the events), \"schedule\" (needs origin_us) "
+      "or "
+      "\"auto\".\n"
+      "schedule: a Schedule or the path of its file; None = the paper's, of num_codes patterns.\n"
+      "edge, channel: of the triggers; channel None = all.\n"
+      "first_pattern: of the first trigger or burst, from 0; None = found.\n"
+      "one_trigger_per_cycle: triggers mark cycles, not patterns.\n"
+      "origin_us: when the first pattern of any cycle began.\n"
+      "filter_pixels: silence hot and flickering pixels." E2LF_OPEN_DOC);
+}
+
+/// A recording as `e2lf simulate` writes it.
+void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cycles,
+                const std::optional<py::array>& codes, const ScheduleArgument& schedule, bool triggers,
+                int64_t begin_us, uint64_t seed, bool overwrite) {
+  std::vector<Borrowed<capture::EventImages>> images;
+  for (const py::array& each : images_of_cycles) images.push_back(event_images_of(each, "cycles"));
+  if (images.empty()) throw py::value_error("there is no cycle");
+  cycles::SynthesisOptions options;
+  options.schedule = schedule_of(schedule, images.front()->transitions + 1);
+  if (!triggers) options.trigger_channel.reset();
+  options.begin_us = begin_us;
+  options.seed = seed;
+  recordings::RecordingInfo info;
+  info.width = images.front()->width;
+  info.height = images.front()->height;
+  if (codes) info.header = capture::codes_to_header(codes_of(*codes, "codes"));
+  for (const auto& each : images) {
+    if (each->transitions == options.schedule.num_images() && each->width == info.width && each->height == info.height)
+      continue;
+    throw ResultError({ErrorCode::kShape,
+                       "the cycles are not all of one size, or have more or fewer images than the schedule", "cycles"});
+  }
+  without_gil([&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(path, ""));
+    E2LF_ASSIGN_OR_RETURN(cli::OutputFile output,
+                          cli::OutputFile::create(
+                              path, {.overwrite = overwrite, .streams = place.streams, .side_file = place.side_file}));
+    E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(output.path(), "", info));
+    if (triggers && !writer->holds_triggers()) {
+      return Error{ErrorCode::kUnsupported,
+                   "this format has no place for triggers; write .raw, .hdf5 or .dat, or leave them out",
+                   path.string()};
+    }
+    E2LF_RETURN_IF_ERROR(
+        cycles::synthesise_recording(*writer, images.size(), options,
+                                     [&](uint64_t number) -> Result<capture::EventImages> { return *images[number]; }));
+    E2LF_RETURN_IF_ERROR(writer->finish());
+    return output.commit();
+  });
+}
+
+}  // namespace
+
+void bind_cycles(py::module_& module) {
+  bind_schedule(module);
+  bind_cycle_reader(module);
+  module.def("synthesise_recording", &synthesise, py::arg("path"), py::arg("cycles"), py::arg("codes") = py::none(),
+             py::kw_only(), py::arg("schedule") = py::none(), py::arg("triggers") = true, py::arg("begin_us") = 100000,
+             py::arg("seed") = 1, py::arg("overwrite") = false,
+             "Writes the recording that a camera would give for event images: events spread over each pattern's time, "
+             "and triggers.\n\n"
+             "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].\n"
+             "codes: the patterns [N, view_y, view_x], kept in the header.\n"
+             "schedule: a Schedule or the path of its file; None = the paper's.\n"
+             "begin_us: start of the first cycle.");
+}
+
+}  // namespace e2lf::python

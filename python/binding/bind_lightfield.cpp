@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/epi.h"
+#include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/refocus.h"
+#include "e2lf/lightfield/turntable_scene.h"
+#include "python/binding/arrays.h"
+#include "python/binding/module.h"
+#include "python/binding/outputs.h"
+
+namespace e2lf::python {
+namespace fs = std::filesystem;
+namespace {
+
+using lightfield::Shape;
+
+/// Runs what gives a picture, without a Result.
+template <typename Work>
+py::array picture(const Work& work) {
+  return to_array(without_gil([&work]() -> Result<lightfield::Image> { return work(); }));
+}
+
+void check_index(size_t index, size_t size, const char* axis) {
+  if (index >= size) throw py::index_error(cat(axis, " ", index, " is not in 0..", size - 1));
+}
+
+py::array read(const fs::path& path, size_t views, size_t step, bool colour, bool reverse_rows,
+               const std::string& range, float white, size_t lenslet_views, const ProgressArgument& progress) {
+  lightfield::ReadOptions options;
+  for (lightfield::AxisViews* axis : {&options.views_y, &options.views_x}) {
+    axis->count = views;
+    axis->step = std::max<size_t>(step, 1);
+  }
+  options.colour = colour;
+  options.reverse_rows = reverse_rows;
+  options.white = white;
+  options.lenslet_views = lenslet_views;
+  check_word(range, {"refuse", "clamp", "keep"}, "range");
+  options.range = range == "clamp"  ? lightfield::RangePolicy::kClamp
+                  : range == "keep" ? lightfield::RangePolicy::kKeep
+                                    : lightfield::RangePolicy::kRefuse;
+  const ProgressFn told = progress_of(progress);
+  return to_array(without_gil([&] { return lightfield::read_light_field(path, options, told); }));
+}
+
+void write(const fs::path& path, const py::array& light_field, const std::string& format, bool overwrite,
+           const ProgressArgument& progress) {
+  const auto values = light_field_of(light_field, "light_field");
+  lightfield::WriteOptions options;
+  options.overwrite = overwrite;
+  options.format = format.empty() ? lightfield::format_of_path(path) : take(lightfield::parse_format(format));
+  const ProgressFn told = progress_of(progress);
+  without_gil([&] { return lightfield::write_light_field(path, *values, options, told); });
+}
+
+/// A disc, weights of the views, or all views alike.
+lightfield::Aperture aperture_of(const Shape& shape, std::optional<float> radius, float centre_y, float centre_x,
+                                 const std::optional<py::array>& weights) {
+  if (radius && weights) throw py::value_error("give a radius or weights, not both");
+  lightfield::Aperture aperture =
+      radius ? lightfield::round_aperture(shape, {*radius, centre_y, centre_x}) : lightfield::full_aperture(shape);
+  if (weights) {
+    const auto values = floats_of(*weights, "weights");
+    if (values.ndim() != 2 || static_cast<size_t>(values.shape(0)) != shape.views_y ||
+        static_cast<size_t>(values.shape(1)) != shape.views_x) {
+      throw ResultError({ErrorCode::kShape, cat("give weights [", shape.views_y, ", ", shape.views_x, "]"), "weights"});
+    }
+    aperture.weights.assign(values.data(), values.data() + values.size());
+  }
+  float light = 0;
+  for (const float weight : aperture.weights) {
+    if (!(weight >= 0)) throw py::value_error("a weight of a view is at least 0");
+    light += weight;
+  }
+  if (!(light > 0)) throw py::value_error("no light passes the aperture; give a larger radius or other weights");
+  return aperture;
+}
+
+void bind_pictures(py::module_& module) {
+  module.def(
+      "refocus",
+      [](const py::array& light_field, float disparity, std::optional<float> radius, float centre_y, float centre_x,
+         const std::optional<py::array>& weights) {
+        const auto field = light_field_of(light_field, "light_field");
+        const auto aperture = aperture_of(field->shape(), radius, centre_y, centre_x, weights);
+        return picture([&] { return lightfield::refocus(*field, disparity, aperture); });
+      },
+      py::arg("light_field"), py::arg("disparity"), py::kw_only(), py::arg("radius") = py::none(),
+      py::arg("centre_y") = 0.0F, py::arg("centre_x") = 0.0F, py::arg("weights") = py::none(),
+      "The picture of a camera that is focused at a disparity (px per view step): float32 [y, x], or [y, x, 3].\n\n"
+      "radius: of the aperture, in view steps; None = all views.\n"
+      "centre_y, centre_x: of the aperture, in view steps from the middle: another viewpoint.\n"
+      "weights: float32 [view_y, view_x] in place of a disc.");
+  module.def(
+      "horizontal_epi",
+      [](const py::array& light_field, size_t view_y, size_t y) {
+        const auto field = light_field_of(light_field, "light_field");
+        check_index(view_y, field->shape().views_y, "view_y");
+        check_index(y, field->shape().height, "y");
+        return picture([&] { return lightfield::horizontal_epi(*field, view_y, y); });
+      },
+      py::arg("light_field"), py::arg("view_y"), py::arg("y"),
+      "The epipolar plane image of one row: float32 [view_x, x]; a point of disparity d moves by d px from row to "
+      "row.");
+  module.def(
+      "vertical_epi",
+      [](const py::array& light_field, size_t view_x, size_t x) {
+        const auto field = light_field_of(light_field, "light_field");
+        check_index(view_x, field->shape().views_x, "view_x");
+        check_index(x, field->shape().width, "x");
+        return picture([&] { return lightfield::vertical_epi(*field, view_x, x); });
+      },
+      py::arg("light_field"), py::arg("view_x"), py::arg("x"),
+      "The epipolar plane image of one column: float32 [y, view_y].");
+  module.def(
+      "epi_picture",
+      [](const py::array& light_field, std::optional<size_t> y, std::optional<size_t> x) {
+        const auto field = light_field_of(light_field, "light_field");
+        lightfield::EpiPictureOptions options = lightfield::middle_cut(field->shape());
+        options.y = y.value_or(options.y);
+        options.x = x.value_or(options.x);
+        check_index(options.y, field->shape().height, "y");
+        check_index(options.x, field->shape().width, "x");
+        return picture([&] { return lightfield::epi_picture(*field, options); });
+      },
+      py::arg("light_field"), py::kw_only(), py::arg("y") = py::none(), py::arg("x") = py::none(),
+      "A view with the EPIs of a row and a column beside it, as papers show them: float32 [y, x, 3]; None = the "
+      "middle.");
+  module.def(
+      "contact_sheet",
+      [](const py::array& light_field, size_t max_width) {
+        const auto field = light_field_of(light_field, "light_field");
+        const lightfield::ContactSheetOptions options{.max_width = max_width};
+        if (max_width < field->shape().views_x * (1 + options.separator_px)) {
+          throw py::value_error("max_width has no pixel for each view");
+        }
+        return picture([&] { return lightfield::contact_sheet(*field, options); });
+      },
+      py::arg("light_field"), py::kw_only(), py::arg("max_width") = 1600,
+      "All views in one picture, float32 [y, x] or [y, x, 3].");
+}
+
+void bind_images(py::module_& module) {
+  module.def(
+      "read_image",
+      [](const fs::path& path) { return to_array(without_gil([&] { return lightfield::read_image(path); })); },
+      py::arg("path"), "A PNG or JPEG as float32 [y, x] or [y, x, 3] in [0, 1]; no gamma is applied.");
+  module.def(
+      "write_png",
+      [](const fs::path& path, const py::array& image, int bits, bool overwrite) {
+        if (bits != 8 && bits != 16) throw py::value_error("a PNG has 8 or 16 bits");
+        const lightfield::Image values = image_of(image, "image");
+        const auto depth = bits == 8 ? lightfield::PngDepth::k8 : lightfield::PngDepth::k16;
+        write_output(path, overwrite,
+                     [&](const fs::path& place) { return lightfield::write_png(place, values, depth); });
+      },
+      py::arg("path"), py::arg("image"), py::kw_only(), py::arg("bits") = 8, py::arg("overwrite") = false,
+      "Writes floating-point numbers [y, x] or [y, x, 3] as a PNG: 0 is black, 1 is white, what is beyond is clamped.");
+}
+
+void bind_scenes(py::module_& module) {
+  const auto render = [](const lightfield::Scene& scene, size_t width, size_t height, size_t views) {
+    if (width < 16 || height < 16 || width > 8192 || height > 8192)
+      throw py::value_error("width and height are 16..8192 px");
+    if (views < 1 || views > 64) throw py::value_error("views is 1..64");
+    return to_array(without_gil([&]() -> Result<lightfield::LightField> {
+      return lightfield::render_light_field(scene, {views, views, height, width, 1});
+    }));
+  };
+  module.def(
+      "demo_scene",
+      [render](size_t width, size_t height, size_t views, uint64_t seed) {
+        return render(lightfield::demo_scene(seed), width, height, views);
+      },
+      py::arg("width") = 512, py::arg("height") = 384, py::kw_only(), py::arg("views") = 8, py::arg("seed") = 1,
+      "The scene of `e2lf demo`: float32 [view_y, view_x, y, x], disparities of about -2 to 1.5 px.");
+  module.def(
+      "turntable_scene",
+      [render](float turn, size_t width, size_t height, size_t views, uint64_t seed) {
+        return render(lightfield::turntable_scene(turn, seed), width, height, views);
+      },
+      py::arg("turn"), py::arg("width") = 512, py::arg("height") = 384, py::kw_only(), py::arg("views") = 8,
+      py::arg("seed") = 1,
+      "A still life on a table that is turned by so many radians: float32 [view_y, view_x, y, x].");
+}
+
+}  // namespace
+
+void bind_lightfield(py::module_& module) {
+  module.def("read_light_field", &read, py::arg("path"), py::kw_only(), py::arg("views") = 8, py::arg("step") = 1,
+             py::arg("colour") = false, py::arg("reverse_rows") = false, py::arg("range") = "refuse",
+             py::arg("white") = 0.0F, py::arg("lenslet_views") = 0, py::arg("progress") = py::none(),
+             "Reads a light field of any format: float32 [view_y, view_x, y, x] in [0, 1], with [channel] of 3 at the "
+             "end where colour is asked for and there.\n\n"
+             "views: so many per axis, the central ones; 0 = all.\n"
+             "step: every so many, which makes the disparity so many times larger.\n"
+             "reverse_rows: view rows are stored bottom to top.\n"
+             "range: what becomes of values outside [0, 1]: \"refuse\", \"clamp\" or \"keep\" (of reconstructions).\n"
+             "white: the stored number that is 1; 0 = as the type says.\n"
+             "lenslet_views: per axis of a lenslet mosaic; 0 = as it says.\n"
+             "progress: called with (views done, views).");
+  module.def(
+      "write_light_field", &write, py::arg("path"), py::arg("light_field"), py::kw_only(), py::arg("format") = "",
+      py::arg("overwrite") = false, py::arg("progress") = py::none(),
+      "Writes a light field [view_y, view_x, y, x] or with [channel].\n\n"
+      "format: \"png\", \"png16\", \"hci\" (folders), \"npy\", \"lenslet\", \"h5\"; by the extension where empty.\n"
+      "progress: called with (views done, views).");
+  bind_pictures(module);
+  bind_images(module);
+  bind_scenes(module);
+}
+
+}  // namespace e2lf::python

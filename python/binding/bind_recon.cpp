@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include <pybind11/stl.h>
+#include <variant>
+
+#include "e2lf/recon/event_check.h"
+#include "e2lf/recon/gain.h"
+#include "e2lf/recon/inversion.h"
+#include "e2lf/recon/linear_estimate.h"
+#include "e2lf/recon/reconstruct.h"
+#include "python/binding/arrays.h"
+#include "python/binding/calls.h"
+#include "python/binding/module.h"
+
+namespace e2lf::python {
+namespace {
+
+using GainArgument = std::variant<double, std::string>;
+
+/// Multiplies with a number, or with auto_gain() where it is "auto".
+void apply_gain(lightfield::LightField& field, const GainArgument& gain) {
+  const auto* number = std::get_if<double>(&gain);
+  const float factor = number != nullptr ? static_cast<float>(*number) : recon::auto_gain(field);
+  if (factor == 1.0F) return;
+  for (float& value : field.data()) value *= factor;
+}
+
+void check_gain(const GainArgument& gain) {
+  const auto* word = std::get_if<std::string>(&gain);
+  if (word != nullptr) check_word(*word, {"auto"}, "gain");
+  if (word == nullptr && !(std::get<double>(gain) > 0)) throw py::value_error("a gain is \"auto\" or above 0");
+}
+
+/// A network that is ready to run.
+class Network {
+ public:
+  Network(const model::Model& model, const std::string& precision, const capture::Camera* camera)
+      : reconstructor_(make(model, precision, camera)) {}
+
+  py::array reconstruct(const py::array& images, const GainArgument& gain, size_t passes, size_t cycles,
+                        const ProgressArgument& progress) {
+    check_gain(gain);
+    if (passes < 1 || cycles < 1) throw py::value_error("passes and cycles are at least 1");
+    if (cycles > 1 && !model::is_told_the_camera(reconstructor_.model())) {
+      throw ResultError({ErrorCode::kInvalidValue,
+                         reconstructor_.model().name + " takes one cycle for each light field; leave the argument out",
+                         "cycles"});
+    }
+    const auto counts = event_images_of(images, "images");
+    const ProgressFn told = progress_of(progress);
+    const OneAtATime::Use use(use_, "reconstructor");
+    return to_array(without_gil([&]() -> Result<lightfield::LightField> {
+      E2LF_ASSIGN_OR_RETURN(auto field, reconstructor_.reconstruct(*counts, told, passes, cycles));
+      apply_gain(field, gain);
+      return field;
+    }));
+  }
+
+  [[nodiscard]] std::string precision() const { return engine::precision_name(reconstructor_.engine().precision()); }
+  [[nodiscard]] std::vector<std::string> kernels() const { return reconstructor_.engine().describe(); }
+
+ private:
+  static recon::Reconstructor make(const model::Model& model, const std::string& precision,
+                                   const capture::Camera* camera) {
+    model::Model own = model;
+    if (camera != nullptr && !model::is_told_the_camera(model)) {
+      throw ResultError(
+          {ErrorCode::kInvalidValue, model.name + " works for one camera alone; leave the argument out", "camera"});
+    }
+    if (camera != nullptr) own.camera = *camera;
+    const engine::EngineOptions options{.precision = take(engine::precision_from_name(precision))};
+    return without_gil([&] { return recon::Reconstructor::create(std::move(own), options); });
+  }
+
+  recon::Reconstructor reconstructor_;
+  OneAtATime use_;
+};
+
+py::array invert(const py::array& images, const py::array& codes,
+                 const std::optional<capture::SensorConstants>& constants, const GainArgument& gain) {
+  check_gain(gain);
+  const auto counts = event_images_of(images, "images");
+  const capture::Codes patterns = codes_of(codes, "codes");
+  return to_array(without_gil([&]() -> Result<lightfield::LightField> {
+    E2LF_ASSIGN_OR_RETURN(
+        auto field, recon::reconstruct_by_inversion(*counts, patterns, constants.value_or(capture::SensorConstants())));
+    apply_gain(field, gain);
+    return field;
+  }));
+}
+
+py::dict event_error(const py::array& light_field, const py::array& images, const py::array& codes, float gain,
+                     const std::optional<capture::SensorConstants>& constants, const std::string& event_model) {
+  const auto field = light_field_of(light_field, "light_field");
+  const auto counts = event_images_of(images, "images");
+  const recon::EventCheck check{codes_of(codes, "codes"), constants.value_or(capture::SensorConstants()),
+                                take(sensor::event_model_from_name(event_model))};
+  const recon::EventError error = without_gil([&] { return recon::event_error(check, *field, gain, *counts); });
+  py::dict result;
+  result["at_first"] = error.at_first;
+  result["least"] = error.least;
+  result["residue"] = error.residue;
+  return result;
+}
+
+}  // namespace
+
+void bind_recon(py::module_& module) {
+  py::class_<Network>(
+      module, "Reconstructor",
+      "Turns event images into light fields with one model; made once, used for every cycle. One thread "
+      "at a time.\n\n"
+      "precision: \"auto\", \"float32\" or \"bfloat16\".\n"
+      "camera: the Camera that recorded, for networks that are told; None = the model's.")
+      .def(py::init<const model::Model&, const std::string&, const capture::Camera*>(), py::arg("model"), py::kw_only(),
+           py::arg("precision") = "auto", py::arg("camera") = nullptr)
+      .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
+           py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("progress") = py::none(),
+           "Event images int16 [transition, y, x] -> light field float32 [view_y, view_x, y, x], not clamped.\n\n"
+           "gain: \"auto\" (well exposed) or a number; 1 = the network's plain output.\n"
+           "passes: the mean over so many positions on the network's pixel grid.\n"
+           "cycles: the images are sums over so many cycles, for networks that are told the camera.\n"
+           "progress: called with (done, total); an exception ends the work.")
+      .def_property_readonly("precision", &Network::precision, "What \"auto\" became.")
+      .def_property_readonly("kernels", &Network::kernels, "The kernel of each layer.")
+      .def("__repr__", [](const Network& self) { return "<e2lf.Reconstructor in " + self.precision() + ">"; });
+  module.def(
+      "invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
+      py::arg("gain") = "auto",
+      "A light field without any training: event images int16 [transition, y, x] and patterns [N, view_y, view_x] "
+      "-> float32 [view_y, view_x, y, x].");
+  module.def(
+      "auto_gain",
+      [](const py::array& light_field) {
+        const auto field = light_field_of(light_field, "light_field");
+        return without_gil([&]() -> Result<float> { return recon::auto_gain(*field); });
+      },
+      py::arg("light_field"), "The factor that brings a light field to a well-exposed picture.");
+  module.def(
+      "event_error", &event_error, py::arg("light_field"), py::arg("images"), py::arg("codes"), py::kw_only(),
+      py::arg("gain") = 1.0F, py::arg("constants") = py::none(), py::arg("event_model") = "reference-aware",
+      "How well a light field explains event images: means of |simulated - given| over pixels and transitions.\n\n"
+      "gain: what the light field has been multiplied with.\n"
+      "Returns a dict: at_first (references at the first intensity), least (references `residue` thresholds above "
+      "it), residue.");
+}
+
+}  // namespace e2lf::python

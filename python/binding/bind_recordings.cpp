@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "e2lf/cli/describe.h"
+#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/recordings/recording.h"
+#include "python/binding/arrays.h"
+#include "python/binding/module.h"
+#include "python/binding/open_arguments.h"
+
+namespace e2lf::python {
+namespace fs = std::filesystem;
+namespace {
+
+using RecordingPointer = std::shared_ptr<Recording>;
+
+/// An iterator over a recording, and one that gives its events alone.
+struct Slices {
+  RecordingPointer recording;
+  SliceSize size;
+
+  [[nodiscard]] Slice next() const {
+    std::optional<Slice> slice = recording->next(size);
+    if (!slice) throw py::stop_iteration();
+    return std::move(*slice);
+  }
+};
+struct EventSlices : Slices {};
+
+RecordingPointer open(const fs::path& path, const OpenArguments& arguments) {
+  // Slices begin there only where that is a time of the clock that they are in.
+  const bool is_absolute = !arguments.relative && !arguments.shift_time;
+  return std::make_shared<Recording>(path.string(), open_reader(path.string(), arguments),
+                                     is_absolute ? arguments.from_us : std::nullopt);
+}
+
+SliceSize slice_size(std::optional<int64_t> delta_t, std::optional<int64_t> n_events) {
+  if (delta_t && (*delta_t < 1 || *delta_t > recordings::kTimeLimitUs)) {
+    throw py::value_error("delta_t is a time of at least 1 us");
+  }
+  if (n_events && *n_events < 1) throw py::value_error("n_events is a number of at least 1");
+  SliceSize size;
+  size.delta_us = delta_t;
+  if (n_events) size.events = static_cast<size_t>(*n_events);
+  return size;
+}
+
+py::object slice_of(Slice slice) {
+  const int64_t begin_us = slice.begin_us, end_us = slice.end_us;
+  py::array triggers = to_array(slice.triggers);
+  return make_tuple_of("Slice", to_array(std::move(slice.events)), std::move(triggers), begin_us, end_us);
+}
+
+py::object codes_of_recording(const Recording& recording) {
+  const auto codes = take(cli::recorded_codes(recording.name(), recording.reader().info()));
+  return codes ? py::object(to_array(*codes)) : py::none();
+}
+
+/// The whole recording in two arrays.
+py::tuple read_events(const fs::path& path, const OpenArguments& arguments) {
+  const auto reader = open_reader(path.string(), arguments);
+  EventRecords records;
+  std::vector<recordings::Trigger> triggers;
+  const ProgressFn look_for_signals = progress_of({});
+  without_gil([&]() -> Result<void> {
+    recordings::EventBatch batch;
+    for (;;) {
+      E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
+      if (!more) return {};
+      append_records(batch.events, 0, batch.events.size(), records);
+      triggers.insert(triggers.end(), batch.triggers.begin(), batch.triggers.end());
+      look_for_signals(records.size(), 0);
+    }
+  });
+  warn_of_losses(path.string(), reader->summary());
+  return py::make_tuple(to_array(std::move(records)), to_array(triggers));
+}
+
+/// What `e2lf bench` would call decoding: the peer of iterating in bench/python/iterate.py.
+uint64_t count_events(const fs::path& path, int threads) {
+  OpenArguments arguments;
+  arguments.threads = threads;
+  const auto reader = open_reader(path.string(), arguments);
+  return without_gil([&]() -> Result<uint64_t> {
+    recordings::EventBatch batch;
+    for (bool more = true; more;) {
+      E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
+    }
+    return reader->summary().events();
+  });
+}
+
+py::object info(const fs::path& path, const OpenArguments& arguments, const ProgressArgument& progress) {
+  check_word(arguments.time_unit, {"auto", "s", "ms", "us", "ns"}, "time_unit");
+  cli::DescribeOptions options;
+  options.recording.format = arguments.format;
+  options.recording.width = arguments.width;
+  options.recording.height = arguments.height;
+  options.recording.columns = arguments.columns;
+  options.recording.time_unit = arguments.time_unit;
+  options.progress = progress_of(progress);
+  const auto described = without_gil([&] { return cli::describe(path, options); });
+  return to_python(described.json);
+}
+
+void bind_recording(py::module_& module) {
+  py::class_<Slices>(module, "Slices", "An iterator over slices of a Recording; made by slices().")
+      .def("__iter__", [](py::object self) { return self; })
+      .def("__next__", [](const Slices& self) { return slice_of(self.next()); });
+  py::class_<EventSlices>(module, "EventSlices", "An iterator over the events of a Recording; made by events().")
+      .def("__iter__", [](py::object self) { return self; })
+      .def("__next__", [](const EventSlices& self) { return to_array(self.next().events); });
+  py::class_<Recording, RecordingPointer> recording(
+      module, "Recording",
+      "A recording that is read from front to back in bounded memory; made by open_recording().\n\n"
+      "Iterating gives slices as they come out of the file, the fastest way. One thread at a time.");
+  recording.def_property_readonly("name", &Recording::name, "What was opened.")
+      .def_property_readonly(
+          "format", [](const Recording& self) { return self.reader().info().format; }, "\"evt3\", \"hdf5\", ...")
+      .def_property_readonly(
+          "width", [](const Recording& self) { return self.reader().info().width; },
+          "Of the sensor in px; 0 = the file does not say.")
+      .def_property_readonly(
+          "height", [](const Recording& self) { return self.reader().info().height; },
+          "Of the sensor in px; 0 = the file does not say.")
+      .def_property_readonly(
+          "header",
+          [](const Recording& self) {
+            py::dict header;
+            for (const auto& [key, value] : self.reader().info().header) header[py::str(key)] = py::str(value);
+            return header;
+          },
+          "Keys and values of the file's header.")
+      .def_property_readonly(
+          "assumptions",
+          [](const Recording& self) {
+            py::list texts;
+            for (const auto& assumption : self.reader().info().assumptions) texts.append(assumption.text);
+            return texts;
+          },
+          "What the file does not say and was taken for granted.")
+      .def_property_readonly("codes", &codes_of_recording,
+                             "The patterns it was made with, float32 [N, view_y, view_x]; None where nothing tells.")
+      .def(
+          "summary", [](Recording& self) { return to_python(cli::summary_json(self.summary())); },
+          "What has been read so far: counts of events and triggers, times in us, what was left out and why.")
+      .def(
+          "slices",
+          [](RecordingPointer self, std::optional<int64_t> delta_t, std::optional<int64_t> n_events) {
+            return Slices{std::move(self), slice_size(delta_t, n_events)};
+          },
+          py::arg("delta_t") = py::none(), py::arg("n_events") = py::none(),
+          "Iterates over Slice(events, triggers, begin_us, end_us).\n\n"
+          "delta_t: us of each slice. They follow each other without a gap, empty ones among them. The first begins at "
+          "from_us or at the multiple of delta_t before the first event.\n"
+          "n_events: so many events in each, fewer in the last.\n"
+          "Both: whichever comes first. Neither: as they come out of the file.")
+      .def(
+          "events",
+          [](RecordingPointer self, std::optional<int64_t> delta_t, std::optional<int64_t> n_events) {
+            return EventSlices{{std::move(self), slice_size(delta_t, n_events)}};
+          },
+          py::arg("delta_t") = py::none(), py::arg("n_events") = py::none(),
+          "The same with the events alone: structured arrays with fields x, y (uint16, px), p (int16, 1 = ON, 0 = "
+          "OFF), "
+          "t (int64, us).")
+      .def(
+          "between",
+          [](Recording& self, int64_t begin_us, int64_t end_us) { return slice_of(self.between(begin_us, end_us)); },
+          py::arg("begin_us"), py::arg("end_us"),
+          "The slice begin_us <= t < end_us, in any order; reading goes on behind it. Not of streams.")
+      .def("seek", &Recording::seek, py::arg("t_us"), "Goes to the first event or trigger with t >= t_us.")
+      .def("close", &Recording::close, "Closes the file; so does leaving a with block.")
+      .def("__iter__",
+           [](RecordingPointer self) {
+             return Slices{std::move(self), {}};
+           })
+      .def("__enter__", [](RecordingPointer self) { return self; })
+      .def("__exit__", [](Recording& self, const py::args&) { self.close(); })
+      .def("__repr__", [](const Recording& self) { return "<e2lf.Recording " + self.name() + ">"; });
+}
+
+}  // namespace
+
+void bind_recordings(py::module_& module) {
+  module.attr("event_dtype") = event_dtype();
+  module.attr("trigger_dtype") = trigger_dtype();
+  bind_recording(module);
+  module.def(
+      "open_recording", [](const fs::path& path, E2LF_OPEN_PARAMETERS) { return open(path, E2LF_OPEN_VALUES); },
+      py::arg("path"), py::kw_only(), E2LF_OPEN_ARGUMENTS, "Opens a recording of any format." E2LF_OPEN_DOC);
+  module.def(
+      "read_events", [](const fs::path& path, E2LF_OPEN_PARAMETERS) { return read_events(path, E2LF_OPEN_VALUES); },
+      py::arg("path"), py::kw_only(), E2LF_OPEN_ARGUMENTS,
+      "All of a recording: (events, triggers), structured arrays of event_dtype and trigger_dtype." E2LF_OPEN_DOC);
+  module.def("_count_events", &count_events, py::arg("path"), py::arg("threads"));
+  module.def(
+      "info",
+      [](const fs::path& path, const std::string& format, size_t width, size_t height, const std::string& columns,
+         const std::string& time_unit, const ProgressArgument& progress) {
+        OpenArguments arguments;
+        arguments.format = format;
+        arguments.width = width;
+        arguments.height = height;
+        arguments.columns = columns;
+        arguments.time_unit = time_unit;
+        return info(path, arguments, progress);
+      },
+      py::arg("path"), py::kw_only(), py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0,
+      py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("progress") = py::none(),
+      "What a file or folder is: a dict with `kind` and what `e2lf info --json` says. Recordings are read to their "
+      "end.");
+}
+
+}  // namespace e2lf::python

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include <pybind11/stl.h>
+
+#include "e2lf/sensor/coded_intensity.h"
+#include "e2lf/sensor/event_model.h"
+#include "e2lf/sensor/pixel_model.h"
+#include "python/binding/arrays.h"
+#include "python/binding/calls.h"
+#include "python/binding/module.h"
+
+namespace e2lf::python {
+namespace {
+
+/// Of the paper's model, or of a camera's physical pixels; refuses what does not apply.
+py::array simulate(const py::array& light_field, const py::array& codes, const capture::Camera* camera,
+                   const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
+                   float scene_gain, float residue, uint64_t seed, std::optional<uint64_t> map_seed) {
+  const auto scene = light_field_of(light_field, "light_field");
+  const capture::Codes patterns = codes_of(codes, "codes");
+  const bool is_pixel = camera != nullptr && camera->is_pixel();
+  if (is_pixel && (constants || !event_model.empty() || residue != 0.0F)) {
+    throw ResultError({ErrorCode::kInvalidValue,
+                       "constants, event_model and residue are of the paper's model; leave them out", "camera"});
+  }
+  if (!is_pixel && map_seed) {
+    throw ResultError(
+        {ErrorCode::kInvalidValue, "the paper's model has no map of thresholds; leave it out", "map_seed"});
+  }
+  if (is_pixel) {
+    const sensor::PixelModelOptions options{.gain = scene_gain, .seed = seed, .map_seed = map_seed.value_or(seed)};
+    return to_array(without_gil([&] { return sensor::simulate_pixel_events(patterns, *scene, *camera, options); }));
+  }
+  sensor::EventModelOptions options;
+  if (camera != nullptr) options.constants = camera->constants;
+  if (constants) options.constants = *constants;
+  const std::string model = !event_model.empty() ? event_model : camera != nullptr ? camera->event_model : "";
+  if (!model.empty()) options.model = take(sensor::event_model_from_name(model));
+  options.gain = scene_gain;
+  options.residue = residue;
+  options.seed = seed;
+  return to_array(without_gil([&] { return sensor::simulate_events(patterns, *scene, options); }));
+}
+
+}  // namespace
+
+void bind_sensor(py::module_& module) {
+  module.def(
+      "simulate", &simulate, py::arg("light_field"), py::arg("codes"), py::kw_only(), py::arg("camera") = nullptr,
+      py::arg("constants") = py::none(), py::arg("event_model") = "", py::arg("scene_gain") = 1.0F,
+      py::arg("residue") = 0.0F, py::arg("seed") = 1, py::arg("map_seed") = py::none(),
+      "The event images of one cycle: int16 [transition, y, x], N - 1 transitions for N patterns.\n\n"
+      "light_field: grey, [view_y, view_x, y, x]. codes: [N, view_y, view_x].\n"
+      "camera: a Camera; one with physical pixels takes no constants, event_model and residue.\n"
+      "constants: SensorConstants; None = the camera's or the paper's.\n"
+      "event_model: \"reference-aware\" (Eq. 9, 10) or \"quantised\" (Eq. 8); empty = the camera's or the first.\n"
+      "scene_gain: multiplies every intensity.\n"
+      "residue: references start at random up to this many thresholds (0 to 1) too high.\n"
+      "seed: of the noise; give each cycle its own. map_seed: of what stays with physical pixels; None = seed.");
+  module.def(
+      "coded_intensities",
+      [](const py::array& light_field, const py::array& codes) {
+        const auto scene = light_field_of(light_field, "light_field");
+        const capture::Codes patterns = codes_of(codes, "codes");
+        auto seen = without_gil([&] { return sensor::coded_intensities(patterns, *scene); });
+        return py::array_t<float>(std::vector<size_t>{seen.num_patterns, seen.height, seen.width}, seen.values.data());
+      },
+      py::arg("light_field"), py::arg("codes"),
+      "What the sensor sees under each pattern (Eq. 1): float32 [N, y, x], divided by the number of views.");
+}
+
+}  // namespace e2lf::python

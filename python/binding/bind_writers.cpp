@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include <map>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/capture/codes_header.h"
+#include "e2lf/cli/output.h"
+#include "e2lf/cli/recording_flags.h"
+#include "e2lf/recordings/convert.h"
+#include "e2lf/recordings/open/recording_place.h"
+#include "python/binding/arrays.h"
+#include "python/binding/module.h"
+#include "python/binding/open_arguments.h"
+
+namespace e2lf::python {
+namespace fs = std::filesystem;
+namespace {
+
+Result<cli::OutputFile> open_output(const fs::path& path, const std::string& format,
+                                    const std::vector<fs::path>& inputs, bool overwrite) {
+  E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(path, format));
+  return cli::OutputFile::create(
+      path, {.inputs = inputs, .overwrite = overwrite, .streams = place.streams, .side_file = place.side_file});
+}
+
+/// A recording that is written; it appears at finish().
+class Writer {
+ public:
+  Writer(fs::path path, cli::OutputFile output, std::unique_ptr<recordings::RecordingWriter> writer)
+      : path_(std::move(path)), output_(std::move(output)), writer_(std::move(writer)) {}
+
+  [[nodiscard]] bool holds_triggers() { return open().holds_triggers(); }
+
+  void write(const py::array& events, const std::optional<py::array>& triggers) {
+    const OneAtATime::Use use(use_, "writer");
+    recordings::RecordingWriter& writer = open();
+    recordings::EventBatch batch;
+    append_events(events, batch.events);
+    if (triggers) append_triggers(*triggers, batch.triggers);
+    if (!batch.triggers.empty() && !writer.holds_triggers()) {
+      throw ResultError({ErrorCode::kUnsupported,
+                         "this format has no place for triggers; write .raw, .hdf5 or .dat, or leave them out",
+                         path_.string()});
+    }
+    without_gil([&] { return writer.write(batch); });
+  }
+
+  void finish() {
+    const OneAtATime::Use use(use_, "writer");
+    without_gil([&]() -> Result<void> {
+      E2LF_RETURN_IF_ERROR(open().finish());
+      return output_->commit();
+    });
+    discard();
+  }
+
+  /// Ends without a file.
+  void discard() {
+    writer_.reset();
+    output_.reset();
+  }
+
+ private:
+  recordings::RecordingWriter& open() {
+    if (!writer_) throw py::value_error("the recording is finished");
+    return *writer_;
+  }
+
+  fs::path path_;
+  std::optional<cli::OutputFile> output_;
+  std::unique_ptr<recordings::RecordingWriter> writer_;
+  OneAtATime use_;
+};
+
+std::unique_ptr<Writer> create(const fs::path& path, size_t width, size_t height, const std::string& format,
+                               const std::map<std::string, std::string>& header, const std::optional<py::array>& codes,
+                               bool overwrite) {
+  recordings::RecordingInfo info;
+  info.width = width;
+  info.height = height;
+  if (codes) info.header = capture::codes_to_header(codes_of(*codes, "codes"));
+  info.header.insert(info.header.end(), header.begin(), header.end());
+  cli::OutputFile output = take(open_output(path, format, {}, overwrite));
+  auto writer = take(recordings::create_recording(output.path(), format, info));
+  return std::make_unique<Writer>(path, std::move(output), std::move(writer));
+}
+
+py::object convert(const fs::path& input, const fs::path& output_path, const std::string& output_format, bool overwrite,
+                   const ProgressArgument& progress, const OpenArguments& arguments) {
+  cli::OutputFile output = take(open_output(output_path, output_format, {input}, overwrite));
+  const auto reader = open_reader(input.string(), arguments);
+  const ProgressFn told = progress_of(progress);
+  const auto report = without_gil([&]() -> Result<recordings::ConvertReport> {
+    E2LF_ASSIGN_OR_RETURN(
+        recordings::ConvertReport done,
+        recordings::convert_recording(*reader, output.path(), {.format = output_format, .progress = told}));
+    E2LF_RETURN_IF_ERROR(output.commit());
+    return done;
+  });
+  warn_of_losses(input.string(), report.summary);
+  const fs::path triggers = report.trigger_file.empty() ? fs::path() : output_path.parent_path() / report.trigger_file;
+  return to_python({{"events", report.events},
+                    {"triggers", report.triggers},
+                    {"lost_triggers", report.lost_triggers},
+                    {"trigger_file", triggers.string()},
+                    {"left_out", cli::losses_json(report.summary)},
+                    {"sorted", report.summary.out_of_order},
+                    {"warnings", report.warnings}});
+}
+
+}  // namespace
+
+void bind_writers(py::module_& module) {
+  py::class_<Writer>(
+      module, "RecordingWriter",
+      "Writes a recording front to back; made by create_recording(). The file appears, whole, at finish() "
+      "or at the end of a with block that no exception left.")
+      .def_property_readonly("holds_triggers", &Writer::holds_triggers, "Whether the format has a place for triggers.")
+      .def("write", &Writer::write, py::arg("events"), py::arg("triggers") = py::none(),
+           "Appends events (fields x, y, p, t) and triggers (p, t, id), each sorted by time and not earlier than what "
+           "was written before.")
+      .def("finish", &Writer::finish, "Ends the file and puts it in place.")
+      .def("__enter__", [](py::object self) { return self; })
+      .def("__exit__", [](Writer& self, const py::object& type, const py::object&, const py::object&) {
+        if (type.is_none()) {
+          self.finish();
+        } else {
+          self.discard();
+        }
+      });
+  module.def(
+      "create_recording", &create, py::arg("path"), py::arg("width"), py::arg("height"), py::kw_only(),
+      py::arg("format") = "", py::arg("header") = std::map<std::string, std::string>(), py::arg("codes") = py::none(),
+      py::arg("overwrite") = false,
+      "Starts a recording of a sensor of width x height px.\n\n"
+      "format: by the extension where empty; \"evt3\", \"evt2\", \"evt2.1\", \"dat\", \"hdf5\", \"dsec\", \"csv\", "
+      "\"npy\", \"npz\".\n"
+      "header: keys and values for formats that hold some.\n"
+      "codes: the patterns [N, view_y, view_x] that were shown, kept in the header.");
+  module.def(
+      "convert",
+      [](const fs::path& input, const fs::path& output, const std::string& output_format, bool overwrite,
+         const ProgressArgument& progress,
+         E2LF_OPEN_PARAMETERS) { return convert(input, output, output_format, overwrite, progress, E2LF_OPEN_VALUES); },
+      py::arg("path"), py::arg("output"), py::kw_only(), py::arg("output_format") = "", py::arg("overwrite") = false,
+      py::arg("progress") = py::none(), E2LF_OPEN_ARGUMENTS,
+      "Copies a recording into another format, in bounded memory. Returns counts, warnings and what was left out.\n\n"
+      "output_format: by the extension where empty.\n"
+      "progress: called with (events so far, 0)." E2LF_OPEN_DOC);
+}
+
+}  // namespace e2lf::python

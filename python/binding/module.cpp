@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// The module e2lf._e2lf; python/e2lf/__init__.py shows what of it is public.
+#include "python/binding/module.h"
+
+#include "e2lf/files/json_text.h"
+#include "python/binding/errors.h"
+
+namespace e2lf::python {
+
+py::object to_python(const Json& json) {
+  return py::module_::import("json").attr("loads")(json_line(json));
+}
+
+}  // namespace e2lf::python
+
+PYBIND11_MODULE(_e2lf, module) {
+  namespace python = e2lf::python;
+  python::bind_errors(module);
+  python::bind_base(module);
+  python::bind_capture(module);
+  python::bind_recordings(module);
+  python::bind_writers(module);
+  python::bind_cycles(module);
+  python::bind_lightfield(module);
+  python::bind_sensor(module);
+  python::bind_model(module);
+  python::bind_recon(module);
+  python::bind_eval(module);
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "e2lf/cli/output.h"
+#include "python/binding/calls.h"
+
+namespace e2lf::python {
+
+/// Writes a file that appears whole, by the rules of the verbs: what is there is replaced with `overwrite` alone.
+/// `write` gets the place to write to and returns a Result. Runs without the GIL.
+template <typename Write>
+void write_output(const std::filesystem::path& path, bool overwrite, const Write& write) {
+  without_gil([&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(cli::OutputFile output, cli::OutputFile::create(path, {.overwrite = overwrite}));
+    E2LF_RETURN_IF_ERROR(write(output.path()));
+    return output.commit();
+  });
+}
+
+}  // namespace e2lf::python

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "e2lf/recordings/recording.h"
+#include "python/binding/calls.h"
+#include "python/binding/events.h"
+
+namespace e2lf::python {
+
+/// How the options of open_recording() are called in Python, and their defaults.
+struct OpenArguments {
+  std::string format, columns, time_unit = "auto";
+  size_t width = 0, height = 0;
+  std::optional<int64_t> from_us, to_us;
+  bool relative = false, shift_time = false, strict = false;
+  int threads = 0;
+};
+
+/// Opens a recording by its name, as the verbs do. Says on the log what was assumed.
+[[nodiscard]] std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name,
+                                                                       const OpenArguments& arguments);
+
+/// Warns of what was left out of a recording that has been read.
+void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary);
+
+/// What a slice of a recording ends with: a time, a number of events, whichever comes first; nothing = as it comes.
+struct SliceSize {
+  std::optional<int64_t> delta_us;
+  std::optional<size_t> events;
+};
+
+/// A stretch of a recording, ready for Python.
+struct Slice {
+  EventRecords events;
+  std::vector<recordings::Trigger> triggers;
+  int64_t begin_us = 0, end_us = 0;
+};
+
+/// A recording that is read in slices.
+class Recording {
+ public:
+  Recording(std::string name, std::unique_ptr<recordings::RecordingReader> reader, std::optional<int64_t> from_us);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const recordings::RecordingReader& reader() const;
+
+  /// The next slice; nothing at the end. Slices of time follow each other without a gap, empty ones among them.
+  [[nodiscard]] std::optional<Slice> next(const SliceSize& size);
+
+  /// All of begin_us <= t < end_us, wherever the recording stands; it stands behind that then.
+  [[nodiscard]] Slice between(int64_t begin_us, int64_t end_us);
+
+  void seek(int64_t t_us);
+  [[nodiscard]] recordings::DecodeSummary summary();
+  void close();
+
+ private:
+  [[nodiscard]] Result<std::optional<Slice>> read_slice(const SliceSize& size);
+  [[nodiscard]] Result<bool> refill();
+  [[nodiscard]] int64_t next_us() const;
+  void begin_at_next(int64_t delta_us);
+  [[nodiscard]] Result<void> fill(Slice& slice, std::optional<size_t> most_events, int64_t end_us);
+  void take_events(Slice& slice, size_t end);
+  void take_triggers(Slice& slice, int64_t end_us);
+  recordings::RecordingReader& open_reader();
+
+  std::string name_;
+  bool is_live_;
+  std::unique_ptr<recordings::RecordingReader> reader_;
+  size_t most_events_;                     ///< of one batch
+  std::optional<int64_t> slice_begin_us_;  ///< of the next slice of time
+  recordings::EventBatch batch_;           ///< read, and handed out up to event_ and trigger_
+  size_t event_ = 0, trigger_ = 0;
+  bool has_ended_ = false;
+  OneAtATime use_;
+};
+
+}  // namespace e2lf::python

@@ -1,0 +1,171 @@
+"""Memory, errors, threads: what numpy and Python expect of a module."""
+import gc
+import logging
+import pickle
+import threading
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import e2lf
+from common import InFolder, command_line_error, event_images, make_recording, model, same
+
+
+def address(array):
+    return array.__array_interface__["data"][0]
+
+
+class MemoryTest(unittest.TestCase):
+    def test_arrays_own_the_library_s_memory_and_outlive_their_maker(self):
+        scene = e2lf.demo_scene(48, 32)
+        self.assertIsNotNone(scene.base)
+        self.assertTrue(scene.flags.writeable and scene.flags.c_contiguous)
+        part = scene[3, 4]
+        expected = part.copy()
+        del scene
+        gc.collect()
+        self.assertTrue(same(part, expected))
+
+    def test_a_change_of_an_array_is_a_change_of_what_goes_in(self):
+        scene, codes = e2lf.demo_scene(48, 32), model().codes
+        before = e2lf.coded_intensities(scene, codes)
+        scene *= np.float32(0.5)  # in the library's memory
+        self.assertTrue(np.allclose(e2lf.coded_intensities(scene, codes), before / 2))
+        self.assertTrue(same(e2lf.coded_intensities(scene, codes), e2lf.coded_intensities(scene.copy(), codes)))
+
+    def test_parts_and_other_layouts_are_taken_for_what_they_show(self):
+        scene, codes = e2lf.demo_scene(48, 32), model().codes
+        turned = scene[:, :, ::-1, ::2]
+        self.assertTrue(same(e2lf.coded_intensities(turned, codes),
+                             e2lf.coded_intensities(np.ascontiguousarray(turned), codes)))
+        half = scene[:, :, :16]  # begins where the whole does
+        self.assertEqual(e2lf.coded_intensities(half, codes).shape, (4, 16, 48))
+        self.assertTrue(same(e2lf.coded_intensities(scene.astype(np.float64), codes),
+                             e2lf.coded_intensities(scene, codes)))
+        images, _ = event_images(1)
+        self.assertEqual(e2lf.event_statistics(images[0]), e2lf.event_statistics(images[0].astype(np.int64)))
+
+    def test_wrong_arrays_are_refused(self):
+        codes = model().codes
+        for wrong, text in ((np.zeros((8, 8, 4), np.float32), r"\[8, 8, 4\]"),
+                            (np.zeros((8, 8, 4, 4), np.uint8), "uint8")):
+            with self.assertRaisesRegex(e2lf.Error, text):
+                e2lf.coded_intensities(wrong, codes)
+        for wrong in (np.zeros((3, 4, 4), np.float32), np.full((3, 4, 4), 40000)):
+            with self.assertRaises(e2lf.Error):
+                e2lf.event_statistics(wrong)
+        with self.assertRaises(e2lf.Error):
+            e2lf.coded_intensities(np.zeros((8, 8, 4, 4), np.float32), np.full((4, 8, 8), 2.0))
+
+
+class ErrorTest(InFolder):
+    def test_the_text_is_that_of_the_command_line(self):
+        Path("bad.raw").write_bytes(b"% evt 3.0\n% format EVT9\n% end\n")
+        Path("bad.safetensors").write_bytes(b"\xff" * 32)
+        e2lf.write_light_field("scene", e2lf.demo_scene(48, 32))
+        cases = [
+            (lambda: e2lf.read_model("bad.safetensors"), ("model", "info", "bad.safetensors")),
+            (lambda: e2lf.info("nothing"), ("info", "nothing")),
+            (lambda: e2lf.info("bad.raw"), ("info", "bad.raw")),
+            (lambda: e2lf.convert("bad.raw", "out.xyz"), ("convert", "bad.raw", "out.xyz")),
+            (lambda: e2lf.read_codes("codes.txt"), ("codes", "show", "--codes", "codes.txt")),
+        ]
+        for call, arguments in cases:
+            with self.assertRaises(e2lf.Error) as caught:
+                call()
+            error = caught.exception
+            text = str(error).removesuffix(f" ({error.setting})")
+            self.assertEqual(text, command_line_error(*arguments))
+            self.assertEqual(text, f"{error.location}: {error.message}" if error.location else error.message)
+            self.assertTrue(error.code)
+
+    def test_an_error_says_which_argument_mends_it(self):
+        e2lf.write_png("p.png", np.zeros((4, 4), np.float32))
+        with self.assertRaises(e2lf.Error) as caught:
+            e2lf.write_png("p.png", np.zeros((4, 4), np.float32))
+        self.assertEqual((caught.exception.code, caught.exception.setting), ("exists", "overwrite"))
+        e2lf.write_png("p.png", np.ones((4, 4), np.float32), overwrite=True)
+        self.assertTrue(np.all(e2lf.read_image("p.png") == 1))
+
+    def test_what_was_left_out_is_logged(self):
+        make_recording("rec.raw", cycles=1)
+        Path("rec.raw").write_bytes(Path("rec.raw").read_bytes()[:-1])
+        with self.assertLogs("e2lf", logging.WARNING) as log:
+            events, _ = e2lf.read_events("rec.raw")
+        self.assertGreater(len(events), 0)
+        self.assertRegex("\n".join(log.output), "rec.raw: left out")
+        with self.assertRaises(e2lf.Error):
+            e2lf.read_events("rec.raw", strict=True)
+
+    def test_plain_data_is_pickled_and_nothing_else(self):
+        make_recording("rec.raw", cycles=1)
+        for value in (e2lf.SensorConstants(tau=0.25), e2lf.paper_schedule(3)):
+            self.assertEqual(pickle.loads(pickle.dumps(value)), value)
+        part = next(iter(e2lf.open_recording("rec.raw")))
+        again = pickle.loads(pickle.dumps(part))
+        self.assertTrue(same(again.events, part.events) and again.begin_us == part.begin_us)
+        with self.assertRaises(e2lf.Error) as caught:
+            e2lf.read_model("nothing")
+        again = pickle.loads(pickle.dumps(caught.exception))
+        self.assertEqual((str(again), again.code), (str(caught.exception), "not_found"))
+        for value in (model(), e2lf.open_recording("rec.raw"), e2lf.read_camera("ideal")):
+            with self.assertRaises(TypeError):
+                pickle.dumps(value)
+
+
+class ThreadTest(InFolder):
+    def test_progress_is_told_and_what_it_raises_ends_the_work(self):
+        images, _ = event_images(1)
+        reconstructor = e2lf.Reconstructor(model())
+        told = []
+        reconstructor.reconstruct(images[0], progress=lambda done, total: told.append((done, total)))
+        self.assertEqual(told[-1][0], told[-1][1])
+        self.assertEqual(told, sorted(told))
+
+        def stop(done, total):
+            raise RuntimeError("enough")
+
+        for call in (lambda: reconstructor.reconstruct(images[0], progress=stop),
+                     lambda: e2lf.write_light_field("views", e2lf.demo_scene(48, 32), progress=stop)):
+            with self.assertRaisesRegex(RuntimeError, "enough"):
+                call()
+        reconstructor.reconstruct(images[0])  # works again
+
+    def test_an_object_at_work_refuses_a_second_call(self):
+        images, _ = event_images(1)
+        reconstructor = e2lf.Reconstructor(model())
+        refused = []
+
+        def call_again(done, total):
+            try:
+                reconstructor.reconstruct(images[0])
+            except RuntimeError as error:
+                refused.append(str(error))
+
+        reconstructor.reconstruct(images[0], progress=call_again)
+        self.assertIn("at work", refused[0])
+
+    def test_other_threads_run_while_the_library_works(self):
+        images, _ = event_images(1)
+        started, answered = threading.Event(), threading.Event()
+        threading.Thread(target=lambda: (started.wait(), answered.set()), daemon=True).start()
+
+        def ask(done, total):
+            started.set()
+            self.assertTrue(answered.wait(60))
+
+        e2lf.Reconstructor(model()).reconstruct(images[0], progress=ask)
+
+    def test_threads_of_the_process(self):
+        before = e2lf.num_threads()
+        e2lf.set_num_threads(1)
+        self.assertEqual(e2lf.num_threads(), 1)
+        e2lf.set_num_threads(before)
+        with self.assertRaises(ValueError):
+            e2lf.set_num_threads(-1)
+        self.assertIn(e2lf.instruction_set(), ("scalar", "sse4", "avx2", "avx512", "amx"))
+
+
+if __name__ == "__main__":
+    unittest.main()

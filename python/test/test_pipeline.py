@@ -1,0 +1,147 @@
+"""Simulation, cycles, reconstruction, pictures and measures give the numbers of the command line."""
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import e2lf
+from common import InFolder, command_line, command_line_json, event_images, model, same
+
+
+class PipelineTest(InFolder):
+    @classmethod
+    def setUpClass(cls):
+        cls.model = model()
+        cls.path = e2lf.bundled_model()
+
+    def setUp(self):
+        super().setUp()
+        self.scene = e2lf.demo_scene(48, 32)
+        e2lf.write_light_field("scene.npy", self.scene)
+
+    def test_simulate(self):
+        command_line("simulate", "scene.npy", "-m", self.path, "-o", "events.npz", "--cycles", 2, "--quiet")
+        file = e2lf.read_event_images("events.npz")
+        for cycle, images in enumerate(file.cycles):
+            own = e2lf.simulate(self.scene, self.model.codes, constants=self.model.constants,
+                                event_model=self.model.event_model, seed=1 + cycle)
+            self.assertTrue(same(own, images))
+        self.assertTrue(same(file.codes, self.model.codes))
+
+    def test_simulate_physical_pixels(self):
+        command_line("simulate", "scene.npy", "-m", self.path, "--camera", "evk4-lcos", "-o", "events.npz", "--cycles", 2,
+                     "--quiet")
+        camera = e2lf.read_camera("evk4-lcos")
+        for cycle, images in enumerate(e2lf.read_event_images("events.npz").cycles):
+            own = e2lf.simulate(self.scene, self.model.codes, camera=camera, seed=1 + cycle, map_seed=1)
+            self.assertTrue(same(own, images))
+        with self.assertRaises(e2lf.Error):
+            e2lf.simulate(self.scene, self.model.codes, camera=camera, residue=0.5)
+
+    def test_accumulate(self):
+        images, codes = event_images()
+        e2lf.synthesise_recording("rec.raw", images, codes)
+        command_line("simulate", "scene.npy", "-m", self.path, "-o", "program.raw", "--cycles", 3, "--quiet")
+        self.assertEqual(Path("rec.raw").read_bytes(), Path("program.raw").read_bytes())
+        cases = [({}, (), 3), ({"schedule": e2lf.paper_schedule()}, (), 3),
+                 ({"source": "bursts"}, ("--source", "bursts"), None),
+                 # The first event comes after the first cycle began: that may have been cut.
+                 ({"source": "schedule", "origin_us": 100_000}, ("--source", "schedule", "--origin-us", 100_000), 2)]
+        for options, flags, count in cases:
+            report = command_line_json("accumulate", "rec.raw", "-o", "events.npz", "--overwrite", *flags)
+            cycles = e2lf.accumulate("rec.raw", **options)
+            found = list(cycles)
+            expected = e2lf.read_event_images("events.npz").cycles
+            self.assertEqual(len(found), len(expected))
+            for cycle, images_of_file, said in zip(found, expected, report["each"]):
+                self.assertTrue(same(cycle.images, images_of_file))
+                self.assertEqual((cycle.number, cycle.begin_us, cycle.events),
+                                 (said["number"], said["begin_us"], said["events"]))
+            if count:
+                self.assertEqual(len(found), count)
+                self.assertTrue(all(same(cycle.images, truth) for cycle, truth in zip(found, images[-count:])))
+            self.assertTrue(same(cycles.codes, codes))
+            for key, value in cycles.report().items():
+                self.assertEqual(value, report[key], key)
+        self.assertEqual(e2lf.accumulate("rec.raw").source, "triggers")
+        with self.assertRaisesRegex(e2lf.Error, "bursts"):
+            e2lf.accumulate("rec.raw", source="burst")
+
+    def test_reconstruct(self):
+        images, codes = event_images(1)
+        e2lf.write_event_images("events.npz", images, codes)
+        for gain in (1, "auto"):
+            command_line("reconstruct", "events.npz", "-m", self.path, "-o", f"out{gain}", "--format", "npy", "--gain",
+                         gain, "--quiet")
+            own = e2lf.Reconstructor(self.model).reconstruct(images[0], gain=gain)
+            self.assertTrue(same(own, np.load(f"out{gain}/lightfield.npy")))
+        command_line("reconstruct", "events.npz", "--method", "inversion", "-o", "inverted", "--format", "npy", "--gain",
+                     1, "--quiet")
+        self.assertTrue(same(e2lf.invert(images[0], codes, gain=1), np.load("inverted/lightfield.npy")))
+        record = e2lf.Reconstructor(self.model).reconstruct(images[0], gain=1)
+        error = e2lf.event_error(record, images[0], codes, constants=self.model.constants)
+        self.assertGreaterEqual(error["at_first"], error["least"])
+        self.assertGreater(error["least"], 0)
+
+    def test_compare_is_eval(self):
+        noisy = np.clip(self.scene + 0.05 * np.random.default_rng(1).standard_normal(self.scene.shape), 0, 1)
+        noisy = noisy.astype(np.float32)
+        np.save("noisy.npy", noisy)
+        expected = command_line_json("eval", "scene.npy", "noisy.npy")
+        self.assertEqual(e2lf.compare(self.scene, noisy), expected)
+        view = expected["views"][9]
+        pair = self.scene[1, 1], noisy[1, 1]
+        self.assertAlmostEqual(e2lf.psnr(*pair), view["psnr_db"], places=6)
+        self.assertAlmostEqual(e2lf.ssim(*pair), view["ssim_uniform7"], places=6)
+        self.assertAlmostEqual(e2lf.ssim(*pair, window="gaussian"), view["ssim_gaussian"], places=6)
+        self.assertEqual(e2lf.psnr(self.scene, self.scene), float("inf"))
+        self.assertAlmostEqual(e2lf.psnr(self.scene, self.scene + np.float32(0.1)), 20, places=4)
+
+    def test_pictures(self):
+        self.assertTrue(same(e2lf.horizontal_epi(self.scene, 3, 7), self.scene[3, :, 7, :]))
+        self.assertTrue(same(e2lf.vertical_epi(self.scene, 2, 5), self.scene[:, 2, :, 5].T.copy()))
+        self.assertTrue(np.allclose(e2lf.refocus(self.scene, 0), self.scene.mean(axis=(0, 1)), atol=1e-5))
+        one = np.zeros((8, 8), np.float32)
+        one[2, 6] = 1
+        at_zero = e2lf.refocus(self.scene, 0, weights=one)
+        self.assertTrue(np.allclose(at_zero, self.scene[2, 6], atol=1e-6))
+        for wrong in (lambda: e2lf.horizontal_epi(self.scene, 8, 0), lambda: e2lf.vertical_epi(self.scene, 0, 48)):
+            with self.assertRaises(IndexError):
+                wrong()
+        with self.assertRaises(ValueError):
+            e2lf.refocus(self.scene, 0, radius=1, centre_x=50)
+
+    def test_files_of_light_fields_and_pictures(self):
+        for path in ("views", "mosaic.png", "field.npy", "field.h5"):
+            e2lf.write_light_field(path, self.scene)
+            self.assertTrue(np.allclose(e2lf.read_light_field(path), self.scene, atol=0.5 / 255 + 1e-6), path)
+        colour = np.repeat(self.scene[..., None], 3, axis=-1)
+        e2lf.write_light_field("colour.npy", colour)
+        self.assertTrue(same(e2lf.read_light_field("colour.npy", colour=True), colour))
+        self.assertEqual(e2lf.read_light_field("views", views=3).shape, (3, 3, 32, 48))
+        picture = self.scene[0, 0]
+        e2lf.write_png("p.png", picture, bits=16)
+        self.assertTrue(np.allclose(e2lf.read_image("p.png"), picture, atol=1 / 65535))
+        self.assertEqual(e2lf.info("views"), command_line_json("info", "views"))
+        self.assertEqual(e2lf.info(self.path), command_line_json("info", self.path))
+
+    def test_schedules_and_codes(self):
+        schedule = e2lf.paper_schedule()
+        self.assertEqual((len(schedule), schedule.num_images, schedule.cycle_us), (8, 3, 94736))
+        Path("schedule.json").write_text(schedule.to_json())
+        self.assertEqual(e2lf.read_schedule("schedule.json"), schedule)
+        self.assertEqual(e2lf.Schedule(schedule.patterns), schedule)
+        with self.assertRaises(e2lf.Error):
+            e2lf.Schedule([])
+        for path in ("codes.json", "codes.npy", "codes.npz"):
+            e2lf.write_codes(path, self.model.codes)
+            self.assertTrue(same(e2lf.read_codes(path), self.model.codes))
+        self.assertTrue(np.all(e2lf.coded_intensities(self.scene, e2lf.default_codes())[0] == 0))
+
+    def test_model_says_what_the_command_line_says(self):
+        self.assertEqual(self.model.summary(), command_line_json("model", "info", self.path))
+        self.assertEqual((self.model.name, self.model.num_patterns, self.model.views), ("e2lf-n4", 4, (8, 8)))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/describe.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+#include "e2lf/capture/event_images.h"
+#include "e2lf/eval/event_statistics.h"
+#include "e2lf/eval/report.h"
+#include "e2lf/files/safetensors.h"
+#include "e2lf/learn/packed_data.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/model/model.h"
+#include "e2lf/model/summary.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+Result<Description> describe_model(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
+  Json json = model::summary_json(model);
+  json["kind"] = "model";
+  return Description{model::summary_text(model), std::move(json)};
+}
+
+/// Data to train on, as `e2lf pack` writes it.
+Result<Description> describe_packed_data(Safetensors file, const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const learn::PackedData data, learn::sort_packed_data(std::move(file), path.string()));
+  Json light_fields = Json::array();
+  std::string text =
+      cat("data to train on: ", data.light_fields.size(), " light fields, ", data.textures.size(), " photographs\n");
+  for (const learn::PackedPicture& field : data.light_fields) {
+    light_fields.push_back({{"name", field.name}, {"shape", field.pixels.shape}});
+    text += cat("  ", field.name, ": ", shape_text(field.pixels.shape), "\n");
+  }
+  return Description{
+      std::move(text),
+      {{"kind", "training data"}, {"light_fields", std::move(light_fields)}, {"textures", data.textures.size()}}};
+}
+
+Result<Description> describe_safetensors(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(Safetensors file, read_safetensors(path));
+  if (learn::is_packed_data(file)) return describe_packed_data(std::move(file), path);
+  return describe_model(path);
+}
+
+Result<Description> describe_event_images(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
+  const capture::EventImages& first = file.cycles.front();
+  const eval::EventStatistics statistics = eval::event_statistics(first);
+  Json json = {{"kind", "event images"},
+               {"cycles", file.cycles.size()},
+               {"transitions", first.transitions},
+               {"height", first.height},
+               {"width", first.width},
+               {"codes", file.codes.has_value()},
+               {"first_cycle", eval::to_json(statistics)}};
+  std::string text = cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ",
+                         first.transitions, " transitions, ", first.width, "x", first.height, " px, codes ",
+                         file.codes ? "included" : "not included", "\nevents per pixel in the first cycle:");
+  for (const double count : statistics.events_per_pixel) text += cat(" ", count);
+  text += cat(", total ", statistics.total_events_per_pixel, "\n");
+  return Description{std::move(text), std::move(json)};
+}
+
+Result<Description> describe_light_field(const fs::path& path, const LightFieldFlags& flags) {
+  E2LF_ASSIGN_OR_RETURN(const auto kind, lightfield::detect_kind(path));
+  lightfield::ReadOptions options = read_options(flags);
+  options.range = lightfield::RangePolicy::kKeep;
+  options.colour = true;
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(path, options));
+  const lightfield::Shape& shape = light_field.shape();
+  const auto [low, high] = std::minmax_element(light_field.data().begin(), light_field.data().end());
+  Json json = {{"kind", "light field"},
+               {"format", lightfield::kind_name(kind)},
+               {"views", {shape.views_y, shape.views_x}},
+               {"height", shape.height},
+               {"width", shape.width},
+               {"channels", shape.channels},
+               {"min", *low},
+               {"max", *high}};
+  return Description{cat("light field (", lightfield::kind_name(kind), "): ", shape.views_y, "x", shape.views_x,
+                         " views of ", shape.width, "x", shape.height, " px, ", shape.channels == 1 ? "grey" : "colour",
+                         ", values ", *low, "..", *high, "\n"),
+                     std::move(json)};
+}
+
+Result<Description> describe_cycles(const fs::path& path, const LightFieldFlags& flags) {
+  const std::vector<fs::path> folders = lightfield::cycle_folders(path);
+  E2LF_ASSIGN_OR_RETURN(Description first, describe_light_field(folders.front(), flags));
+  Json json = {{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}};
+  return Description{cat("light fields of ", folders.size(), " cycle", folders.size() == 1 ? "" : "s", "; ",
+                         folders.front().filename().string(), ": ", first.text),
+                     std::move(json)};
+}
+
+}  // namespace
+
+Result<Description> describe(FileKind kind, const fs::path& path, const DescribeOptions& options) {
+  switch (kind) {
+    case FileKind::kModel:
+      return describe_safetensors(path);
+    case FileKind::kEventImages:
+      return describe_event_images(path);
+    case FileKind::kCycles:
+      return describe_cycles(path, options.light_field);
+    case FileKind::kRecording:
+      return describe_recording(path, options);
+    case FileKind::kLightField:
+      break;
+  }
+  return describe_light_field(path, options.light_field);
+}
+
+Result<Description> describe(const fs::path& path, const DescribeOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+  return describe(kind, path, options);
+}
+
+}  // namespace e2lf::cli
