@@ -24,6 +24,7 @@ const std::vector<VerbEntry>& verbs() {
       {"reconstruct", "event images or a recording -> light field", run_reconstruct},
       {"calibrate", "event images of still scenes -> the constants of a camera", run_calibrate},
       {"eval", "compare a reconstruction with the truth", run_eval},
+      {"depth", "light field -> disparity map", run_depth},
       {"view", "look at light fields, events, recordings and models in a browser", run_view},
       {"pack", "light fields and photographs -> one file to train on", run_pack},
       {"train", "learn aperture patterns and a network together", run_train},
