@@ -134,8 +134,8 @@ Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOpt
                          options.range->least < options.range->most)) {
     return Error{ErrorCode::kInvalidValue, "the range of disparities is empty; give the smaller one first", ""};
   }
-  // Two arrays of costs, and the labels may be so many.
-  const uint64_t bytes_per_pixel = 2 * kMostLabels * sizeof(int16_t);
+  // Three arrays of costs, and the labels may be so many.
+  const uint64_t bytes_per_pixel = 3 * kMostLabels * sizeof(int16_t);
   if (uint64_t{shape.height} > kMostBytes / bytes_per_pixel / shape.width) {
     return Error{ErrorCode::kUnsupported,
                  cat("views of ", shape.width, "x", shape.height, " px may need more than 8 GiB; crop or reduce them"),

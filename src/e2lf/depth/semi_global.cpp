@@ -54,53 +54,59 @@ class PathRow {
   size_t labels_;
 };
 
-class Smoother {
+/// The four directions that come from pixels before this one in reading order, or in the opposite order. Each order by
+/// itself is sequential, and both are independent of each other.
+class Pass {
  public:
-  Smoother(const CostVolume& volume, const lightfield::Image& picture, const ChangeCosts& change,
-           std::vector<int16_t>& sums)
-      : volume_(volume), picture_(picture), change_(change), sums_(sums) {}
+  Pass(const CostVolume& volume, const lightfield::Image& picture, const ChangeCosts& change, bool is_forward)
+      : volume_(volume),
+        picture_(picture),
+        change_(change),
+        is_forward_(is_forward),
+        along_(volume.width, volume.labels.count),
+        across_(3, along_),
+        across_before_(across_) {}
 
-  void along_rows() {
-    parallel_for(volume_.height, 4, [&](size_t begin, size_t end) {
-      PathRow row(volume_.width, volume_.labels.count);
-      for (size_t y = begin; y < end; ++y) {
-        for (size_t x = 0; x < volume_.width; ++x) advance(row, y, x, row, y, static_cast<ptrdiff_t>(x) - 1);
-        for (size_t x = volume_.width; x-- > 0;) advance(row, y, x, row, y, static_cast<ptrdiff_t>(x) + 1);
-      }
-    });
-  }
-
-  /// Three directions at once: down (or up) and both diagonals.
-  void across_rows(bool downwards) {
-    std::vector<PathRow> now(3, PathRow(volume_.width, volume_.labels.count)), before = now;
-    for (size_t i = 0; i < volume_.height; ++i) {
-      const size_t y = downwards ? i : volume_.height - 1 - i;
-      const size_t from_y = i == 0 ? y : downwards ? y - 1 : y + 1;
-      parallel_for(volume_.width, 64, [&](size_t begin, size_t end) {
-        for (size_t x = begin; x < end; ++x) {
-          for (ptrdiff_t side = -1; side <= 1; ++side) {
-            const ptrdiff_t from_x = i == 0 ? -1 : static_cast<ptrdiff_t>(x) + side;
-            advance(now[static_cast<size_t>(side + 1)], y, x, before[static_cast<size_t>(side + 1)], from_y, from_x);
-          }
+  /// Adds the costs of all paths to `sums`.
+  void run(std::vector<int16_t>& sums) {
+    const ptrdiff_t back = is_forward_ ? -1 : 1;
+    const size_t height = volume_.height, width = volume_.width;
+    for (size_t i = 0; i < height; ++i) {
+      const size_t y = is_forward_ ? i : height - 1 - i;
+      for (size_t j = 0; j < width; ++j) {
+        const size_t x = is_forward_ ? j : width - 1 - j;
+        int16_t* const sum = sums.data() + (y * width + x) * volume_.labels.count;
+        advance(along_, along_, {y, x}, 0, back, sum);
+        for (ptrdiff_t side = -1; side <= 1; ++side) {
+          const auto direction = static_cast<size_t>(side + 1);
+          advance(across_[direction], across_before_[direction], {y, x}, back, side, sum);
         }
-      });
-      std::swap(now, before);
+      }
+      std::swap(across_, across_before_);
     }
   }
 
  private:
-  void advance(PathRow& now, size_t y, size_t x, PathRow& before, size_t from_y, ptrdiff_t from_x) {
-    const int16_t* const own = volume_.at(y, x);
-    int16_t* const sum = sums_.data() + (y * volume_.width + x) * volume_.labels.count;
-    if (from_x < 0 || from_x >= static_cast<ptrdiff_t>(volume_.width)) return now.begin(x, own, sum);
-    const auto from = static_cast<size_t>(from_x);
-    now.least(x) = step(own, before.costs(from), before.least(from), change_.one_label, jump(y, x, from_y, from),
-                        volume_.labels.count, now.costs(x), sum);
+  struct Pixel {
+    size_t y, x;
+  };
+
+  /// Continues the path that comes from (by_y, by_x) away, or begins one at the border.
+  void advance(PathRow& now, PathRow& before, const Pixel& pixel, ptrdiff_t by_y, ptrdiff_t by_x, int16_t* sum) const {
+    const auto from_y = static_cast<ptrdiff_t>(pixel.y) + by_y, from_x = static_cast<ptrdiff_t>(pixel.x) + by_x;
+    const int16_t* const own = volume_.at(pixel.y, pixel.x);
+    if (from_y < 0 || from_y >= static_cast<ptrdiff_t>(volume_.height) || from_x < 0 ||
+        from_x >= static_cast<ptrdiff_t>(volume_.width)) {
+      return now.begin(pixel.x, own, sum);
+    }
+    const Pixel from{static_cast<size_t>(from_y), static_cast<size_t>(from_x)};
+    now.least(pixel.x) = step(own, before.costs(from.x), before.least(from.x), change_.one_label, jump(pixel, from),
+                              volume_.labels.count, now.costs(pixel.x), sum);
   }
 
-  [[nodiscard]] int16_t jump(size_t y, size_t x, size_t from_y, size_t from_x) const {
+  [[nodiscard]] int16_t jump(const Pixel& pixel, const Pixel& from) const {
     const float difference =
-        std::abs(picture_.pixels[y * volume_.width + x] - picture_.pixels[from_y * volume_.width + from_x]);
+        std::abs(picture_.pixels[pixel.y * volume_.width + pixel.x] - picture_.pixels[from.y * volume_.width + from.x]);
     const float cost = static_cast<float>(change_.most) / (1 + difference / change_.edge);
     return std::max(change_.least, static_cast<int16_t>(cost));
   }
@@ -108,7 +114,9 @@ class Smoother {
   const CostVolume& volume_;
   const lightfield::Image& picture_;
   const ChangeCosts& change_;
-  std::vector<int16_t>& sums_;
+  bool is_forward_;
+  PathRow along_;
+  std::vector<PathRow> across_, across_before_;
 };
 
 }  // namespace
@@ -116,12 +124,11 @@ class Smoother {
 void smooth_costs(CostVolume& volume, const lightfield::Image& picture, const ChangeCosts& change) {
   E2LF_REQUIRE(picture.width == volume.width && picture.height == volume.height && picture.channels == 1,
                "the picture is the grey reference view");
-  std::vector<int16_t> sums(volume.costs.size());
-  Smoother smoother(volume, picture, change, sums);
-  smoother.along_rows();
-  smoother.across_rows(true);
-  smoother.across_rows(false);
-  volume.costs = std::move(sums);
+  std::vector<int16_t> forward(volume.costs.size()), backward(volume.costs.size());
+  parallel_for(2, 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) Pass(volume, picture, change, i == 0).run(i == 0 ? forward : backward);
+  });
+  for (size_t i = 0; i < forward.size(); ++i) volume.costs[i] = static_cast<int16_t>(forward[i] + backward[i]);
 }
 
 }  // namespace e2lf::depth
