@@ -16,8 +16,6 @@ using lightfield::Image;
 using lightfield::LightField;
 using lightfield::Shape;
 
-/// A difference of grey values beyond which it does not matter how large it is.
-constexpr float kMostDifference = 0.2F;
 /// Neighbouring labels differ by so much in the farthest view.
 constexpr float kLabelSpacing_px = 0.5F;
 constexpr size_t kMostLabels = 256;
@@ -84,26 +82,62 @@ Image best_disparities(const CostVolume& volume) {
   return disparity;
 }
 
+/// A difference of grey values beyond which it does not matter how large it is: it grows with the contrast.
+float most_difference(const Image& picture) {
+  constexpr float kDeviations = 0.8F, kLeast = 0.02F, kMost = 0.2F;
+  double sum = 0, squares = 0;
+  for (float value : picture.pixels) {
+    sum += value;
+    squares += double{value} * double{value};
+  }
+  const auto count = static_cast<double>(picture.pixels.size());
+  const double variance = std::max(squares / count - sum * sum / (count * count), 0.0);
+  return std::clamp(kDeviations * static_cast<float>(std::sqrt(variance)), kLeast, kMost);
+}
+
+/// The larger difference of each pixel to its left and upper neighbour; 0 at the borders.
+std::vector<float> texture_of(const Image& picture) {
+  std::vector<float> texture(picture.pixels.size());
+  for (size_t y = 1; y < picture.height; ++y) {
+    for (size_t x = 1; x < picture.width; ++x) {
+      const float* const pixel = picture.pixels.data() + y * picture.width + x;
+      texture[y * picture.width + x] =
+          std::max(std::abs(pixel[0] - pixel[-1]), std::abs(pixel[0] - *(pixel - picture.width)));
+    }
+  }
+  return texture;
+}
+
 Image coarse_disparities(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
                          const ProgressFn& progress) {
   const Labels labels = labels_for(range, farthest_steps(light_field.shape(), view));
-  CostVolume volume = matching_costs(light_field, view, labels, kMostDifference, progress);
-  smooth_costs(volume, lightfield::view_image(light_field, view.y, view.x), {});
+  const Image picture = lightfield::view_image(light_field, view.y, view.x);
+  CostVolume volume = matching_costs(light_field, view, labels, most_difference(picture), progress);
+  smooth_costs(volume, picture, {});
   return best_disparities(volume);
 }
 
-/// What disparities there are, but for a thousandth at either end, found on reduced views; with a margin.
+/// What disparities the half of the pixels with more texture have, but for a three hundredth at either end, found on
+/// reduced views; with a margin.
 DisparityRange find_range(const LightField& light_field, const ViewIndex& view) {
   constexpr size_t kEnoughPixels = 192;
   const Shape& shape = light_field.shape();
   const size_t factor = std::clamp<size_t>(std::min(shape.height, shape.width) / kEnoughPixels, 1, 8);
   const float scale = static_cast<float>(factor), farthest = kFarthest_px / scale;
-  Image found =
-      coarse_disparities(factor == 1 ? light_field : shrunk(light_field, factor), view, {-farthest, farthest}, {});
-  std::sort(found.pixels.begin(), found.pixels.end());
-  const size_t last = found.pixels.size() - 1, few = last / 1000;
+  const LightField small = factor == 1 ? light_field : shrunk(light_field, factor);
+  const Image found = coarse_disparities(small, view, {-farthest, farthest}, {});
+  const std::vector<float> texture = texture_of(lightfield::view_image(small, view.y, view.x));
+  std::vector<float> sorted = texture;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const float median = sorted[sorted.size() / 2];
+  sorted.clear();
+  for (size_t i = 0; i < texture.size(); ++i) {
+    if (texture[i] >= median) sorted.push_back(found.pixels[i]);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  const size_t last = sorted.size() - 1, few = last / 300;
   const float margin = 0.1F + kLabelSpacing_px / static_cast<float>(farthest_steps(shape, view));
-  return {scale * found.pixels[few] - margin, scale * found.pixels[last - few] + margin};
+  return {scale * sorted[few] - margin, scale * sorted[last - few] + margin};
 }
 
 /// The expected error follows from the texture; where neighbours disagree it is larger.
