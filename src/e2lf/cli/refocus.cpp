@@ -27,11 +27,11 @@ struct RefocusArguments {
 
 /// Pictures one beside the other, with a gap between them.
 Image side_by_side(const std::vector<Image>& pictures) {
-  constexpr size_t kGap_px = 4;
+  constexpr size_t kGapPx = 4;
   const Image& first = pictures.front();
-  Image all(pictures.size() * (first.width + kGap_px) - kGap_px, first.height, first.channels);
+  Image all(pictures.size() * (first.width + kGapPx) - kGapPx, first.height, first.channels);
   std::fill(all.pixels.begin(), all.pixels.end(), 1.0F);
-  const size_t row = first.width * first.channels, stride = (first.width + kGap_px) * first.channels;
+  const size_t row = first.width * first.channels, stride = (first.width + kGapPx) * first.channels;
   for (size_t i = 0; i < pictures.size(); ++i) {
     for (size_t y = 0; y < first.height; ++y) {
       std::copy_n(pictures[i].pixels.data() + y * row, row,

@@ -17,7 +17,7 @@ using lightfield::LightField;
 using lightfield::Shape;
 
 /// Neighbouring labels differ by so much in the farthest view.
-constexpr float kLabelSpacing_px = 0.5F;
+constexpr float kLabelSpacingPx = 0.5F;
 constexpr size_t kMostLabels = 256;
 constexpr uint64_t kMostBytes = uint64_t{8} << 30;
 
@@ -57,7 +57,7 @@ size_t farthest_steps(const Shape& shape, const ViewIndex& view) {
 Labels labels_for(const DisparityRange& range, size_t steps) {
   Labels labels;
   const float width = range.most - range.least;
-  const float spacing = kLabelSpacing_px / static_cast<float>(steps);
+  const float spacing = kLabelSpacingPx / static_cast<float>(steps);
   labels.first = range.least;
   labels.count = static_cast<size_t>(std::min(std::ceil(width / spacing), static_cast<float>(kMostLabels - 1))) + 1;
   labels.count = std::max<size_t>(labels.count, 2);
@@ -123,7 +123,7 @@ DisparityRange find_range(const LightField& light_field, const ViewIndex& view) 
   constexpr size_t kEnoughPixels = 192;
   const Shape& shape = light_field.shape();
   const size_t factor = std::clamp<size_t>(std::min(shape.height, shape.width) / kEnoughPixels, 1, 8);
-  const float scale = static_cast<float>(factor), farthest = kFarthest_px / scale;
+  const float scale = static_cast<float>(factor), farthest = kFarthestPx / scale;
   const LightField small = factor == 1 ? light_field : shrunk(light_field, factor);
   const Image found = coarse_disparities(small, view, {-farthest, farthest}, {});
   const std::vector<float> texture = texture_of(lightfield::view_image(small, view.y, view.x));
@@ -136,19 +136,19 @@ DisparityRange find_range(const LightField& light_field, const ViewIndex& view) 
   }
   std::sort(sorted.begin(), sorted.end());
   const size_t last = sorted.size() - 1, few = last / 300;
-  const float margin = 0.1F + kLabelSpacing_px / static_cast<float>(farthest_steps(shape, view));
+  const float margin = 0.1F + kLabelSpacingPx / static_cast<float>(farthest_steps(shape, view));
   return {scale * sorted[few] - margin, scale * sorted[last - few] + margin};
 }
 
 /// The expected error follows from the texture; where neighbours disagree it is larger.
 Image confidence_of(const Planes& planes, float noise) {
-  constexpr float kHalf_px = 0.07F;
+  constexpr float kHalfPx = 0.07F;
   // Measurements of neighbours are not independent: the reference's noise, the blur and the model are common to them.
   constexpr float kCommonErrors = 10.0F;
   Image confidence(planes.value.width, planes.value.height, 1);
   for (size_t i = 0; i < confidence.pixels.size(); ++i) {
     const float error = kCommonErrors * noise / std::sqrt(std::max(planes.weight.pixels[i], 1e-12F));
-    const float ratio = error / kHalf_px;
+    const float ratio = error / kHalfPx;
     confidence.pixels[i] = planes.agreement.pixels[i] / (1 + ratio * ratio);
   }
   return confidence;

@@ -18,11 +18,11 @@ struct DisparityRange {
 
 struct DisparityOptions {
   std::optional<ViewIndex> view;        ///< whose pixels get a disparity; absent = middle_view()
-  std::optional<DisparityRange> range;  ///< what is looked for; absent = found within +-kFarthest_px
+  std::optional<DisparityRange> range;  ///< what is looked for; absent = found within +-kFarthestPx
 };
 
 /// What is looked for where no range is given.
-inline constexpr float kFarthest_px = 6.0F;
+inline constexpr float kFarthestPx = 6.0F;
 
 /// How far each pixel of a view moves from view to view, [y, x].
 struct DisparityMap {

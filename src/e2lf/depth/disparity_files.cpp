@@ -114,7 +114,7 @@ Image colour_picture(const DisparityMap& map, const DisparityRange& range) {
 }
 
 float assumed_infinity(const DisparityRange& range) {
-  return range.most + std::max(range.most - range.least, 1.0F);
+  return std::max(range.most + std::max(range.most - range.least, 1.0F), 1.0F);
 }
 
 Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const Image& picture,

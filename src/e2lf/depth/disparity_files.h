@@ -34,12 +34,12 @@ inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 /// How disparities become places: an array of pinholes, one view step apart, whose pictures show the same rectangle at
 /// the focus distance, which is 1. Depth z = 1 / (1 - d / infinity_px): 1 where d is 0.
 struct PointGeometry {
-  float infinity_px = 4;     ///< the disparity of what is infinitely far, more than any there is
+  float infinity_px = 4;     ///< the disparity of what is infinitely far: positive, more than any there is
   float field_width = 0.8F;  ///< of what a view shows at the focus distance
 };
 
 /// An infinity for light fields of unknown cameras: as far beyond the largest disparity as that is from the smallest,
-/// and at least 1 px.
+/// at least 1 px beyond it, and at least 1 px.
 [[nodiscard]] float assumed_infinity(const DisparityRange& range);
 
 /// A binary PLY file of points: float x (right), y (down), z (away), uchar grey, float confidence. Pixels with less

@@ -81,6 +81,7 @@ TEST(PointCloud, PutsPointsWhereTheyAre) {
 TEST(AssumedInfinity, LiesBeyondAllDisparities) {
   EXPECT_EQ(assumed_infinity({-2, 1}), 4);
   EXPECT_EQ(assumed_infinity({0.5F, 0.5F}), 1.5F);
+  EXPECT_EQ(assumed_infinity({-3, -2.5F}), 1);
 }
 
 }  // namespace

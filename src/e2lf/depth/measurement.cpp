@@ -17,7 +17,7 @@ using lightfield::kShiftTaps;
 using lightfield::LightField;
 using lightfield::Shape;
 
-constexpr float kMostStep_px = 0.25F;
+constexpr float kMostStepPx = 0.25F;
 /// A residual of so many times the noise counts a quarter.
 constexpr float kOutlier = 2.5F;
 /// Light fields have at least the noise of 8 bits.
@@ -111,7 +111,7 @@ class Measurer {
         }
         const Sums sums = sum_views(y, x, at_y, at_x, out.noise);
         const float step = sums.slopes > 0 ? -sums.products / sums.slopes : 0;
-        out.value.pixels[i] = d + std::clamp(step, -kMostStep_px, kMostStep_px);
+        out.value.pixels[i] = d + std::clamp(step, -kMostStepPx, kMostStepPx);
         out.weight.pixels[i] = sums.slopes;
       }
     }

@@ -15,7 +15,7 @@ namespace {
 using lightfield::Image;
 
 /// Pulls slopes towards what they were, as so many px^2 of the spread of the samples.
-constexpr float kSlopePull_px2 = 0.3F, kPriorSlopePull_px2 = 20.0F;
+constexpr float kSlopePullPx2 = 0.3F, kPriorSlopePullPx2 = 20.0F;
 /// The weight of a measurement without texture, as a share of the noise's variance: its disparity, which comes from
 /// its surroundings, counts where nothing else is there.
 constexpr float kLeastWeight = 0.05F;
@@ -99,7 +99,7 @@ class Fitter {
     const size_t i = y * width_ + x;
     const float total = sums.one[x] + prior_weight_;
     const float mean_y = sums.dy[x] / total, mean_x = sums.dx[x] / total, mean_v = sums.v[x] / total;
-    const float pull = kSlopePull_px2 * sums.one[x] + kPriorSlopePull_px2 * prior_weight_;
+    const float pull = kSlopePullPx2 * sums.one[x] + kPriorSlopePullPx2 * prior_weight_;
     const float old_y = prior_weight_ > 0 ? before_.slope_y.pixels[i] : 0;
     const float old_x = prior_weight_ > 0 ? before_.slope_x.pixels[i] : 0;
     const float yy = sums.dy_dy[x] - mean_y * sums.dy[x] + pull, xx = sums.dx_dx[x] - mean_x * sums.dx[x] + pull;
