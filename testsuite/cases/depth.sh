@@ -44,7 +44,7 @@ py compare.py
 # Another view; a range that is given; the run is made again from its record.
 "$E2LF" depth plane.npy -o corner --view-row 0 --view-column 7 --min-disparity=-2 --max-disparity=-1 --quiet
 py -c 'import numpy as np; d = np.load("corner/disparity.npy"); assert np.abs(d[16:-16, 16:-16] + 1.37).max() < 0.02'
-"$E2LF" depth plane.npy --config corner/run.json -o again --quiet
+"$E2LF" depth --config corner/run.json -o again --quiet
 cmp corner/disparity.npy again/disparity.npy
 
 # A folder of cycles: a map for each.
@@ -58,7 +58,7 @@ cmp maps/cycle_00000/disparity.npy out/disparity.npy
 py -c 'import numpy as np; d = np.load("maps/cycle_00001/disparity.npy"); assert np.abs(d[8:-8, 8:-8] - 0.6).max() < 0.02'
 
 fails 1 'name one of them' "$E2LF" depth cycles -o x.ply
-fails 1 'give a larger one' "$E2LF" depth plane.npy -o x.ply --infinity 0.1 --min-disparity 0.2 --max-disparity 1
+fails 1 'give a larger one' "$E2LF" depth plane.npy -o x.ply --infinity 0.1 --min-disparity 1 --max-disparity 2
 fails 1 'there is no view (8, 0)' "$E2LF" depth plane.npy -o x --view-row 8 --view-column 0
 fails 1 'two ends' "$E2LF" depth plane.npy -o x --min-disparity 0
 fails 1 'smaller one first' "$E2LF" depth plane.npy -o x --min-disparity 1 --max-disparity 0
