@@ -42,7 +42,7 @@ Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, con
     error.location = arguments.input.string();
     return error;
   }
-  const depth::DisparityRange range = depth::shown_range(map->disparity);
+  const depth::DisparityRange range = depth::shown_range(*map);
   record.resolve("from", range.least);
   record.resolve("to", range.most);
   return range;

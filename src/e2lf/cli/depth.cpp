@@ -66,7 +66,7 @@ Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path,
 
 void share(const DepthArguments& arguments, const depth::DisparityMap& map, Shared& shared) {
   if (shared.shown) return;
-  shared.shown = depth::shown_range(map.disparity);
+  shared.shown = depth::shown_range(map);
   shared.infinity = arguments.infinity > 0 ? arguments.infinity : depth::assumed_infinity(map.range);
 }
 

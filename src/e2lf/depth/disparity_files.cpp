@@ -93,8 +93,13 @@ Image png_samples(const Image& disparity) {
   return image;
 }
 
-DisparityRange shown_range(const Image& disparity) {
-  std::vector<float> sorted = disparity.pixels;
+DisparityRange shown_range(const DisparityMap& map) {
+  constexpr float kSure = 0.3F;
+  std::vector<float> sorted;
+  for (size_t i = 0; i < map.disparity.pixels.size(); ++i) {
+    if (map.confidence.pixels[i] > kSure) sorted.push_back(map.disparity.pixels[i]);
+  }
+  if (sorted.size() < map.disparity.pixels.size() / 20 + 1) sorted = map.disparity.pixels;
   std::sort(sorted.begin(), sorted.end());
   const size_t last = sorted.size() - 1, few = last / 100;
   return {sorted[few], sorted[last - few]};

@@ -28,8 +28,9 @@ inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 /// darker, the less confidence.
 [[nodiscard]] lightfield::Image colour_picture(const DisparityMap& map, const DisparityRange& range);
 
-/// The smallest and largest disparity, but for a hundredth of the pixels at either end.
-[[nodiscard]] DisparityRange shown_range(const lightfield::Image& disparity);
+/// The smallest and largest disparity of the pixels with a confidence above 0.3 (of all where these are few), but for a
+/// hundredth at either end.
+[[nodiscard]] DisparityRange shown_range(const DisparityMap& map);
 
 /// How disparities become places: an array of pinholes, one view step apart, whose pictures show the same rectangle at
 /// the focus distance, which is 1. Depth z = 1 / (1 - d / infinity_px): 1 where d is 0.

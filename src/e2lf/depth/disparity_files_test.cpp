@@ -78,6 +78,18 @@ TEST(PointCloud, PutsPointsWhereTheyAre) {
             ErrorCode::kInvalidValue);
 }
 
+TEST(ShownRange, LeavesOutWhatIsNotSure) {
+  DisparityMap map{Image(200, 1, 1), Image(200, 1, 1), {}, {-9, 9}, 0};
+  for (size_t i = 0; i < 200; ++i) {
+    map.disparity.pixels[i] = i < 20 ? 9 : 0.01F * static_cast<float>(i);
+    map.confidence.pixels[i] = i < 20 ? 0.1F : 0.9F;
+  }
+  EXPECT_NEAR(shown_range(map).least, 0.21F, 1e-6);
+  EXPECT_NEAR(shown_range(map).most, 1.98F, 1e-6);
+  map.confidence.pixels.assign(200, 0);
+  EXPECT_EQ(shown_range(map).most, 9);
+}
+
 TEST(AssumedInfinity, LiesBeyondAllDisparities) {
   EXPECT_EQ(assumed_infinity({-2, 1}), 4);
   EXPECT_EQ(assumed_infinity({0.5F, 0.5F}), 1.5F);
