@@ -25,6 +25,13 @@ else()
   e2lf_feature(zstd OFF "libzstd-dev not found: AEDAT4 packets compressed with zstd are refused")
 endif()
 
+pkg_check_modules(FFMPEG IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
+if(FFMPEG_FOUND)
+  e2lf_feature(films ON "e2lf animate: GIF, WebM, MP4")
+else()
+  e2lf_feature(films OFF "libavformat-dev, libavcodec-dev, libswscale-dev or libavutil-dev not found: no e2lf animate")
+endif()
+
 find_package(MetavisionHAL QUIET)
 if(MetavisionHAL_FOUND)
   e2lf_feature(metavision ON "camera://metavision, not tested with a camera")

@@ -6,7 +6,7 @@
 #include "e2lf/capture/codes_header.h"
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/output.h"
-#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/recordings/open/open_named_recording.h"
@@ -131,7 +131,7 @@ class CycleIterator {
     return to_python(report);
   }
   [[nodiscard]] py::object codes() const {
-    const auto codes = take(cli::recorded_codes(name_, reader_.recording().info()));
+    const auto codes = take(cli::recorded_setup(name_, reader_.recording().info())).codes;
     return codes ? py::object(to_array(*codes)) : py::none();
   }
 

@@ -3,7 +3,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "e2lf/cli/describe.h"
-#include "e2lf/cli/recorded_codes.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/recordings/recording.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
@@ -53,7 +53,7 @@ py::object slice_of(Slice slice) {
 }
 
 py::object codes_of_recording(const Recording& recording) {
-  const auto codes = take(cli::recorded_codes(recording.name(), recording.reader().info()));
+  const auto codes = take(cli::recorded_setup(recording.name(), recording.reader().info())).codes;
   return codes ? py::object(to_array(*codes)) : py::none();
 }
 

@@ -98,17 +98,21 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
 
 /// The verbs, one file each.
 int run_accumulate(const std::vector<std::string>& arguments);
+int run_animate(const std::vector<std::string>& arguments);
 int run_bench(const std::vector<std::string>& arguments);
 int run_calibrate(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
 int run_codes_render(const std::vector<std::string>& arguments);
 int run_convert(const std::vector<std::string>& arguments);
 int run_demo(const std::vector<std::string>& arguments);
+int run_depth(const std::vector<std::string>& arguments);
+int run_epi(const std::vector<std::string>& arguments);
 int run_eval(const std::vector<std::string>& arguments);
 int run_info(const std::vector<std::string>& arguments);
 int run_model(const std::vector<std::string>& arguments);
 int run_pack(const std::vector<std::string>& arguments);
 int run_reconstruct(const std::vector<std::string>& arguments);
+int run_refocus(const std::vector<std::string>& arguments);
 int run_resume(const std::vector<std::string>& arguments);
 int run_simulate(const std::vector<std::string>& arguments);
 int run_train(const std::vector<std::string>& arguments);

@@ -2,32 +2,13 @@
 #include "e2lf/lightfield/refocus.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <numeric>
 
 #include "e2lf/base/threads.h"
+#include "e2lf/lightfield/shift_filter.h"
 
 namespace e2lf::lightfield {
 namespace {
-
-constexpr int kTaps = 4;
-
-/// One fractional shift along one axis: out[i] = sum_k taps[k] * in[i + first + k].
-struct ShiftFilter {
-  ptrdiff_t first = 0;
-  std::array<float, kTaps> taps{};
-};
-
-/// Catmull-Rom interpolation at `shift` px; a whole shift copies.
-ShiftFilter make_shift_filter(float shift) {
-  constexpr float kFarOutside = 1e6F;  // No view is that large, and it fits any integer.
-  shift = std::clamp(shift, -kFarOutside, kFarOutside);
-  const float whole = std::floor(shift);
-  const float t = shift - whole, t2 = t * t, t3 = t2 * t;
-  return {static_cast<ptrdiff_t>(whole) - 1,
-          {0.5F * (-t + 2 * t2 - t3), 0.5F * (2 - 5 * t2 + 3 * t3), 0.5F * (t + 4 * t2 - 3 * t3), 0.5F * (t3 - t2)}};
-}
 
 /// A view with its weight and shifts.
 struct ShiftedView {
@@ -61,13 +42,13 @@ std::vector<ShiftedView> shifted_views(const LightField& light_field, float disp
 void add_row(const ShiftedView& view, const Shape& shape, size_t y, std::vector<float>& padded, float* out) {
   const size_t row_size = shape.width * shape.channels;
   const auto width = static_cast<ptrdiff_t>(shape.width), last_row = static_cast<ptrdiff_t>(shape.height) - 1;
-  const ptrdiff_t first = std::clamp<ptrdiff_t>(view.horizontal.first, -width - kTaps, width);
+  const ptrdiff_t first = std::clamp<ptrdiff_t>(view.horizontal.first, -width - kShiftTaps, width);
   const auto pad_left = static_cast<size_t>(std::max<ptrdiff_t>(0, -first));
-  const auto pad_right = static_cast<size_t>(std::max<ptrdiff_t>(0, first + kTaps - 1));
+  const auto pad_right = static_cast<size_t>(std::max<ptrdiff_t>(0, first + kShiftTaps - 1));
   padded.assign((pad_left + shape.width + pad_right) * shape.channels, 0.0F);
 
   float* middle = padded.data() + pad_left * shape.channels;
-  for (int k = 0; k < kTaps; ++k) {
+  for (int k = 0; k < kShiftTaps; ++k) {
     const float tap = view.weight * view.vertical.taps[k];
     if (tap == 0) continue;
     const ptrdiff_t row = std::clamp<ptrdiff_t>(static_cast<ptrdiff_t>(y) + view.vertical.first + k, 0, last_row);

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/shown_light_field.h"
+
+#include "e2lf/base/text.h"
+#include "e2lf/cli/file_kind.h"
+#include "e2lf/cli/inputs.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+
+Error no_light_field_error(const fs::path& path) {
+  const auto kind = file_kind(path);
+  if (!kind) return kind.error();
+  if (*kind == FileKind::kCycles) {
+    return {ErrorCode::kUnsupported, "a folder of cycles; name one of them, as cycle_00000 in it", path.string()};
+  }
+  return {ErrorCode::kUnsupported,
+          cat("this is ", kind_text(*kind), "; give a light field, as `e2lf reconstruct` makes it"), path.string()};
+}
+
+Result<lightfield::LightField> load_to_show(const fs::path& path, const LightFieldFlags& flags, bool is_quiet) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+  if (kind != FileKind::kLightField) return no_light_field_error(path);
+  lightfield::ReadOptions options = read_options(flags);
+  options.colour = true;
+  options.range = lightfield::RangePolicy::kKeep;
+  return read_with_progress(path, options, is_quiet);
+}
+
+}  // namespace e2lf::cli

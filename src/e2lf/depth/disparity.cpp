@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/depth/disparity.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/text.h"
+#include "e2lf/depth/plane_fit.h"
+#include "e2lf/depth/semi_global.h"
+#include "e2lf/lightfield/crop.h"
+
+namespace e2lf::depth {
+namespace {
+
+using lightfield::Image;
+using lightfield::LightField;
+using lightfield::Shape;
+
+/// Neighbouring labels differ by so much in the farthest view.
+constexpr float kLabelSpacingPx = 0.5F;
+constexpr size_t kMostLabels = 256;
+constexpr uint64_t kMostBytes = uint64_t{8} << 30;
+
+LightField grey_light_field(const LightField& colour) {
+  Shape shape = colour.shape();
+  shape.channels = 1;
+  LightField grey(shape);
+  const auto from = colour.data();
+  const auto to = grey.data();
+  for (size_t i = 0; i < to.size(); ++i) to[i] = lightfield::grey_of(from[3 * i], from[3 * i + 1], from[3 * i + 2]);
+  return grey;
+}
+
+/// Every view reduced by a whole factor; what is left over at the right and below is lost.
+LightField shrunk(const LightField& light_field, size_t factor) {
+  Shape shape = light_field.shape();
+  shape.height /= factor;
+  shape.width /= factor;
+  LightField small(shape);
+  const float scale = 1 / static_cast<float>(factor * factor);
+  for (size_t view_y = 0; view_y < shape.views_y; ++view_y) {
+    for (size_t view_x = 0; view_x < shape.views_x; ++view_x) {
+      for (size_t y = 0; y < shape.height * factor; ++y) {
+        for (size_t x = 0; x < shape.width * factor; ++x) {
+          small.at(view_y, view_x, y / factor, x / factor) += scale * light_field.at(view_y, view_x, y, x);
+        }
+      }
+    }
+  }
+  return small;
+}
+
+size_t farthest_steps(const Shape& shape, const ViewIndex& view) {
+  return std::max({view.y, shape.views_y - 1 - view.y, view.x, shape.views_x - 1 - view.x});
+}
+
+Labels labels_for(const DisparityRange& range, size_t steps) {
+  Labels labels;
+  const float width = range.most - range.least;
+  const float spacing = kLabelSpacingPx / static_cast<float>(steps);
+  labels.first = range.least;
+  labels.count = static_cast<size_t>(std::min(std::ceil(width / spacing), static_cast<float>(kMostLabels - 1))) + 1;
+  labels.count = std::max<size_t>(labels.count, 2);
+  labels.step = width / static_cast<float>(labels.count - 1);
+  return labels;
+}
+
+/// The label of the least cost at each pixel, to a fraction by the parabola through it and its neighbours.
+Image best_disparities(const CostVolume& volume) {
+  Image disparity(volume.width, volume.height, 1);
+  const auto last = static_cast<ptrdiff_t>(volume.labels.count) - 1;
+  for (size_t i = 0; i < disparity.pixels.size(); ++i) {
+    const int16_t* const costs = volume.costs.data() + i * volume.labels.count;
+    const ptrdiff_t best = std::min_element(costs, costs + last + 1) - costs;
+    auto label = static_cast<float>(best);
+    if (best > 0 && best < last) {
+      const int before = costs[best - 1] - costs[best], after = costs[best + 1] - costs[best];
+      if (before + after > 0) label += 0.5F * static_cast<float>(before - after) / static_cast<float>(before + after);
+    }
+    disparity.pixels[i] = volume.labels.disparity(label);
+  }
+  return disparity;
+}
+
+/// A difference of grey values beyond which it does not matter how large it is: it grows with the contrast.
+float most_difference(const Image& picture) {
+  constexpr float kDeviations = 0.8F, kLeast = 0.02F, kMost = 0.2F;
+  double sum = 0, squares = 0;
+  for (float value : picture.pixels) {
+    sum += value;
+    squares += double{value} * double{value};
+  }
+  const auto count = static_cast<double>(picture.pixels.size());
+  const double variance = std::max(squares / count - sum * sum / (count * count), 0.0);
+  return std::clamp(kDeviations * static_cast<float>(std::sqrt(variance)), kLeast, kMost);
+}
+
+/// The larger difference of each pixel to its left and upper neighbour; 0 at the borders.
+std::vector<float> texture_of(const Image& picture) {
+  std::vector<float> texture(picture.pixels.size());
+  for (size_t y = 1; y < picture.height; ++y) {
+    for (size_t x = 1; x < picture.width; ++x) {
+      const float* const pixel = picture.pixels.data() + y * picture.width + x;
+      texture[y * picture.width + x] =
+          std::max(std::abs(pixel[0] - pixel[-1]), std::abs(pixel[0] - *(pixel - picture.width)));
+    }
+  }
+  return texture;
+}
+
+Image coarse_disparities(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
+                         const ProgressFn& progress) {
+  const Labels labels = labels_for(range, farthest_steps(light_field.shape(), view));
+  const Image picture = lightfield::view_image(light_field, view.y, view.x);
+  CostVolume volume = matching_costs(light_field, view, labels, most_difference(picture), progress);
+  smooth_costs(volume, picture, {});
+  return best_disparities(volume);
+}
+
+/// What disparities the half of the pixels with more texture have, but for a three hundredth at either end, found on
+/// reduced views; with a margin.
+DisparityRange find_range(const LightField& light_field, const ViewIndex& view) {
+  constexpr size_t kEnoughPixels = 192;
+  const Shape& shape = light_field.shape();
+  const size_t factor = std::clamp<size_t>(std::min(shape.height, shape.width) / kEnoughPixels, 1, 8);
+  const float scale = static_cast<float>(factor), farthest = kFarthestPx / scale;
+  const LightField small = factor == 1 ? light_field : shrunk(light_field, factor);
+  const Image found = coarse_disparities(small, view, {-farthest, farthest}, {});
+  const std::vector<float> texture = texture_of(lightfield::view_image(small, view.y, view.x));
+  std::vector<float> sorted = texture;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const float median = sorted[sorted.size() / 2];
+  sorted.clear();
+  for (size_t i = 0; i < texture.size(); ++i) {
+    if (texture[i] >= median) sorted.push_back(found.pixels[i]);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  const size_t last = sorted.size() - 1, few = last / 300;
+  const float margin = 0.1F + kLabelSpacingPx / static_cast<float>(farthest_steps(shape, view));
+  return {scale * sorted[few] - margin, scale * sorted[last - few] + margin};
+}
+
+/// The expected error follows from the texture; where neighbours disagree it is larger.
+Image confidence_of(const Planes& planes, float noise) {
+  constexpr float kHalfPx = 0.07F;
+  // Measurements of neighbours are not independent: the reference's noise, the blur and the model are common to them.
+  constexpr float kCommonErrors = 10.0F;
+  Image confidence(planes.value.width, planes.value.height, 1);
+  for (size_t i = 0; i < confidence.pixels.size(); ++i) {
+    const float error = kCommonErrors * noise / std::sqrt(std::max(planes.weight.pixels[i], 1e-12F));
+    const float ratio = error / kHalfPx;
+    confidence.pixels[i] = planes.agreement.pixels[i] / (1 + ratio * ratio);
+  }
+  return confidence;
+}
+
+Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOptions& options) {
+  if (shape.num_views() < 2 || shape.height == 0 || shape.width == 0) {
+    return Error{ErrorCode::kShape, "a single view shows no disparity; give a light field of several views", ""};
+  }
+  if (view.y >= shape.views_y || view.x >= shape.views_x) {
+    return Error{ErrorCode::kNotFound,
+                 cat("there is no view (", view.y, ", ", view.x, ") in ", shape.views_y, "x", shape.views_x,
+                     " views; count from 0"),
+                 ""};
+  }
+  if (options.range && !(std::isfinite(options.range->least) && std::isfinite(options.range->most) &&
+                         options.range->least < options.range->most)) {
+    return Error{ErrorCode::kInvalidValue, "the range of disparities is empty; give the smaller one first", ""};
+  }
+  // Three arrays of costs, and the labels may be so many.
+  const uint64_t bytes_per_pixel = 3 * kMostLabels * sizeof(int16_t);
+  if (uint64_t{shape.height} > kMostBytes / bytes_per_pixel / shape.width) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("views of ", shape.width, "x", shape.height, " px may need more than 8 GiB; crop or reduce them"),
+                 ""};
+  }
+  return {};
+}
+
+}  // namespace
+
+ViewIndex middle_view(const Shape& shape) {
+  return {shape.views_y / 2, shape.views_x / 2};
+}
+
+Result<DisparityMap> estimate_disparity(const LightField& light_field, const DisparityOptions& options,
+                                        const ProgressFn& progress) {
+  const ViewIndex view = options.view.value_or(middle_view(light_field.shape()));
+  E2LF_RETURN_IF_ERROR(check(light_field.shape(), view, options));
+  if (light_field.shape().channels != 1) return estimate_disparity(grey_light_field(light_field), options, progress);
+
+  DisparityMap map{{}, {}, view, options.range ? *options.range : find_range(light_field, view), 0};
+  Planes planes = flat_planes(coarse_disparities(light_field, view, map.range, progress));
+  constexpr PlaneFit kPasses[] = {{.spacing = 3, .tolerance = 0.1F}, {.spacing = 3, .tolerance = 0.07F}};
+  for (PlaneFit pass : kPasses) {
+    const Measurements measurements = measure(light_field, view, planes.value);
+    map.residual = measurements.noise;
+    fit_planes(measurements, pass, planes);
+    pass.spacing = 1;
+    pass.prior_error = 0.01F;
+    fit_planes(measurements, pass, planes);
+  }
+  map.confidence = confidence_of(planes, map.residual);
+  map.disparity = std::move(planes.value);
+  return map;
+}
+
+}  // namespace e2lf::depth

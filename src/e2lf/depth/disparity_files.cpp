@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/depth/disparity_files.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::depth {
+namespace {
+
+using lightfield::Image;
+
+static_assert(std::endian::native == std::endian::little, "files are written from memory as it is");
+
+template <typename T>
+void append(std::vector<uint8_t>& bytes, const T& value) {
+  const auto* const first = reinterpret_cast<const uint8_t*>(&value);
+  bytes.insert(bytes.end(), first, first + sizeof(T));
+}
+
+void append_text(std::vector<uint8_t>& bytes, const std::string& text) {
+  bytes.insert(bytes.end(), text.begin(), text.end());
+}
+
+using Colour = std::array<float, 3>;
+
+/// From far to near, equally far apart.
+constexpr std::array<Colour, 5> kColours = {{{0.19F, 0.21F, 0.58F},
+                                             {0.15F, 0.65F, 0.85F},
+                                             {0.45F, 0.85F, 0.35F},
+                                             {0.98F, 0.80F, 0.20F},
+                                             {0.80F, 0.15F, 0.10F}}};
+
+/// `nearness` in [0, 1].
+Colour colour_of(float nearness) {
+  const float place = nearness * static_cast<float>(kColours.size() - 1);
+  const size_t before = std::min(static_cast<size_t>(place), kColours.size() - 2);
+  const float t = place - static_cast<float>(before);
+  Colour colour;
+  for (size_t c = 0; c < 3; ++c) colour[c] = (1 - t) * kColours[before][c] + t * kColours[before + 1][c];
+  return colour;
+}
+
+}  // namespace
+
+std::vector<uint8_t> encode_pfm(const Image& grey) {
+  E2LF_REQUIRE(grey.channels == 1, "a grey picture");
+  std::vector<uint8_t> bytes;
+  append_text(bytes, cat("Pf\n", grey.width, " ", grey.height, "\n-1.0\n"));
+  for (size_t y = grey.height; y-- > 0;) {
+    const auto* const row = reinterpret_cast<const uint8_t*>(grey.pixels.data() + y * grey.width);
+    bytes.insert(bytes.end(), row, row + grey.width * sizeof(float));
+  }
+  return bytes;
+}
+
+Result<Image> decode_pfm(std::span<const uint8_t> bytes, const std::string& name) {
+  constexpr size_t kLongestHeader = 128;
+  std::istringstream header(
+      std::string(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(std::min(bytes.size(), kLongestHeader))));
+  std::string magic;
+  size_t width = 0, height = 0;
+  double scale = 0;
+  header >> magic;
+  if (magic == "PF") return Error{ErrorCode::kUnsupported, "a PFM file in colour; give a grey one (Pf)", name};
+  if (magic != "Pf" || !(header >> width >> height >> scale) || width == 0 || height == 0 || scale == 0) {
+    return Error{ErrorCode::kFormat, "no PFM file: it begins with Pf, its size and a scale; write it again", name};
+  }
+  const auto data = static_cast<size_t>(header.tellg()) + 1;  // One white space ends the header.
+  const size_t samples = data > bytes.size() ? 0 : (bytes.size() - data) / sizeof(float);
+  if (samples / width < height) {
+    return Error{ErrorCode::kTruncated, cat("ends before its ", width, "x", height, " pixels do; copy it again"), name};
+  }
+  Image image(width, height, 1);
+  for (size_t y = 0; y < height; ++y) {
+    std::memcpy(image.pixels.data() + (height - 1 - y) * width, bytes.data() + data + y * width * sizeof(float),
+                width * sizeof(float));
+  }
+  if (scale > 0) {  // big-endian
+    for (float& value : image.pixels) value = std::bit_cast<float>(__builtin_bswap32(std::bit_cast<uint32_t>(value)));
+  }
+  return image;
+}
+
+Image png_samples(const Image& disparity) {
+  Image image = disparity;
+  for (float& value : image.pixels) value = (kPngZero + kPngScale * value) / 65535.0F;
+  return image;
+}
+
+DisparityRange shown_range(const DisparityMap& map) {
+  constexpr float kSure = 0.3F;
+  std::vector<float> sorted;
+  for (size_t i = 0; i < map.disparity.pixels.size(); ++i) {
+    if (map.confidence.pixels[i] > kSure) sorted.push_back(map.disparity.pixels[i]);
+  }
+  if (sorted.size() < map.disparity.pixels.size() / 20 + 1) sorted = map.disparity.pixels;
+  std::sort(sorted.begin(), sorted.end());
+  const size_t last = sorted.size() - 1, few = last / 100;
+  return {sorted[few], sorted[last - few]};
+}
+
+Image colour_picture(const DisparityMap& map, const DisparityRange& range) {
+  constexpr float kDarkest = 0.35F;
+  const float width = std::max(range.most - range.least, 1e-3F);
+  Image picture(map.disparity.width, map.disparity.height, 3);
+  for (size_t i = 0; i < map.disparity.pixels.size(); ++i) {
+    const float nearness = std::clamp((range.most - map.disparity.pixels[i]) / width, 0.0F, 1.0F);
+    const float light = kDarkest + (1 - kDarkest) * map.confidence.pixels[i];
+    const Colour colour = colour_of(nearness);
+    for (size_t c = 0; c < 3; ++c) picture.pixels[3 * i + c] = light * colour[c];
+  }
+  return picture;
+}
+
+float assumed_infinity(const DisparityRange& range) {
+  return std::max(range.most + std::max(range.most - range.least, 1.0F), 1.0F);
+}
+
+Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const Image& picture,
+                                                const lightfield::Shape& views, const PointGeometry& geometry,
+                                                float least_confidence) {
+  const size_t width = map.disparity.width, height = map.disparity.height;
+  E2LF_REQUIRE(picture.width == width && picture.height == height && picture.channels == 1, "the grey view");
+  const float pixel = geometry.field_width / static_cast<float>(width), step = geometry.infinity_px * pixel;
+  const float pinhole_y = step * (static_cast<float>(map.view.y) - 0.5F * static_cast<float>(views.views_y - 1));
+  const float pinhole_x = step * (static_cast<float>(map.view.x) - 0.5F * static_cast<float>(views.views_x - 1));
+  std::vector<uint8_t> points;
+  size_t count = 0;
+  for (size_t y = 0; y < height; ++y) {
+    for (size_t x = 0; x < width; ++x) {
+      const size_t i = y * width + x;
+      if (map.confidence.pixels[i] < least_confidence) continue;
+      const float d = map.disparity.pixels[i];
+      if (d >= geometry.infinity_px) {
+        return Error{ErrorCode::kInvalidValue,
+                     cat("the disparity at (", y, ", ", x, ") is ", d, " px, not less than that of infinity, ",
+                         geometry.infinity_px, " px; give a larger one"),
+                     ""};
+      }
+      const float z = 1 / (1 - d / geometry.infinity_px);
+      const float at_focus_y = pixel * (static_cast<float>(y) + 0.5F - 0.5F * static_cast<float>(height));
+      const float at_focus_x = pixel * (static_cast<float>(x) + 0.5F - 0.5F * static_cast<float>(width));
+      append(points, pinhole_x + z * (at_focus_x - pinhole_x));
+      append(points, pinhole_y + z * (at_focus_y - pinhole_y));
+      append(points, z);
+      points.push_back(static_cast<uint8_t>(255 * std::clamp(picture.pixels[i], 0.0F, 1.0F) + 0.5F));
+      append(points, map.confidence.pixels[i]);
+      ++count;
+    }
+  }
+  std::vector<uint8_t> bytes;
+  append_text(bytes, cat("ply\nformat binary_little_endian 1.0\n", "comment x right, y down, z away from the camera; ",
+                         "1 = the distance of disparity 0; infinity at ", geometry.infinity_px, " px\n",
+                         "element vertex ", count, "\nproperty float x\nproperty float y\nproperty float z\n",
+                         "property uchar grey\nproperty float confidence\nend_header\n"));
+  bytes.insert(bytes.end(), points.begin(), points.end());
+  return bytes;
+}
+
+}  // namespace e2lf::depth

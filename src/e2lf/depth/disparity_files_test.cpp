@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/depth/disparity_files.h"
+
+#include <cstring>
+#include <gtest/gtest.h>
+#include <string>
+
+namespace e2lf::depth {
+namespace {
+
+using lightfield::Image;
+
+DisparityMap small_map() {
+  DisparityMap map{Image(3, 2, 1), Image(3, 2, 1), {4, 4}, {-1, 1}, 0};
+  map.disparity.pixels = {-1, 0, 1, 0.25F, 0.5F, 0.75F};
+  map.confidence.pixels = {1, 1, 1, 0.1F, 1, 1};
+  return map;
+}
+
+TEST(Pfm, HasItsRowsBottomToTop) {
+  const Image image = small_map().disparity;
+  const std::vector<uint8_t> bytes = encode_pfm(image);
+  const std::string header = "Pf\n3 2\n-1.0\n";
+  ASSERT_EQ(bytes.size(), header.size() + 24);
+  EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(header.size())), header);
+  float first = 0;
+  std::memcpy(&first, bytes.data() + header.size(), 4);
+  EXPECT_EQ(first, 0.25F);
+  EXPECT_EQ(decode_pfm(bytes, "a.pfm").value(), image);
+}
+
+TEST(Pfm, ReadsEitherByteOrderAndRefusesDamage) {
+  const std::string big = std::string("Pf 1 1 1.0\n") + std::string("\x3F\x80\x00\x00", 4);
+  const auto span = [](const std::string& text) {
+    return std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size());
+  };
+  EXPECT_EQ(decode_pfm(span(big), "a").value().pixels[0], 1.0F);
+  EXPECT_EQ(decode_pfm(span(big.substr(0, 13)), "a").error().code, ErrorCode::kTruncated);
+  EXPECT_EQ(decode_pfm(span("Pf 99999999999 99999999999 1.0\n"), "a").error().code, ErrorCode::kTruncated);
+  EXPECT_EQ(decode_pfm(span("PF 1 1 1.0\n"), "a").error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(decode_pfm(span("P5 1 1 255\n"), "a").error().code, ErrorCode::kFormat);
+  EXPECT_EQ(decode_pfm(span("Pf -1 nan"), "a").ok(), false);
+  EXPECT_EQ(decode_pfm(span(""), "a").error().code, ErrorCode::kFormat);
+}
+
+TEST(PngSamples, SayTheDisparity) {
+  const auto png = lightfield::encode_png(png_samples(small_map().disparity), lightfield::PngDepth::k16).value();
+  const Image back = lightfield::decode_image(png, "a.png").value();
+  for (size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR((65535 * back.pixels[i] - kPngZero) / kPngScale, small_map().disparity.pixels[i], 0.5 / kPngScale);
+  }
+}
+
+TEST(ColourPicture, IsRedderNearAndBluerFar) {
+  const Image picture = colour_picture(small_map(), {-1, 1});
+  EXPECT_GT(picture.pixels[0], picture.pixels[2]);              // d = -1: red over blue
+  EXPECT_LT(picture.pixels[2 * 3], picture.pixels[2 * 3 + 2]);  // d = 1: blue over red
+}
+
+TEST(PointCloud, PutsPointsWhereTheyAre) {
+  const auto bytes =
+      encode_point_cloud(small_map(), Image(3, 2, 1), {9, 9, 2, 3, 1}, {.infinity_px = 2, .field_width = 3}, 0.5F);
+  ASSERT_TRUE(bytes.ok());
+  const std::string text(bytes->begin(), bytes->end());
+  EXPECT_NE(text.find("element vertex 5\n"), std::string::npos);  // one has too little confidence
+  const size_t data = text.find("end_header\n") + 11;
+  constexpr size_t kPointBytes = 17;
+  ASSERT_EQ(text.size(), data + 5 * kPointBytes);
+  float point[3];
+  std::memcpy(point, text.data() + data, sizeof(point));
+  // d = -1 of 2: z = 1 / 1.5; the pixel's middle is one pixel left of and half a pixel above the axis.
+  EXPECT_NEAR(point[2], 1 / 1.5, 1e-6);
+  EXPECT_NEAR(point[0], -1 / 1.5, 1e-6);
+  EXPECT_NEAR(point[1], -0.5 / 1.5, 1e-6);
+  EXPECT_EQ(encode_point_cloud(small_map(), Image(3, 2, 1), {9, 9, 2, 3, 1}, {.infinity_px = 1, .field_width = 3}, 0)
+                .error()
+                .code,
+            ErrorCode::kInvalidValue);
+}
+
+TEST(ShownRange, LeavesOutWhatIsNotSure) {
+  DisparityMap map{Image(200, 1, 1), Image(200, 1, 1), {}, {-9, 9}, 0};
+  for (size_t i = 0; i < 200; ++i) {
+    map.disparity.pixels[i] = i < 20 ? 9 : 0.01F * static_cast<float>(i);
+    map.confidence.pixels[i] = i < 20 ? 0.1F : 0.9F;
+  }
+  EXPECT_NEAR(shown_range(map).least, 0.21F, 1e-6);
+  EXPECT_NEAR(shown_range(map).most, 1.98F, 1e-6);
+  map.confidence.pixels.assign(200, 0);
+  EXPECT_EQ(shown_range(map).most, 9);
+}
+
+TEST(AssumedInfinity, LiesBeyondAllDisparities) {
+  EXPECT_EQ(assumed_infinity({-2, 1}), 4);
+  EXPECT_EQ(assumed_infinity({0.5F, 0.5F}), 1.5F);
+  EXPECT_EQ(assumed_infinity({-3, -2.5F}), 1);
+}
+
+}  // namespace
+}  // namespace e2lf::depth

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/depth/semi_global.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/threads.h"
+
+namespace e2lf::depth {
+namespace {
+
+/// Beyond the labels; sums with it do not overflow.
+constexpr int16_t kNever = 16000;
+
+/// Continues a path from `before` to a pixel with these own costs; adds it to `sum`.
+int16_t step(const int16_t* own, const int16_t* before, int16_t least_before, int16_t one_label, int16_t jump,
+             size_t count, int16_t* path, int16_t* sum) {
+  int16_t least = kNever;
+  const auto any = static_cast<int16_t>(least_before + jump);
+  for (size_t i = 0; i < count; ++i) {
+    const auto near = static_cast<int16_t>(std::min(before[static_cast<ptrdiff_t>(i) - 1], before[i + 1]) + one_label);
+    const int16_t best = std::min(std::min(before[i], near), any);
+    const auto cost = static_cast<int16_t>(own[i] + best - least_before);
+    path[i] = cost;
+    least = std::min(least, cost);
+    sum[i] = static_cast<int16_t>(sum[i] + cost);
+  }
+  return least;
+}
+
+/// Paths of one direction for a row of pixels.
+class PathRow {
+ public:
+  PathRow(size_t width, size_t labels)
+      : stride_(labels + 2), costs_(width * stride_, kNever), least_(width, 0), labels_(labels) {}
+  [[nodiscard]] int16_t* costs(size_t x) { return costs_.data() + x * stride_ + 1; }
+  [[nodiscard]] int16_t& least(size_t x) { return least_[x]; }
+  void begin(size_t x, const int16_t* own, int16_t* sum) {
+    int16_t least = kNever;
+    int16_t* const path = costs(x);
+    for (size_t i = 0; i < labels_; ++i) {
+      path[i] = own[i];
+      least = std::min(least, own[i]);
+      sum[i] = static_cast<int16_t>(sum[i] + own[i]);
+    }
+    least_[x] = least;
+  }
+
+ private:
+  size_t stride_;
+  std::vector<int16_t> costs_;
+  std::vector<int16_t> least_;
+  size_t labels_;
+};
+
+/// The four directions that come from pixels before this one in reading order, or in the opposite order. Each order by
+/// itself is sequential, and both are independent of each other.
+class Pass {
+ public:
+  Pass(const CostVolume& volume, const lightfield::Image& picture, const ChangeCosts& change, bool is_forward)
+      : volume_(volume),
+        picture_(picture),
+        change_(change),
+        is_forward_(is_forward),
+        along_(volume.width, volume.labels.count),
+        across_(3, along_),
+        across_before_(across_) {}
+
+  /// Adds the costs of all paths to `sums`.
+  void run(std::vector<int16_t>& sums) {
+    const ptrdiff_t back = is_forward_ ? -1 : 1;
+    const size_t height = volume_.height, width = volume_.width;
+    for (size_t i = 0; i < height; ++i) {
+      const size_t y = is_forward_ ? i : height - 1 - i;
+      for (size_t j = 0; j < width; ++j) {
+        const size_t x = is_forward_ ? j : width - 1 - j;
+        int16_t* const sum = sums.data() + (y * width + x) * volume_.labels.count;
+        advance(along_, along_, {y, x}, 0, back, sum);
+        for (ptrdiff_t side = -1; side <= 1; ++side) {
+          const auto direction = static_cast<size_t>(side + 1);
+          advance(across_[direction], across_before_[direction], {y, x}, back, side, sum);
+        }
+      }
+      std::swap(across_, across_before_);
+    }
+  }
+
+ private:
+  struct Pixel {
+    size_t y, x;
+  };
+
+  /// Continues the path that comes from (by_y, by_x) away, or begins one at the border.
+  void advance(PathRow& now, PathRow& before, const Pixel& pixel, ptrdiff_t by_y, ptrdiff_t by_x, int16_t* sum) const {
+    const auto from_y = static_cast<ptrdiff_t>(pixel.y) + by_y, from_x = static_cast<ptrdiff_t>(pixel.x) + by_x;
+    const int16_t* const own = volume_.at(pixel.y, pixel.x);
+    if (from_y < 0 || from_y >= static_cast<ptrdiff_t>(volume_.height) || from_x < 0 ||
+        from_x >= static_cast<ptrdiff_t>(volume_.width)) {
+      return now.begin(pixel.x, own, sum);
+    }
+    const Pixel from{static_cast<size_t>(from_y), static_cast<size_t>(from_x)};
+    now.least(pixel.x) = step(own, before.costs(from.x), before.least(from.x), change_.one_label, jump(pixel, from),
+                              volume_.labels.count, now.costs(pixel.x), sum);
+  }
+
+  [[nodiscard]] int16_t jump(const Pixel& pixel, const Pixel& from) const {
+    const float difference =
+        std::abs(picture_.pixels[pixel.y * volume_.width + pixel.x] - picture_.pixels[from.y * volume_.width + from.x]);
+    const float cost = static_cast<float>(change_.most) / (1 + difference / change_.edge);
+    return std::max(change_.least, static_cast<int16_t>(cost));
+  }
+
+  const CostVolume& volume_;
+  const lightfield::Image& picture_;
+  const ChangeCosts& change_;
+  bool is_forward_;
+  PathRow along_;
+  std::vector<PathRow> across_, across_before_;
+};
+
+}  // namespace
+
+void smooth_costs(CostVolume& volume, const lightfield::Image& picture, const ChangeCosts& change) {
+  E2LF_REQUIRE(picture.width == volume.width && picture.height == volume.height && picture.channels == 1,
+               "the picture is the grey reference view");
+  std::vector<int16_t> forward(volume.costs.size()), backward(volume.costs.size());
+  parallel_for(2, 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) Pass(volume, picture, change, i == 0).run(i == 0 ? forward : backward);
+  });
+  for (size_t i = 0; i < forward.size(); ++i) volume.costs[i] = static_cast<int16_t>(forward[i] + backward[i]);
+}
+
+}  // namespace e2lf::depth

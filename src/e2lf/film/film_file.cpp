@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/film/film_file.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/imgutils.h>
+#include <libavutil/opt.h>
+#include <libswscale/swscale.h>
+}
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::film {
+namespace {
+
+using lightfield::Image;
+
+/// How a format is made.
+struct Recipe {
+  const char* container;
+  std::vector<AVCodecID> codecs;  ///< the first that there is an encoder for
+  const char* quality;            ///< its constant rate factor
+};
+
+Recipe recipe_of(FilmFormat format) {
+  switch (format) {
+    case FilmFormat::kGif:
+      return {"gif", {AV_CODEC_ID_GIF}, nullptr};
+    case FilmFormat::kWebm:
+      return {"webm", {AV_CODEC_ID_VP9, AV_CODEC_ID_VP8}, "20"};
+    case FilmFormat::kMp4:
+      break;
+  }
+  return {"mp4", {AV_CODEC_ID_H264, AV_CODEC_ID_MPEG4}, "18"};
+}
+
+const AVCodec* encoder_of(const Recipe& recipe) {
+  for (AVCodecID id : recipe.codecs) {
+    if (const AVCodec* encoder = avcodec_find_encoder(id)) return encoder;
+  }
+  return nullptr;
+}
+
+AVPixelFormat pixels_of(FilmFormat format, bool has_colour) {
+  if (format != FilmFormat::kGif) return AV_PIX_FMT_YUV420P;
+  return has_colour ? AV_PIX_FMT_RGB8 : AV_PIX_FMT_GRAY8;
+}
+
+}  // namespace
+
+struct FilmFile::Impl {
+  std::string name;
+  size_t width = 0, height = 0, channels = 1;  ///< of the frames given
+  AVFormatContext* container = nullptr;
+  AVCodecContext* encoder = nullptr;
+  AVStream* stream = nullptr;
+  SwsContext* converter = nullptr;
+  AVFrame* frame = nullptr;
+  AVPacket* packet = nullptr;
+  int64_t frames = 0;  ///< added so far
+
+  Impl() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    av_packet_free(&packet);
+    av_frame_free(&frame);
+    sws_freeContext(converter);
+    avcodec_free_context(&encoder);
+    if (container != nullptr) avio_closep(&container->pb);
+    avformat_free_context(container);
+  }
+
+  /// What a call of the libraries came to.
+  [[nodiscard]] Result<void> check(int code, const char* what, ErrorCode kind = ErrorCode::kInternal) const {
+    if (code >= 0) return {};
+    std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
+    av_strerror(code, text.data(), text.size());
+    return Error{kind, cat("FFmpeg cannot ", what, " (", text.data(), "); free some disk space or take another format"),
+                 name};
+  }
+
+  Result<void> open(const FilmOptions& options, const Image& first) {
+    const Recipe recipe = recipe_of(options.format);
+    const AVCodec* const codec = encoder_of(recipe);
+    if (codec == nullptr) {
+      return Error{ErrorCode::kMissingDependency,
+                   cat("FFmpeg's libraries here have no encoder for ", recipe.container, "; take .gif"), name};
+    }
+    E2LF_RETURN_IF_ERROR(check(avformat_alloc_output_context2(&container, nullptr, recipe.container, name.c_str()),
+                               "make this container"));
+    encoder = avcodec_alloc_context3(codec);
+    stream = avformat_new_stream(container, nullptr);
+    frame = av_frame_alloc();
+    packet = av_packet_alloc();
+    if (encoder == nullptr || stream == nullptr || frame == nullptr || packet == nullptr) {
+      return check(AVERROR(ENOMEM), "begin");
+    }
+    set_up(options, recipe, first.channels == 3);
+    E2LF_RETURN_IF_ERROR(check(avcodec_open2(encoder, codec, nullptr), "open the encoder"));
+    E2LF_RETURN_IF_ERROR(
+        check(avcodec_parameters_from_context(stream->codecpar, encoder), "describe the film in its file"));
+    E2LF_RETURN_IF_ERROR(check(avio_open(&container->pb, name.c_str(), AVIO_FLAG_WRITE), "write", ErrorCode::kIo));
+    E2LF_RETURN_IF_ERROR(check(avformat_write_header(container, nullptr), "write", ErrorCode::kIo));
+    return make_converter();
+  }
+
+  void set_up(const FilmOptions& options, const Recipe& recipe, bool has_colour) const {
+    const bool is_even = options.format != FilmFormat::kGif;
+    encoder->width = static_cast<int>(is_even ? width & ~size_t{1} : width);
+    encoder->height = static_cast<int>(is_even ? height & ~size_t{1} : height);
+    encoder->time_base = {1, options.frames_per_s};
+    encoder->framerate = {options.frames_per_s, 1};
+    encoder->pix_fmt = pixels_of(options.format, has_colour);
+    // The same frames give the same file: no version in it.
+    encoder->flags |= AV_CODEC_FLAG_BITEXACT;
+    container->flags |= AVFMT_FLAG_BITEXACT;
+    if ((container->oformat->flags & AVFMT_GLOBALHEADER) != 0) encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+    // An encoder that does not know one of these goes without it.
+    if (recipe.quality != nullptr) av_opt_set(encoder->priv_data, "crf", recipe.quality, 0);
+    av_opt_set(encoder->priv_data, "cpu-used", "4", 0);
+    stream->time_base = encoder->time_base;
+  }
+
+  Result<void> make_converter() {
+    const AVPixelFormat from = channels == 3 ? AV_PIX_FMT_RGB24 : AV_PIX_FMT_GRAY8;
+    converter = sws_getContext(encoder->width, encoder->height, from, encoder->width, encoder->height, encoder->pix_fmt,
+                               SWS_BICUBIC, nullptr, nullptr, nullptr);
+    if (converter == nullptr) return check(AVERROR(ENOMEM), "convert pictures");
+    frame->format = encoder->pix_fmt;
+    frame->width = encoder->width;
+    frame->height = encoder->height;
+    return check(av_frame_get_buffer(frame, 0), "hold a picture");
+  }
+
+  /// Sends a frame, or nullptr at the end, and writes what comes out.
+  Result<void> encode(const AVFrame* input) const {
+    E2LF_RETURN_IF_ERROR(check(avcodec_send_frame(encoder, input), "encode"));
+    for (;;) {
+      const int code = avcodec_receive_packet(encoder, packet);
+      if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return {};
+      E2LF_RETURN_IF_ERROR(check(code, "encode"));
+      packet->duration = 1;
+      av_packet_rescale_ts(packet, encoder->time_base, stream->time_base);
+      packet->stream_index = stream->index;
+      E2LF_RETURN_IF_ERROR(check(av_interleaved_write_frame(container, packet), "write", ErrorCode::kIo));
+    }
+  }
+};
+
+bool can_write_films() {
+  return true;
+}
+
+FilmFile::FilmFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+FilmFile::FilmFile(FilmFile&&) noexcept = default;
+FilmFile& FilmFile::operator=(FilmFile&&) noexcept = default;
+FilmFile::~FilmFile() = default;
+
+Result<FilmFile> FilmFile::create(const std::filesystem::path& path, const FilmOptions& options, const Image& first) {
+  E2LF_REQUIRE(options.frames_per_s >= 1 && options.frames_per_s <= 100, "1 to 100 frames per second");
+  if (first.width < 2 || first.height < 2 || first.width > 16384 || first.height > 16384) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("a film of ", first.width, "x", first.height, " px; sides are 2 to 16384 px"), path.string()};
+  }
+  av_log_set_level(AV_LOG_QUIET);
+  auto impl = std::make_unique<Impl>();
+  impl->name = path.string();
+  impl->width = first.width;
+  impl->height = first.height;
+  impl->channels = first.channels;
+  E2LF_RETURN_IF_ERROR(impl->open(options, first));
+  return FilmFile(std::move(impl));
+}
+
+Result<void> FilmFile::add(const Image& image) {
+  E2LF_REQUIRE(image.width == impl_->width && image.height == impl_->height && image.channels == impl_->channels,
+               "all frames have one size");
+  const lightfield::ByteImage bytes = lightfield::to_bytes(image);
+  E2LF_RETURN_IF_ERROR(impl_->check(av_frame_make_writable(impl_->frame), "hold a picture"));
+  const uint8_t* const source = bytes.pixels.data();
+  const int stride = static_cast<int>(image.width * image.channels);
+  sws_scale(impl_->converter, &source, &stride, 0, impl_->encoder->height, impl_->frame->data, impl_->frame->linesize);
+  impl_->frame->pts = impl_->frames++;
+  return impl_->encode(impl_->frame);
+}
+
+Result<void> FilmFile::finish() {
+  E2LF_RETURN_IF_ERROR(impl_->encode(nullptr));
+  E2LF_RETURN_IF_ERROR(impl_->check(av_write_trailer(impl_->container), "write", ErrorCode::kIo));
+  return impl_->check(avio_closep(&impl_->container->pb), "write", ErrorCode::kIo);
+}
+
+}  // namespace e2lf::film

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// A build without FFmpeg's libraries.
+#include "e2lf/film/film_file.h"
+
+namespace e2lf::film {
+
+struct FilmFile::Impl {};
+
+bool can_write_films() {
+  return false;
+}
+
+Result<FilmFile> FilmFile::create(const std::filesystem::path& path, const FilmOptions& /*options*/,
+                                  const lightfield::Image& /*first*/) {
+  return Error{ErrorCode::kMissingDependency,
+               "this build writes no films; install libavcodec-dev, libavformat-dev, libavutil-dev and libswscale-dev "
+               "and build again",
+               path.string()};
+}
+
+FilmFile::FilmFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+FilmFile::FilmFile(FilmFile&&) noexcept = default;
+FilmFile& FilmFile::operator=(FilmFile&&) noexcept = default;
+FilmFile::~FilmFile() = default;
+
+Result<void> FilmFile::add(const lightfield::Image& /*frame*/) {
+  return {};
+}
+
+Result<void> FilmFile::finish() {
+  return {};
+}
+
+}  // namespace e2lf::film

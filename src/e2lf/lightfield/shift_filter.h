@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace e2lf::lightfield {
+
+inline constexpr int kShiftTaps = 4;
+
+/// One fractional shift along one axis: out[i] = sum_k taps[k] * in[i + first + k].
+struct ShiftFilter {
+  ptrdiff_t first = 0;
+  std::array<float, kShiftTaps> taps{};
+};
+
+/// Catmull-Rom interpolation at `shift` px, within +-1e6 px; a whole shift copies.
+[[nodiscard]] inline ShiftFilter make_shift_filter(float shift) {
+  constexpr float kFarOutside = 1e6F;  // No view is that large, and it fits any integer.
+  shift = std::clamp(shift, -kFarOutside, kFarOutside);
+  const float whole = std::floor(shift);
+  const float t = shift - whole, t2 = t * t, t3 = t2 * t;
+  return {static_cast<ptrdiff_t>(whole) - 1,
+          {0.5F * (-t + 2 * t2 - t3), 0.5F * (2 - 5 * t2 + 3 * t3), 0.5F * (t + 4 * t2 - 3 * t3), 0.5F * (t3 - t2)}};
+}
+
+}  // namespace e2lf::lightfield
