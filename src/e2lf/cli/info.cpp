@@ -28,6 +28,13 @@ struct Description {
 };
 
 Result<Description> describe_model(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
+  if (is_video) {
+    E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(path));
+    Json json = model::summary_json(model);
+    json["kind"] = "model of frames";
+    return Description{model::summary_text(model), std::move(json)};
+  }
   E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
   Json json = model::summary_json(model);
   json["kind"] = "model";

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/safetensors.h"
+#include "e2lf/model/event_video_networks.h"
 #include "testing/event_video_checkpoints.h"
 #include "testing/test_files.h"
 
@@ -34,7 +35,8 @@ TEST(ImportEventVideo, FireNetAndFireNetPlusAreToldByTheirNames) {
   EXPECT_EQ(plus->name, "firenet+");
   EXPECT_FALSE(plus->normalises_voxels);
   EXPECT_EQ(plus->pad_multiple, 1U);
-  EXPECT_EQ(plus->network, legacy->network);
+  EXPECT_EQ(plus->network, firenet());
+  EXPECT_EQ(legacy->network, firenet());
 }
 
 TEST(ImportEventVideo, UpdateGatesStandBeforeResetGates) {
@@ -53,13 +55,13 @@ TEST(ImportEventVideo, TheUnetHasTheParametersOfE2vidAndItsConventions) {
   EXPECT_EQ(plus->name, "e2vid+");
   EXPECT_EQ(num_parameters(plus->network), 10710401U);
   EXPECT_EQ(plus->pad_multiple, 8U);
-  EXPECT_EQ(plus->network.layers.back().op, Op::kConv);
+  EXPECT_EQ(plus->network, event_unet());
   const auto e2vid = import_tensors(unet_checkpoint({.is_normalised = true}));
   ASSERT_TRUE(e2vid.ok()) << e2vid.error().text();
   EXPECT_EQ(e2vid->name, "e2vid");
   EXPECT_EQ(e2vid->tone, Tone::kRobust);
   EXPECT_TRUE(e2vid->normalises_voxels);
-  EXPECT_EQ(e2vid->network.layers.back().op, Op::kSigmoid);
+  EXPECT_EQ(e2vid->network, event_unet({.ends_in_sigmoid = true}));
   EXPECT_EQ(import_tensors(unet_checkpoint({.is_normalised = false}), "ssl-e2vid")->tone, Tone::kExpRobust);
 }
 
