@@ -53,8 +53,8 @@ struct Module {
       memory = torch::sigmoid(gates[1]) * memory + torch::sigmoid(gates[0]) * torch::tanh(gates[3]);
       return hidden = torch::sigmoid(gates[2]) * torch::tanh(memory);
     }
-    const auto gates = torch::sigmoid_(conv(torch::cat({x, hidden}, 1))).chunk(2, 1);
-    const auto wanted = torch::tanh_(candidate(torch::cat({x, gates[1] * hidden}, 1)));
+    const auto gates = torch::sigmoid(conv(torch::cat({x, hidden}, 1))).chunk(2, 1);
+    const auto wanted = torch::tanh(candidate(torch::cat({x, gates[1] * hidden}, 1)));
     return hidden = hidden * (1 - gates[0]) + wanted * gates[0];
   }
 
