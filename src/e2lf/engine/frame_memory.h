@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "e2lf/engine/aligned_buffer.h"
+#include "e2lf/engine/row_pool.h"
 
 namespace e2lf::engine {
 
@@ -20,6 +21,7 @@ struct WholeTensor {
 struct FrameMemory {
   std::vector<WholeTensor> before, now;  ///< one for each state
   size_t height = 0, width = 0;          ///< of the image
+  RowPool rows;                          ///< of all other tensors: new memory for each frame would have to be cleared
 
   void end_frame() { before.swap(now); }
 };

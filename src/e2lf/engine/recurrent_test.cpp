@@ -10,6 +10,7 @@
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/engine/reference.h"
+#include "e2lf/engine/stream.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::engine {
@@ -183,6 +184,26 @@ TEST_F(RecurrentTest, ANewStateBeginsAgainAndANetworkWithoutMemoryForgetsEveryFr
   EXPECT_NE(first, second);
   EXPECT_EQ(first, again);
   EXPECT_EQ(first, alone);
+}
+
+TEST_F(RecurrentTest, MemoryDoesNotGrowFromFrameToFrame) {
+  for (const TestNetwork& test : recurrent_networks()) {
+    const Plan plan = make_plan(test.network, random_weights(test.network, 3), ElementType::kFloat32).value();
+    const size_t height = 12 * test.multiple, width = 9 * test.multiple;
+    const auto input = random_values(test.network.input_channels * height * width, 5);
+    std::vector<float> output(plan.tensors.back().channels * height * width);
+    FrameMemory memory;
+    size_t first_bytes = 0;
+    for (int frame = 0; frame < 3; ++frame) {
+      Stream stream(plan, {input, output, height, width}, 0, width, &memory);
+      while (stream.advance()) {
+      }
+      memory.end_frame();
+      if (frame == 0) first_bytes = memory.rows.bytes();
+      EXPECT_EQ(memory.rows.bytes(), first_bytes) << test.name;
+    }
+    EXPECT_GT(first_bytes, 0U);
+  }
 }
 
 TEST_F(RecurrentTest, AStateOfAnotherSizeBreaksTheContract) {

@@ -37,7 +37,8 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, F
       begin_(begin),
       end_(end),
       wide_begin_(begin > plan.halo ? begin - plan.halo : 0),
-      wide_end_(std::min(image.width, end + plan.halo)) {
+      wide_end_(std::min(image.width, end + plan.halo)),
+      pool_(memory != nullptr ? &memory->rows : &own_pool_) {
   for (const TensorSpec& spec : plan.tensors) {
     Tensor tensor;
     tensor.channels = spec.channels;
@@ -148,7 +149,7 @@ size_t Stream::rows_wanted(size_t index) const {
 
 void Stream::add_rows(Tensor& tensor, size_t end) {
   for (size_t y = tensor.done; y < end; ++y) {
-    std::byte* memory = tensor.whole != nullptr ? tensor.whole->row(y) : pool_.take(tensor.row_bytes());
+    std::byte* memory = tensor.whole != nullptr ? tensor.whole->row(y) : pool_->take(tensor.row_bytes());
     std::byte* row = memory + tensor.left * tensor.pixel_bytes;
     std::memset(memory, 0, tensor.left * tensor.pixel_bytes);
     std::memset(row + tensor.width * tensor.pixel_bytes, 0, tensor.right * tensor.pixel_bytes);
@@ -168,10 +169,21 @@ void Stream::release_rows(size_t index) {
     }
     if (stage.residual == index && !finished) needed = std::min(needed, next);
   }
-  for (; tensor.released < needed; ++tensor.released) {
-    std::byte*& row = tensor.table[tensor.left + tensor.released];
-    if (tensor.whole == nullptr) pool_.give_back(row - tensor.left * tensor.pixel_bytes, tensor.row_bytes());
-    row = nullptr;
+  for (; tensor.released < needed; ++tensor.released) give_back(tensor, tensor.released);
+}
+
+void Stream::give_back(Tensor& tensor, size_t y) {
+  std::byte*& row = tensor.table[tensor.left + y];
+  if (row != nullptr && tensor.whole == nullptr) {
+    pool_->give_back(row - tensor.left * tensor.pixel_bytes, tensor.row_bytes());
+  }
+  row = nullptr;
+}
+
+/// The next frame takes its rows from the same pool.
+Stream::~Stream() {
+  for (Tensor& tensor : tensors_) {
+    for (size_t y = tensor.released; y < tensor.height; ++y) give_back(tensor, y);
   }
 }
 

@@ -28,6 +28,9 @@ class Stream {
  public:
   /// A plan with states needs `memory`, and all columns at once; FrameMemory::end_frame() ends the frame.
   Stream(const Plan& plan, const Image& image, size_t begin, size_t end, FrameMemory* memory = nullptr);
+  ~Stream();
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
 
   /// One round; false once the last row of output is written. What a kernel throws comes through here and ends the
   /// stream.
@@ -36,7 +39,7 @@ class Stream {
   [[nodiscard]] size_t rows_done() const { return written_; }
 
   /// Memory that rows have taken so far.
-  [[nodiscard]] size_t live_bytes() const { return pool_.bytes(); }
+  [[nodiscard]] size_t live_bytes() const { return pool_->bytes(); }
 
  private:
   /// Rows of a tensor: a table of all rows with those outside the image, which are zero. Null = not there.
@@ -67,6 +70,7 @@ class Stream {
 
   void add_margins();
   void open_memory(FrameMemory& memory);
+  void give_back(Tensor& tensor, size_t y);
   void make_tables();
   void measure_distances();
   void add_rows(Tensor& tensor, size_t end);
@@ -85,7 +89,8 @@ class Stream {
   std::vector<Tensor> tensors_;
   size_t round_ = 0, rounds_ahead_ = 0;  ///< the input is so many rounds ahead of the output
   size_t written_ = 0;
-  RowPool pool_;
+  RowPool own_pool_;
+  RowPool* pool_;  ///< its own, or that of the frames' memory
   AlignedBuffer zero_row_;
   std::vector<AlignedBuffer> scratch_;  ///< one for each thread
 };
