@@ -150,6 +150,8 @@ def prepare(e2lf, folder):
              "events.npz", recording, True),
         Verb("reconstruct", e2lf, ["reconstruct", "{source}", "-o", "{result}", "--source", "triggers", "--method",
                                    "inversion", "--max-cycles", "4", "--quiet"], "recon", recording, True),
+        Verb("video", e2lf, ["video", "{source}", "-o", "{result}", "--window-us", "20000", "--quiet"], "frames", recording,
+             True),
         Verb("simulate", e2lf, ["simulate", "{source}", "-o", "{result}", "--cycles", "4", "--quiet"],
              "simulated.npz", scene, False),
     ]

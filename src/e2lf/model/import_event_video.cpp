@@ -44,7 +44,7 @@ class Importer {
   /// A convolution "<key>.weight", with a bias and batch normalisation "<norm>" where they are there.
   Result<std::string> conv(Layer layer, const std::string& key, const std::string& norm = "") {
     E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key + ".weight"));
-    if (tensor->shape.size() != 4 || tensor->shape[2] != tensor->shape[3]) {
+    if (tensor->shape.size() != 4 || tensor->shape[2] != tensor->shape[3] || tensor->num_elements() == 0) {
       return Error{
           ErrorCode::kShape,
           cat("weights of shape ", shape_text(tensor->shape), ", not of a convolution; give the published file"),

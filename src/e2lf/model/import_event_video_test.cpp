@@ -109,6 +109,10 @@ TEST(ImportEventVideo, RefusesWhatItDoesNotKnow) {
   misfit.tensors["G1.reset_gate.weight"] = make_tensor({16, 32, 1, 1}, std::vector<float>(512));
   EXPECT_EQ(import_tensors(misfit).error().code, ErrorCode::kShape);
 
+  Safetensors empty = firenet_checkpoint(false);
+  empty.tensors["pred.conv2d.weight"] = make_tensor({0, 16, 1, 1}, std::vector<float>());
+  EXPECT_EQ(import_tensors(empty).error().code, ErrorCode::kShape);
+
   EXPECT_THAT(import_tensors(firenet_checkpoint(false), "e2vid").error().message, HasSubstr("other layers"));
   EXPECT_THAT(import_tensors(firenet_checkpoint(false), "hypere2vid").error().message, HasSubstr("known are"));
 
