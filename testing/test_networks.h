@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -85,6 +86,13 @@ inline std::vector<TestNetwork> test_networks() {
         {conv("d", "input", 18, 3, true, "", 3), conv("e", "d", 18, 5), reshape("up", Op::kUpsample, {"e"}, 3),
          reshape("cat", Op::kConcat, {"input", "up"}, 1, true), conv("out", "cat", 7, 3)}},
        3});
+  list.push_back({"bilinear",
+                  {3,
+                   {conv("half", "input", 20, 5, true, "", 2), conv("third", "half", 17, 3, true, "", 3),
+                    reshape("up3", Op::kUpsampleBilinear, {"third"}, 3, true), conv("a", "up3", 20, 3, false, "half"),
+                    reshape("up2", Op::kUpsampleBilinear, {"a"}, 2), conv("b", "up2", 5, 5, false),
+                    reshape("out", Op::kSigmoid, {"b"})}},
+                  6});
   // Sums that convolutions can make themselves, of one of them and something else, before and after the other.
   model::Layer up = transposed("up", "half", 32, 2);
   up.relu = false;
@@ -100,21 +108,58 @@ inline std::vector<TestNetwork> test_networks() {
   return list;
 }
 
+inline model::Layer cell(const std::string& name, model::Op op, const std::string& input, size_t out, size_t kernel) {
+  model::Layer layer = conv(name, input, out, kernel, false);
+  layer.op = op;
+  return layer;
+}
+
+/// Networks with both kinds of cells, at full and at lower resolution, as the last layer too; one keeps rows that its
+/// output does not depend on.
+inline std::vector<TestNetwork> recurrent_networks() {
+  using model::Op;
+  std::vector<TestNetwork> list;
+  list.push_back(
+      {"gru",
+       {5,
+        {conv("head", "input", 16, 3), cell("g1", Op::kConvGru, "head", 16, 3), conv("r1", "g1", 16, 3),
+         conv("r2", "r1", 16, 3, true, "g1"), cell("g2", Op::kConvGru, "r2", 16, 3), conv("out", "g2", 1, 1, false)}},
+       1});
+  list.push_back(
+      {"lstm",
+       {5,
+        {conv("head", "input", 8, 5), conv("e0", "head", 20, 5, true, "", 2), cell("l0", Op::kConvLstm, "e0", 20, 3),
+         conv("e1", "l0", 24, 5, true, "", 2), cell("l1", Op::kConvLstm, "e1", 24, 3),
+         reshape("s1", Op::kAdd, {"l1", "e1"}), reshape("u1", Op::kUpsampleBilinear, {"s1"}, 2),
+         conv("d1", "u1", 20, 5), reshape("s0", Op::kAdd, {"d1", "l0"}),
+         reshape("u0", Op::kUpsampleBilinear, {"s0"}, 2), conv("d0", "u0", 8, 5),
+         reshape("s", Op::kAdd, {"d0", "head"}), conv("p", "s", 2, 1, false), reshape("out", Op::kSigmoid, {"p"})}},
+       4});
+  list.push_back({"odd", {3, {cell("a", Op::kConvGru, "input", 7, 5), cell("b", Op::kConvLstm, "a", 33, 1)}}, 1});
+  list.push_back({"sparse",
+                  {3,
+                   {cell("a", Op::kConvGru, "input", 9, 3), conv("b", "a", 8, 5, true, "", 4),
+                    reshape("out", Op::kUpsample, {"b"}, 4)}},
+                  4});
+  return list;
+}
+
 /// Weights that keep the size of values from layer to layer; biases that matter.
 inline model::Weights random_weights(const model::Network& network, uint64_t seed) {
-  const auto shapes = model::infer_shapes(network).value();
   model::Weights weights;
-  for (const model::Layer& layer : network.layers) {
-    if (layer.op != model::Op::kConv && layer.op != model::Op::kConvTransposed) continue;
-    size_t in = network.input_channels;
-    for (size_t i = 0; i < network.layers.size(); ++i) {
-      if (network.layers[i].name == layer.inputs[0]) in = shapes[i].channels;
+  for (const model::WeightShape& tensor : model::weight_shapes(network)) {
+    const std::vector<size_t>& shape = tensor.shape;
+    if (shape.size() == 1) {
+      weights[tensor.name] = random_values(shape[0], ++seed, 0.3F);
+      continue;
     }
-    const size_t taps = layer.kernel * layer.kernel;
-    const size_t summed = in * (layer.op == model::Op::kConv ? taps : 1);
+    const std::string layer = tensor.name.substr(0, tensor.name.rfind('.'));
+    const bool is_transposed = std::any_of(network.layers.begin(), network.layers.end(), [&](const auto& each) {
+      return each.name == layer && each.op == model::Op::kConvTransposed;
+    });
+    const size_t summed = is_transposed ? shape[0] : shape[1] * shape[2] * shape[3];
     const float scale = std::sqrt(4.0F / static_cast<float>(summed));
-    weights[layer.name + ".weight"] = random_values(in * taps * layer.out_channels, ++seed, scale);
-    weights[layer.name + ".bias"] = random_values(layer.out_channels, ++seed, 0.3F);
+    weights[tensor.name] = random_values(shape[0] * shape[1] * shape[2] * shape[3], ++seed, scale);
   }
   return weights;
 }

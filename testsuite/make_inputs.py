@@ -4,6 +4,7 @@
   events PATH.npz [transitions=3 height=24 width=32 cycles=1 nan=0]   event images drawn at random
   triple DIR      [transitions=3 height=24 width=32]                  event_image_0000K.npy as the paper's software writes them
   release DIR     [width=64 transpose=0]                              random weights named and shaped like the paper's release
+  firenet PATH.safetensors                                            random weights named and shaped like FireNet+
 """
 import json
 import pathlib
@@ -57,10 +58,30 @@ def make_release(folder, width=64, transpose=0):
     write_safetensors(f"{folder}/AcqNet.safetensors", {"param": np.zeros((64, 3), np.float32), "mask_4x64": codes})
 
 
+def make_firenet(path):
+    rng = np.random.default_rng(3)
+    tensors = {}
+
+    def conv(name, inputs, outputs, kernel):
+        tensors[f"{name}.weight"] = rng.normal(0, 1 / np.sqrt(inputs * kernel**2),
+                                               (outputs, inputs, kernel, kernel)).astype(np.float32)
+        tensors[f"{name}.bias"] = rng.normal(0, 0.1, outputs).astype(np.float32)
+
+    conv("head.conv2d", 5, 16, 3)
+    for number in "12":
+        for gate in ("reset_gate", "update_gate", "out_gate"):
+            conv(f"G{number}.{gate}", 32, 16, 3)
+        for part in "12":
+            conv(f"R{number}.conv{part}", 16, 16, 3)
+    conv("pred.conv2d", 16, 1, 1)
+    write_safetensors(path, tensors)
+
+
 def main():
     kind, path, *rest = sys.argv[1:]
     options = {key: int(value) for key, value in (pair.split("=") for pair in rest)}
-    {"events": make_events, "triple": make_triple, "release": make_release}[kind](path, **options)
+    {"events": make_events, "triple": make_triple, "release": make_release,
+     "firenet": make_firenet}[kind](path, **options)
 
 
 if __name__ == "__main__":

@@ -81,6 +81,15 @@ class Verb:
                                   timeout=LIMIT_S).returncode == 0 for path in paths)
 
 
+class Frames(Verb):
+    """A folder of frames, which no other verb reads."""
+
+    def is_readable(self, e2lf, out):
+        rows = (out / self.result / "frames.csv").read_text().splitlines()[1:]
+        frames = sorted((out / self.result).glob("*.png"))
+        return len(frames) == len(rows) > 0 and all(frame.read_bytes()[-8:-4] == b"IEND" for frame in frames)
+
+
 class Training(Verb):
     """A run folder. Its figures depend on the machine's threads, so that the model is read rather than compared."""
 
@@ -150,6 +159,8 @@ def prepare(e2lf, folder):
              "events.npz", recording, True),
         Verb("reconstruct", e2lf, ["reconstruct", "{source}", "-o", "{result}", "--source", "triggers", "--method",
                                    "inversion", "--max-cycles", "4", "--quiet"], "recon", recording, True),
+        Frames("video", e2lf, ["video", "{source}", "-o", "{result}", "--window-us", "20000", "--quiet"], "frames",
+               recording, True),
         Verb("simulate", e2lf, ["simulate", "{source}", "-o", "{result}", "--cycles", "4", "--quiet"],
              "simulated.npz", scene, False),
     ]

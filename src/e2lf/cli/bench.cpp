@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
-// e2lf bench reconstruct | simulate; decode is in a file of its own
+// e2lf bench reconstruct | simulate | train | video; decode is in a file of its own
+#include <cmath>
 #include <cstdio>
 
 #include "bench/simulate/benchmark_simulate.h"
 #include "bench/simulate/benchmark_stream.h"
 #include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
 #include "e2lf/cli/bench_camera.h"
 #include "e2lf/cli/bench_decode.h"
 #include "e2lf/cli/bench_reconstruct.h"
 #include "e2lf/cli/bench_rig.h"
+#include "e2lf/cli/bench_video.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/trainer_program.h"
@@ -77,6 +80,56 @@ int run_bench_reconstruct(const std::vector<std::string>& arguments) {
   });
 }
 
+void print_bench_video(const Json& json) {
+  std::printf("%d threads, %s; seconds for a frame\n\n%-34s %10s %9s %9s %9s %9s %12s\n", json["threads"].get<int>(),
+              json["isa"].get<std::string>().c_str(), "", "px", "float32", "bfloat16", "libtorch", "float32 x",
+              "bfloat16 x");
+  for (const Json& row : json["networks"]) {
+    const auto number = [&](const char* what, const char* precision) -> double {
+      if (!row.contains(precision) || !row[precision].contains(what)) return NAN;
+      const Json& value = row[precision][what];
+      return value.is_object() ? value["median"].get<double>() : value.get<double>();
+    };
+    const std::string size = cat(row["image"][1].get<size_t>(), "x", row["image"][0].get<size_t>());
+    std::printf("%-34s %10s %9.4f %9.4f %9.4f %9.1f %12.1f\n", row["network"].get<std::string>().c_str(), size.c_str(),
+                number("seconds", "float32"), number("seconds", "bfloat16"), number("seconds", "peer"),
+                number("ratio_to_peer", "float32"), number("ratio_to_peer", "bfloat16"));
+    if (row["peer"].contains("absent")) {
+      std::printf("  no peer: %s\n", row["peer"]["absent"].get<std::string>().c_str());
+    } else {
+      std::printf("  largest difference between libtorch and float32: %.1g\n",
+                  row["peer"]["largest_difference"].get<double>());
+    }
+  }
+}
+
+int run_bench_video(const std::vector<std::string>& arguments) {
+  Verb verb("bench video", "Measure networks that make frames of events against libtorch, in the same run.",
+            "e2lf bench video --json");
+  VideoBench options;
+  std::filesystem::path model;
+  add_size_options(verb, options.width, options.height);
+  verb.app()
+      .add_option("--frames", options.frames, "of each; figures are medians")
+      ->check(whole_number(1, 100000))
+      ->capture_default_str();
+  verb.app().add_option("-m,--model", model, "model file; default: FireNet and E2VID's network with random weights");
+  return verb.run(arguments, [&]() -> Result<void> {
+    if (!model.empty()) {
+      E2LF_ASSIGN_OR_RETURN(options.model, model::read_video_model(model));
+    }
+    ProgressBar bar("bench", verb.common().quiet);
+    E2LF_ASSIGN_OR_RETURN(const Json json, bench_video(options, bar.callback()));
+    hide_progress();
+    if (verb.common().json) {
+      std::printf("%s", json_text(json).c_str());
+    } else {
+      print_bench_video(json);
+    }
+    return {};
+  });
+}
+
 int run_bench_simulate(const std::vector<std::string>& arguments) {
   Verb verb("bench simulate",
             "Measure the event simulation against the scalar reference on one thread, in the same run.",
@@ -140,6 +193,7 @@ int run_bench(const std::vector<std::string>& arguments) {
                       {"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
                       {"rig", "one cycle from light field to light field, each stage", run_bench_rig},
                       {"simulate", "the event simulation, against the scalar reference", run_bench_simulate},
+                      {"video", "networks that make frames of events, against libtorch", run_bench_video},
                       {"train", "training steps and the synthesis of data, against plain libtorch", run_bench_train}},
                      arguments);
 }

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <dlfcn.h>
 #include <sys/resource.h>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/cli/bench_parts.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/engine/peak.h"
@@ -22,33 +22,11 @@ namespace {
 using engine::Engine;
 using engine::Precision;
 
-struct Timing {
-  double median = 0.0, min = 0.0, max = 0.0;
-};
-
-Timing timing_of(std::vector<double> seconds) {
-  std::sort(seconds.begin(), seconds.end());
-  return {seconds[seconds.size() / 2], seconds.front(), seconds.back()};
-}
-
-Json to_json(const Timing& timing) {
-  return {{"median", timing.median}, {"min", timing.min}, {"max", timing.max}};
-}
-
 model::Model paper_model() {
   model::Model model;
   model.name = "the paper's network, random weights";
   model.network = model::recnet(3);
-  uint64_t stream = 0;
-  for (const model::WeightShape& shape : model::weight_shapes(model.network)) {
-    size_t size = 1;
-    for (const size_t extent : shape.shape) size *= extent;
-    const CounterRng rng(1, ++stream);
-    // Outputs about as large as inputs.
-    const float scale = std::sqrt(6.0F * static_cast<float>(shape.shape[0]) / static_cast<float>(size));
-    std::vector<float>& values = model.weights[shape.name];
-    for (size_t i = 0; i < size; ++i) values.push_back((2.0F * rng.uniform(i) - 1.0F) * scale);
-  }
+  model.weights = random_weights(model.network);
   return model;
 }
 
@@ -131,17 +109,13 @@ class Bench {
     Json& peer = report_["peer"];
     peer["absent"] = peer_refusal();
     if (peer["absent"] != "") return;
-    std::filesystem::path path = options_.peer_module;
-    if (path.empty()) path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "e2lf_torch_peer.so";
-    void* module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (module == nullptr) {
-      peer["absent"] = cat("no libtorch in this build (", ::dlerror(), ")");
-      return;
-    }
-    const auto recnet = reinterpret_cast<decltype(&e2lf_torch_recnet)>(::dlsym(module, "e2lf_torch_recnet"));
-    const auto version = reinterpret_cast<decltype(&e2lf_torch_version)>(::dlsym(module, "e2lf_torch_version"));
+    std::string absent;
+    const auto recnet = reinterpret_cast<decltype(&e2lf_torch_recnet)>(
+        find_torch_peer(options_.peer_module, "e2lf_torch_recnet", absent));
+    const auto version = reinterpret_cast<decltype(&e2lf_torch_version)>(
+        find_torch_peer(options_.peer_module, "e2lf_torch_version", absent));
     if (recnet == nullptr || version == nullptr) {
-      peer["absent"] = cat(path.string(), " is not the peer's module");
+      peer["absent"] = absent;
       return;
     }
     std::vector<double> seconds;

@@ -12,12 +12,20 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
+#include "e2lf/model/video_model.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
 Result<Description> describe_model(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
+  if (is_video) {
+    E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(path));
+    Json json = model::summary_json(model);
+    json["kind"] = "model of frames";
+    return Description{model::summary_text(model), std::move(json)};
+  }
   E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
   Json json = model::summary_json(model);
   json["kind"] = "model";

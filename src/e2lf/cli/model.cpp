@@ -10,34 +10,74 @@
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/model/import_event_video.h"
 #include "e2lf/model/summary.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
+template <typename AnyModel>
+void print_model(const AnyModel& model, const Verb& verb) {
+  const std::string text = verb.common().json ? json_text(model::summary_json(model)) : model::summary_text(model);
+  std::printf("%s", text.c_str());
+}
+
 int run_model_info(const std::vector<std::string>& arguments) {
   Verb verb("model info", "Say what a model file holds.", "e2lf model info models/e2lf-n4.safetensors");
   fs::path path;
   verb.app().add_option("model,-m,--model", path, "model file (.safetensors)")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
-    if (verb.common().json) {
-      std::printf("%s", json_text(model::summary_json(model)).c_str());
-    } else {
-      std::printf("%s", model::summary_text(model).c_str());
+    E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
+    if (is_video) {
+      E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(path));
+      print_model(model, verb);
+      return {};
     }
+    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
+    print_model(model, verb);
     return {};
   });
 }
 
+Result<void> import_checkpoint(const fs::path& checkpoint, const std::string& as, const fs::path& output,
+                               const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(OutputFile file,
+                        OutputFile::create(output, {.inputs = {checkpoint}, .overwrite = verb.common().overwrite}));
+  RunRecord record("model import");
+  record.add_input(checkpoint);
+  E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::import_event_video(checkpoint, as));
+  E2LF_RETURN_IF_ERROR(model::write_video_model(file.path(), model));
+  record.end_step("import");
+  record.resolve("as", model.name);
+  E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(file.commit());
+  if (!verb.common().quiet) std::printf("%s: %s", output.c_str(), model::summary_text(model).c_str());
+  return {};
+}
+
 int run_model_import(const std::vector<std::string>& arguments) {
-  Verb verb("model import", "Turn the paper's released weights into one model file.",
+  Verb verb("model import",
+            "Turn the paper's released weights, or a published network that makes frames of events, into a model file.",
             "e2lf model import --release DIR_WITH_RecNet_AND_AcqNet -o release.safetensors");
-  fs::path release, output;
-  verb.app().add_option("--release", release, "folder with RecNet.safetensors and AcqNet.safetensors")->required();
+  fs::path release, checkpoint, output;
+  std::string as;
+  CLI::Option* const of_release =
+      verb.app().add_option("--release", release, "folder with RecNet.safetensors and AcqNet.safetensors");
+  verb.app()
+      .add_option("--checkpoint", checkpoint,
+                  cat("state dictionary of ", join(model::event_video_names()), ", as a .safetensors file"))
+      ->excludes(of_release);
+  verb.app()
+      .add_option("--as", as, "of a checkpoint: which of these networks it is; default: told by its tensors")
+      ->check(CLI::IsMember(model::event_video_names()))
+      ->excludes(of_release);
   verb.app().add_option("-o,--output", output, "model file to write")->required();
   return verb.run(arguments, [&]() -> Result<void> {
+    if (!checkpoint.empty()) return import_checkpoint(checkpoint, as, output, verb);
+    if (release.empty()) {
+      return Error{ErrorCode::kInvalidValue, "nothing to import; give --release or --checkpoint", "--release"};
+    }
     // Beside the released weights is where many will put it: only they are the inputs, not their folder.
     E2LF_ASSIGN_OR_RETURN(
         OutputFile file,
@@ -96,7 +136,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
 int run_model(const std::vector<std::string>& arguments) {
   return run_subverb("model",
                      {{"info", "say what a model file holds", run_model_info},
-                      {"import", "turn the paper's released weights into a model file", run_model_import},
+                      {"import", "turn released weights into a model file", run_model_import},
                       {"store", "write a model again: weights in 16 or 32 bits, another camera", run_model_store}},
                      arguments);
 }

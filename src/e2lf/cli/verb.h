@@ -116,6 +116,7 @@ int run_refocus(const std::vector<std::string>& arguments);
 int run_resume(const std::vector<std::string>& arguments);
 int run_simulate(const std::vector<std::string>& arguments);
 int run_train(const std::vector<std::string>& arguments);
+int run_video(const std::vector<std::string>& arguments);
 int run_view(const std::vector<std::string>& arguments);
 
 }  // namespace e2lf::cli

@@ -14,7 +14,7 @@ struct ConvSpec {
   size_t in_channels = 0;
   size_t out_channels = 0;
   size_t kernel = 1;
-  size_t stride = 1;          ///< 1, or the kernel's size (no padding)
+  size_t stride = 1;          ///< the kernel's size (no padding), or less, for an odd kernel
   bool transposed = false;    ///< with stride = kernel: the upsampling inverse of a strided convolution
   std::vector<float> weight;  ///< [out, in, kernel, kernel], for transposed ones too
   std::vector<float> bias;    ///< [out]

@@ -5,6 +5,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/frame_memory.h"
 #include "e2lf/engine/stream.h"
 
 namespace e2lf::engine {
@@ -39,6 +40,11 @@ const char* precision_name(Precision precision) {
   return "";
 }
 
+FrameState::FrameState() : memory_(std::make_unique<FrameMemory>()) {}
+FrameState::FrameState(FrameState&&) noexcept = default;
+FrameState& FrameState::operator=(FrameState&&) noexcept = default;
+FrameState::~FrameState() = default;
+
 Engine::Engine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Engine::Engine(Engine&&) noexcept = default;
 Engine& Engine::operator=(Engine&&) noexcept = default;
@@ -66,23 +72,31 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
 
 Result<void> Engine::run(std::span<const float> input, size_t height, size_t width, std::span<float> output,
                          const ProgressFn& progress) const {
+  FrameState at_rest;
+  return run_frame(input, height, width, at_rest, output, progress);
+}
+
+Result<void> Engine::run_frame(std::span<const float> input, size_t height, size_t width, FrameState& state,
+                               std::span<float> output, const ProgressFn& progress) const {
   const Plan& plan = impl_->plan;
   const size_t multiple = plan.alignment / kTileSize;
   E2LF_REQUIRE(height > 0 && width > 0 && height % multiple == 0 && width % multiple == 0,
                cat("height and width must be multiples of ", multiple));
   E2LF_REQUIRE(input.size() == plan.tensors.front().channels * height * width, "the input has another size");
   E2LF_REQUIRE(output.size() == plan.tensors.back().channels * height * width, "the output has another size");
-  const size_t panels = (width + kPanelColumns - 1) / kPanelColumns;
+  // What goes from frame to frame is as wide as the image.
+  const size_t panels = plan.states.empty() ? (width + kPanelColumns - 1) / kPanelColumns : 1;
   const size_t columns = round_up((width + panels - 1) / panels, plan.alignment);
   for (size_t begin = 0; begin < width; begin += columns) {
     const size_t end = std::min(width, begin + columns);
-    Stream stream(plan, {input, output, height, width}, begin, end);
+    Stream stream(plan, {input, output, height, width}, begin, end, state.memory_.get());
     bool more = true;
     while (more) {
       more = stream.advance();
       if (progress) progress(begin * height + stream.rows_done() * (end - begin), width * height);
     }
   }
+  state.memory_->end_frame();
   return {};
 }
 

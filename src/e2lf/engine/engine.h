@@ -25,10 +25,24 @@ struct EngineOptions {
   Precision precision = Precision::kAuto;
 };
 
+/// What a recurrent network remembers of the frames before; empty, it begins at rest. Of one engine and one size of
+/// image: another one breaks the contract.
+class FrameState {
+ public:
+  FrameState();
+  FrameState(FrameState&&) noexcept;
+  FrameState& operator=(FrameState&&) noexcept;
+  ~FrameState();
+
+ private:
+  friend class Engine;
+  std::unique_ptr<struct FrameMemory> memory_;
+};
+
 /// Runs a convolutional network over whole images on the CPU. The image streams through the network in strips of a few
 /// rows; each layer keeps just the rows its successors still need, so nothing is computed twice, what is live stays in
-/// cache and memory does not grow with the height of the image. Zero padding is exact at the borders.
-/// Thread count: base/threads.h. One run at a time per Engine.
+/// cache and memory does not grow with the height of the image. Zero padding is exact at the borders. Recurrent
+/// networks keep what they remember of whole images. Thread count: base/threads.h. One run at a time per Engine.
 class Engine {
  public:
   /// Prepares kernels and weights. Fails with kUnsupported (a precision this CPU lacks or E2LF_MAX_ISA leaves out), as
@@ -44,6 +58,10 @@ class Engine {
   /// Sizes that do not fit break the contract; height and width must be multiples of model::size_multiple().
   [[nodiscard]] Result<void> run(std::span<const float> input, size_t height, size_t width, std::span<float> output,
                                  const ProgressFn& progress = {}) const;
+
+  /// The same with a state that goes from frame to frame; run() above begins at rest each time.
+  [[nodiscard]] Result<void> run_frame(std::span<const float> input, size_t height, size_t width, FrameState& state,
+                                       std::span<float> output, const ProgressFn& progress = {}) const;
 
   /// What kAuto became.
   [[nodiscard]] Precision precision() const;

@@ -6,6 +6,8 @@
 #include <set>
 
 #include "e2lf/base/text.h"
+#include "e2lf/engine/bilinear.h"
+#include "e2lf/engine/cells.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/reshape.h"
@@ -72,6 +74,9 @@ class PlanMaker {
     plan_.tensors.push_back(specs_.at(name));
   }
 
+  /// Whether a layer can give float32 whatever it reads.
+  static bool has_wide_sums(const Layer& layer) { return is_conv(layer) || model::is_recurrent(layer); }
+
   size_t count_readers(const std::string& name) const {
     size_t readers = 0;
     for (const Layer& layer : network_.layers) {
@@ -92,15 +97,15 @@ class PlanMaker {
   bool can_widen(const std::string& name) const {
     const Layer* layer = find_layer(name);
     if (layer == nullptr) return false;
-    return is_conv(*layer) || std::all_of(layer->inputs.begin(), layer->inputs.end(), [&](const std::string& input) {
-             return count_readers(input) == 1 && can_widen(input);
-           });
+    return has_wide_sums(*layer) ||
+           std::all_of(layer->inputs.begin(), layer->inputs.end(),
+                       [&](const std::string& input) { return count_readers(input) == 1 && can_widen(input); });
   }
 
   void widen(const std::string& name) {
     specs_.at(name).type = ElementType::kFloat32;
     const Layer* layer = find_layer(name);
-    if (is_conv(*layer)) return;
+    if (has_wide_sums(*layer)) return;
     for (const std::string& input : layer->inputs) widen(input);
   }
 
@@ -162,12 +167,9 @@ class PlanMaker {
     if (const Layer* conv = conv_that_adds(layer)) return add_sum(layer, *conv);
     // Such a convolution waits for what it adds: it is the sum's stage.
     if (const Layer* sum = only_reader(layer); sum != nullptr && conv_that_adds(*sum) == &layer) return {};
+    if (model::is_recurrent(layer)) return add_cell(layer);
     if (!is_conv(layer)) {
-      std::vector<size_t> in_channels;
-      for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
-      const Layer* source = find_layer(layer.inputs[0]);
-      const bool in_order = source != nullptr && is_shuffled(*source);
-      add_stage(layer.name, layer, make_reshape(layer, in_channels, specs_.at(layer.name).type, in_order));
+      add_stage(layer.name, layer, make_plain(layer));
       return {};
     }
     std::vector<const Layer*> layers = {&layer};
@@ -192,6 +194,76 @@ class PlanMaker {
     return {};
   }
 
+  /// The kernel of a layer without weights.
+  std::unique_ptr<Kernel> make_plain(const Layer& layer) const {
+    const ElementType type = specs_.at(layer.name).type;
+    std::vector<size_t> in_channels;
+    for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
+    if (layer.op == Op::kSigmoid) return make_sigmoid(in_channels[0], type);
+    if (layer.op == Op::kUpsampleBilinear) return make_bilinear(in_channels[0], layer.stride, layer.relu, type);
+    const Layer* source = find_layer(layer.inputs[0]);
+    const bool in_order = source != nullptr && is_shuffled(*source);
+    return make_reshape(layer, in_channels, type, in_order);
+  }
+
+  /// A stage whose result has no layer's name; returns the result's number.
+  size_t add_part(const std::string& name, std::unique_ptr<Kernel> kernel, std::vector<size_t> inputs,
+                  const TensorSpec& spec) {
+    Stage stage;
+    stage.name = name;
+    stage.kernel = std::move(kernel);
+    stage.inputs = std::move(inputs);
+    plan_.stages.push_back(std::move(stage));
+    plan_.tensors.push_back(spec);
+    return plan_.tensors.size() - 1;
+  }
+
+  /// A convolution of a cell: of [x, h], to float32.
+  Result<std::unique_ptr<Kernel>> make_cell_conv(const Layer& layer, const std::string& part, size_t out_channels) {
+    Layer conv = layer;
+    conv.op = Op::kConv;
+    conv.name = cat(layer.name, ".", part);
+    conv.out_channels = out_channels;
+    E2LF_ASSIGN_OR_RETURN(ConvSpec spec, conv_spec(conv, specs_.at(layer.inputs[0]).channels + layer.out_channels));
+    spec.output = ElementType::kFloat32;
+    return make_conv(spec);
+  }
+
+  /// The stages of a cell; see cells.h.
+  Result<void> add_cell(const Layer& layer) {
+    const TensorSpec input = specs_.at(layer.inputs[0]);
+    const size_t x = tensor_.at(layer.inputs[0]), in = input.channels, out = layer.out_channels;
+    const bool is_gru = layer.op == Op::kConvGru;
+    const auto wide = [&](size_t channels) { return TensorSpec{channels, input.scale, ElementType::kFloat32}; };
+    const TensorSpec joined{in + out, input.scale, compute_};
+    const std::string part = layer.name + ".";
+
+    const size_t before = add_part(part + "before", make_recall(), {}, wide(out));
+    const size_t both = add_part(part + "joined", make_cell_join(in, out, compute_), {x, before}, joined);
+    const size_t num_gates = (is_gru ? 2 : 4) * out;
+    E2LF_ASSIGN_OR_RETURN(auto gates_conv, make_cell_conv(layer, "gates", num_gates));
+    const size_t gates = add_part(part + "gates", std::move(gates_conv), {both}, wide(num_gates));
+    size_t result = 0;
+    if (is_gru) {
+      const size_t reset = add_part(part + "reset", make_gru_reset(in, out, compute_), {x, before, gates}, joined);
+      E2LF_ASSIGN_OR_RETURN(auto conv, make_cell_conv(layer, "candidate", out));
+      const size_t candidate = add_part(part + "candidate", std::move(conv), {reset}, wide(out));
+      result = add_part(layer.name, make_gru_blend(out), {candidate, before, gates}, wide(out));
+    } else {
+      const size_t memory_before = add_part(part + "memory before", make_recall(), {}, wide(out));
+      const size_t memory = add_part(part + "memory", make_lstm_memory(out), {gates, memory_before}, wide(out));
+      plan_.states.push_back({memory_before, memory});
+      result = add_part(layer.name, make_lstm_output(out), {gates, memory}, wide(out));
+    }
+    plan_.states.push_back({before, result});
+    const TensorSpec& output = specs_.at(layer.name);
+    if (output.type != ElementType::kFloat32) {
+      result = add_part(part + "output", make_cell_output(out, output.type), {result}, output);
+    }
+    tensor_[layer.name] = result;
+    return {};
+  }
+
   /// `layer` names the result and what it is made from.
   void add_stage(const std::string& name, const Layer& layer, std::unique_ptr<Kernel> kernel) {
     Stage stage;
@@ -204,8 +276,15 @@ class PlanMaker {
   }
 
   Result<ConvSpec> conv_spec(const Layer& layer) const {
+    E2LF_ASSIGN_OR_RETURN(ConvSpec spec, conv_spec(layer, specs_.at(layer.inputs[0]).channels));
+    spec.output = specs_.at(layer.name).type;
+    if (is_shuffled(layer)) put_phases_first(only_reader(layer)->stride, spec);
+    return spec;
+  }
+
+  Result<ConvSpec> conv_spec(const Layer& layer, size_t in_channels) const {
     ConvSpec spec;
-    spec.in_channels = specs_.at(layer.inputs[0]).channels;
+    spec.in_channels = in_channels;
     spec.out_channels = layer.out_channels;
     spec.kernel = layer.kernel;
     spec.stride = layer.stride;
@@ -213,7 +292,6 @@ class PlanMaker {
     spec.relu = layer.relu;
     spec.residual = !layer.residual.empty();
     spec.compute = compute_;
-    spec.output = specs_.at(layer.name).type;
     const size_t taps = layer.kernel * layer.kernel;
     E2LF_ASSIGN_OR_RETURN(spec.weight,
                           find_weights(weights_, layer.name + ".weight", taps * spec.in_channels * spec.out_channels));
@@ -227,7 +305,6 @@ class PlanMaker {
         }
       }
     }
-    if (is_shuffled(layer)) put_phases_first(only_reader(layer)->stride, spec);
     return spec;
   }
 

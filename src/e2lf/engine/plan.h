@@ -21,7 +21,7 @@ struct TensorSpec {
 
 /// One step of evaluation: a kernel with the tensors it reads. Stage i makes tensor i + 1; tensor 0 is the input.
 struct Stage {
-  std::string name;  ///< of the layer, or of those made into one
+  std::string name;  ///< of the layer, or of those made into one; "<layer>.<part>" of a part of one
   std::unique_ptr<Kernel> kernel;
   std::vector<size_t> inputs;
   std::optional<size_t> residual;
@@ -30,10 +30,16 @@ struct Stage {
   [[nodiscard]] std::vector<size_t> reads() const;
 };
 
+/// What goes from frame to frame: tensor `recalled` is what tensor `kept` was at the end of the frame before, or zero.
+struct State {
+  size_t recalled = 0, kept = 0;
+};
+
 /// A network made ready to run; the last tensor is the output.
 struct Plan {
   std::vector<TensorSpec> tensors;
   std::vector<Stage> stages;
+  std::vector<State> states;  ///< none: every frame is for itself
   size_t alignment = 1;  ///< pixels that cut edges of an image must be multiples of for the same tiles to be computed
   size_t halo = 0;       ///< pixels beside a cut that results depend on, a multiple of `alignment`
 };

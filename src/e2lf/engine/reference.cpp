@@ -2,31 +2,21 @@
 #include "e2lf/engine/reference.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/engine/reference_cells.h"
 
 namespace e2lf::engine {
 namespace {
 
 using model::Layer;
 using model::Op;
-
-struct Planes {
-  size_t channels = 0, height = 0, width = 0;
-  std::vector<float> values;
-
-  Planes(size_t c, size_t h, size_t w) : channels(c), height(h), width(w), values(c * h * w) {}
-  [[nodiscard]] float& at(size_t c, size_t y, size_t x) { return values[(c * height + y) * width + x]; }
-  [[nodiscard]] float at(size_t c, size_t y, size_t x) const { return values[(c * height + y) * width + x]; }
-};
-
-struct Kernel {
-  const std::vector<float>& weight;
-  const std::vector<float>& bias;
-};
+using Planes = ReferencePlanes;
+using Kernel = ReferenceKernel;
 
 /// Adds weight * input, shifted by (dy, dx), to one row of sums; what falls outside counts as zero.
 void add_tap(const Planes& input, size_t channel, ptrdiff_t y, ptrdiff_t dx, float weight, std::vector<double>& sums) {
@@ -36,6 +26,12 @@ void add_tap(const Planes& input, size_t channel, ptrdiff_t y, ptrdiff_t dx, flo
   for (ptrdiff_t x = std::max<ptrdiff_t>(0, -dx); x < std::min(width, width - dx); ++x) {
     sums[static_cast<size_t>(x)] += static_cast<double>(weight) * row[x + dx];
   }
+}
+
+float at_or_zero(const Planes& input, size_t channel, ptrdiff_t y, ptrdiff_t x) {
+  const auto height = static_cast<ptrdiff_t>(input.height), width = static_cast<ptrdiff_t>(input.width);
+  const bool is_inside = y >= 0 && y < height && x >= 0 && x < width;
+  return is_inside ? input.at(channel, static_cast<size_t>(y), static_cast<size_t>(x)) : 0.0F;
 }
 
 void conv_row(const Planes& input, const Layer& layer, const Kernel& kernel, size_t out, size_t y, Planes& output) {
@@ -50,8 +46,11 @@ void conv_row(const Planes& input, const Layer& layer, const Kernel& kernel, siz
       if (layer.stride == 1) {
         add_tap(input, in, static_cast<ptrdiff_t>(y) + dy - radius, dx - radius, taps[tap], sums);
       } else {
+        const ptrdiff_t before = layer.stride == k ? 0 : radius;
+        const auto in_y = static_cast<ptrdiff_t>(y * layer.stride) + dy - before;
         for (size_t x = 0; x < output.width; ++x) {
-          sums[x] += static_cast<double>(taps[tap]) * input.at(in, y * k + tap / k, x * k + tap % k);
+          const auto in_x = static_cast<ptrdiff_t>(x * layer.stride) + dx - before;
+          sums[x] += static_cast<double>(taps[tap]) * at_or_zero(input, in, in_y, in_x);
         }
       }
     }
@@ -72,7 +71,22 @@ void transposed_row(const Planes& input, const Layer& layer, const Kernel& kerne
   }
 }
 
-/// Every op that moves or adds elements.
+/// A sample between pixels; what lies beyond the edge is the edge.
+float bilinear(const Planes& input, size_t stride, size_t c, size_t y, size_t x) {
+  const auto place = [stride](size_t i, size_t size) {
+    const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(stride) - 0.5;
+    return std::clamp(at, 0.0, static_cast<double>(size - 1));
+  };
+  const double at_y = place(y, input.height), at_x = place(x, input.width);
+  const auto top = static_cast<size_t>(at_y), left = static_cast<size_t>(at_x);
+  const size_t bottom = std::min(top + 1, input.height - 1), right = std::min(left + 1, input.width - 1);
+  const double share_y = at_y - static_cast<double>(top), share_x = at_x - static_cast<double>(left);
+  return static_cast<float>(
+      (1 - share_y) * (1 - share_x) * input.at(c, top, left) + (1 - share_y) * share_x * input.at(c, top, right) +
+      share_y * (1 - share_x) * input.at(c, bottom, left) + share_y * share_x * input.at(c, bottom, right));
+}
+
+/// Every op without weights.
 float element(const std::vector<const Planes*>& inputs, const Layer& layer, size_t c, size_t y, size_t x) {
   const size_t s = layer.stride;
   const Planes& input = *inputs[0];
@@ -83,6 +97,10 @@ float element(const std::vector<const Planes*>& inputs, const Layer& layer, size
       return input.at(c * s * s + y % s * s + x % s, y / s, x / s);
     case Op::kUpsample:
       return input.at(c, y / s, x / s);
+    case Op::kUpsampleBilinear:
+      return bilinear(input, s, c, y, x);
+    case Op::kSigmoid:
+      return static_cast<float>(1.0 / (1.0 + std::exp(-static_cast<double>(input.at(c, y, x)))));
     case Op::kAdd: {
       float sum = 0.0F;
       for (const Planes* each : inputs) sum += each->at(c, y, x);
@@ -94,6 +112,18 @@ float element(const std::vector<const Planes*>& inputs, const Layer& layer, size
       return inputs[i]->at(c, y, x);
     }
   }
+}
+
+Result<Kernel> find_kernel(const model::Weights& weights, const std::string& name, size_t in, size_t kernel,
+                           size_t out) {
+  const auto weight = weights.find(name + ".weight");
+  const auto bias = weights.find(name + ".bias");
+  if (weight == weights.end() || bias == weights.end()) {
+    return Error{ErrorCode::kNotFound, cat("the weights lack those of ", name, "; use a complete model"), ""};
+  }
+  E2LF_REQUIRE(weight->second.size() == in * kernel * kernel * out, name + ".weight has another size");
+  E2LF_REQUIRE(bias->second.size() == out, name + ".bias has another size");
+  return Kernel{weight->second, bias->second};
 }
 
 Planes run_layer(const Layer& layer, const std::vector<const Planes*>& inputs, const Planes* residual,
@@ -119,10 +149,35 @@ Planes run_layer(const Layer& layer, const std::vector<const Planes*>& inputs, c
   return output;
 }
 
+Result<Planes> run_cell(const Layer& layer, const Planes& input, const model::Weights& weights, ReferenceState& state) {
+  const bool is_gru = layer.op == Op::kConvGru;
+  const size_t out = layer.out_channels, joined = input.channels + out;
+  E2LF_ASSIGN_OR_RETURN(const Kernel gates,
+                        find_kernel(weights, layer.name + ".gates", joined, layer.kernel, (is_gru ? 2 : 4) * out));
+  if (!is_gru) return reference_lstm(layer, input, gates, state);
+  E2LF_ASSIGN_OR_RETURN(const Kernel candidate,
+                        find_kernel(weights, layer.name + ".candidate", joined, layer.kernel, out));
+  return reference_gru(layer, input, gates, candidate, state);
+}
+
 }  // namespace
+
+ReferencePlanes reference_conv(const Planes& input, size_t out_channels, size_t kernel, const Kernel& weights) {
+  Layer layer;
+  layer.out_channels = out_channels;
+  layer.kernel = kernel;
+  return run_layer(layer, {&input}, nullptr, weights, Planes(out_channels, input.height, input.width));
+}
 
 Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
                                          std::span<const float> input, size_t height, size_t width) {
+  ReferenceState at_rest;
+  return run_reference(network, weights, input, height, width, at_rest);
+}
+
+Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
+                                         std::span<const float> input, size_t height, size_t width,
+                                         ReferenceState& state) {
   E2LF_ASSIGN_OR_RETURN(const auto shapes, model::infer_shapes(network));
   E2LF_REQUIRE(input.size() == network.input_channels * height * width, "the input has another size");
   const size_t multiple = model::size_multiple(network);
@@ -135,17 +190,16 @@ Result<std::vector<float>> run_reference(const model::Network& network, const mo
     const Layer& layer = network.layers[i];
     std::vector<const Planes*> inputs;
     for (const std::string& name : layer.inputs) inputs.push_back(&tensors.at(name));
+    if (model::is_recurrent(layer)) {
+      E2LF_ASSIGN_OR_RETURN(Planes output, run_cell(layer, *inputs[0], weights, state));
+      tensors.emplace(layer.name, std::move(output));
+      continue;
+    }
     std::optional<Kernel> kernel;
     if (layer.op == Op::kConv || layer.op == Op::kConvTransposed) {
-      const auto weight = weights.find(layer.name + ".weight");
-      const auto bias = weights.find(layer.name + ".bias");
-      if (weight == weights.end() || bias == weights.end()) {
-        return Error{ErrorCode::kNotFound, cat("the weights lack those of ", layer.name, "; use a complete model"), ""};
-      }
-      const size_t taps = inputs[0]->channels * layer.kernel * layer.kernel;
-      E2LF_REQUIRE(weight->second.size() == taps * layer.out_channels, layer.name + ".weight has another size");
-      E2LF_REQUIRE(bias->second.size() == layer.out_channels, layer.name + ".bias has another size");
-      kernel.emplace(Kernel{weight->second, bias->second});
+      E2LF_ASSIGN_OR_RETURN(const Kernel found,
+                            find_kernel(weights, layer.name, inputs[0]->channels, layer.kernel, layer.out_channels));
+      kernel.emplace(found);
     }
     const Planes* residual = layer.residual.empty() ? nullptr : &tensors.at(layer.residual);
     Planes output(shapes[i].channels, height / shapes[i].scale, width / shapes[i].scale);

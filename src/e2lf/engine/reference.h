@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -15,5 +17,14 @@ namespace e2lf::engine {
 /// model::infer_shapes does, and with kNotFound when a weight is missing.
 [[nodiscard]] Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
                                                        std::span<const float> input, size_t height, size_t width);
+
+/// What recurrent layers remember: h' by the layer's name, c' of kConvLstm by "<name>.memory"; [channel, y, x] each.
+/// Empty: at rest.
+using ReferenceState = std::map<std::string, std::vector<float>>;
+
+/// The same with a state that goes from frame to frame.
+[[nodiscard]] Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
+                                                       std::span<const float> input, size_t height, size_t width,
+                                                       ReferenceState& state);
 
 }  // namespace e2lf::engine

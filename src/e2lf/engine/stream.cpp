@@ -31,13 +31,14 @@ size_t first_needed(const Reach& reach, size_t y) {
 
 }  // namespace
 
-Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end)
+Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, FrameMemory* memory)
     : plan_(plan),
       image_(image),
       begin_(begin),
       end_(end),
       wide_begin_(begin > plan.halo ? begin - plan.halo : 0),
-      wide_end_(std::min(image.width, end + plan.halo)) {
+      wide_end_(std::min(image.width, end + plan.halo)),
+      pool_(memory != nullptr ? &memory->rows : &own_pool_) {
   for (const TensorSpec& spec : plan.tensors) {
     Tensor tensor;
     tensor.channels = spec.channels;
@@ -48,6 +49,9 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end)
     tensors_.push_back(std::move(tensor));
   }
   add_margins();
+  E2LF_REQUIRE(plan.states.empty() || (memory != nullptr && begin == 0 && end == image.width),
+               "what goes from frame to frame is kept of whole images");
+  if (!plan.states.empty()) open_memory(*memory);
   make_tables();
   measure_distances();
   size_t scratch_bytes = 0;
@@ -64,6 +68,34 @@ void Stream::add_margins() {
       tensor.right = std::max(tensor.right, reach.after + kTileSize - 1);
       tensor.slack = std::max(tensor.slack, kReadAhead * reach.down);
     }
+  }
+}
+
+/// Memory of another frame is used as it is; the first frame's is zero.
+void Stream::open_memory(FrameMemory& memory) {
+  // Rows a multiple of a page apart would compete for the same cache sets.
+  constexpr size_t kPage = 4096, kCacheLine = 64;
+  const size_t states = plan_.states.size();
+  const bool is_new = memory.before.empty();
+  if (is_new) {
+    memory.before.resize(states);
+    memory.now.resize(states);
+    memory.height = image_.height;
+    memory.width = image_.width;
+  }
+  E2LF_REQUIRE(memory.before.size() == states && memory.height == image_.height && memory.width == image_.width,
+               "the memory is of another network or size of image");
+  for (size_t i = 0; i < states; ++i) {
+    Tensor &recalled = tensors_[plan_.states[i].recalled], &kept = tensors_[plan_.states[i].kept];
+    recalled.left = kept.left = std::max(recalled.left, kept.left);
+    recalled.right = kept.right = std::max(recalled.right, kept.right);
+    recalled.slack = kept.slack = std::max(recalled.slack, kept.slack);
+    const size_t stride = round_up(kept.row_bytes(), kPage) + kCacheLine;
+    for (auto& tensors : {&memory.before, &memory.now}) {
+      if (is_new) (*tensors)[i] = {AlignedBuffer(kept.height * stride), stride};
+    }
+    recalled.whole = &memory.before[i];
+    kept.whole = &memory.now[i];
   }
 }
 
@@ -97,6 +129,10 @@ size_t Stream::rows_wanted(size_t index) const {
   if (output_rows == 0) return 0;
   std::vector<size_t> rows(tensors_.size(), 0);
   rows.back() = output_rows;
+  // The next frame may need rows of a state that the output of this one does not.
+  for (const State& state : plan_.states) {
+    if (output_rows >= image_.height) rows[state.kept] = tensors_[state.kept].height;
+  }
   for (size_t i = tensors_.size(); i-- > index;) {
     rows[i] = std::min(tensors_[i].height, round_up(rows[i], kTileSize));
     if (i == index || rows[i] == 0) continue;
@@ -113,7 +149,7 @@ size_t Stream::rows_wanted(size_t index) const {
 
 void Stream::add_rows(Tensor& tensor, size_t end) {
   for (size_t y = tensor.done; y < end; ++y) {
-    std::byte* memory = pool_.take(tensor.row_bytes());
+    std::byte* memory = tensor.whole != nullptr ? tensor.whole->row(y) : pool_->take(tensor.row_bytes());
     std::byte* row = memory + tensor.left * tensor.pixel_bytes;
     std::memset(memory, 0, tensor.left * tensor.pixel_bytes);
     std::memset(row + tensor.width * tensor.pixel_bytes, 0, tensor.right * tensor.pixel_bytes);
@@ -133,10 +169,21 @@ void Stream::release_rows(size_t index) {
     }
     if (stage.residual == index && !finished) needed = std::min(needed, next);
   }
-  for (; tensor.released < needed; ++tensor.released) {
-    std::byte*& row = tensor.table[tensor.left + tensor.released];
-    pool_.give_back(row - tensor.left * tensor.pixel_bytes, tensor.row_bytes());
-    row = nullptr;
+  for (; tensor.released < needed; ++tensor.released) give_back(tensor, tensor.released);
+}
+
+void Stream::give_back(Tensor& tensor, size_t y) {
+  std::byte*& row = tensor.table[tensor.left + y];
+  if (row != nullptr && tensor.whole == nullptr) {
+    pool_->give_back(row - tensor.left * tensor.pixel_bytes, tensor.row_bytes());
+  }
+  row = nullptr;
+}
+
+/// The next frame takes its rows from the same pool.
+Stream::~Stream() {
+  for (Tensor& tensor : tensors_) {
+    for (size_t y = tensor.released; y < tensor.height; ++y) give_back(tensor, y);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "e2lf/base/progress.h"
+#include "e2lf/engine/frame_memory.h"
 #include "e2lf/engine/plan.h"
 #include "e2lf/engine/row_pool.h"
 
@@ -25,7 +26,11 @@ struct Image {
 /// are read, so that cuts leave no trace.
 class Stream {
  public:
-  Stream(const Plan& plan, const Image& image, size_t begin, size_t end);
+  /// A plan with states needs `memory`, and all columns at once; FrameMemory::end_frame() ends the frame.
+  Stream(const Plan& plan, const Image& image, size_t begin, size_t end, FrameMemory* memory = nullptr);
+  ~Stream();
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
 
   /// One round; false once the last row of output is written. What a kernel throws comes through here and ends the
   /// stream.
@@ -34,7 +39,7 @@ class Stream {
   [[nodiscard]] size_t rows_done() const { return written_; }
 
   /// Memory that rows have taken so far.
-  [[nodiscard]] size_t live_bytes() const { return pool_.bytes(); }
+  [[nodiscard]] size_t live_bytes() const { return pool_->bytes(); }
 
  private:
   /// Rows of a tensor: a table of all rows with those outside the image, which are zero. Null = not there.
@@ -44,11 +49,12 @@ class Stream {
     size_t channels = 0, width = 0, height = 0;
     ElementType type = ElementType::kFloat32;
     size_t pixel_bytes = 0;
-    size_t left = 0, right = 0;  ///< zero pixels beside the row
-    size_t slack = 0;            ///< pixels behind them that kernels may read, whatever they hold
-    size_t distance = 0;         ///< stages between it and the output, at most
-    size_t done = 0;             ///< rows [0, done) are computed
-    size_t released = 0;         ///< rows [0, released) are gone
+    size_t left = 0, right = 0;          ///< zero pixels beside the row
+    size_t slack = 0;                    ///< pixels behind them that kernels may read, whatever they hold
+    size_t distance = 0;                 ///< stages between it and the output, at most
+    size_t done = 0;                     ///< rows [0, done) are computed
+    size_t released = 0;                 ///< rows [0, released) are gone
+    const WholeTensor* whole = nullptr;  ///< where its rows are for good, of states
 
     [[nodiscard]] Rows rows() const { return {table.data(), first}; }
     [[nodiscard]] size_t row_bytes() const { return (left + width + right + slack) * pixel_bytes; }
@@ -63,6 +69,8 @@ class Stream {
   };
 
   void add_margins();
+  void open_memory(FrameMemory& memory);
+  void give_back(Tensor& tensor, size_t y);
   void make_tables();
   void measure_distances();
   void add_rows(Tensor& tensor, size_t end);
@@ -81,7 +89,8 @@ class Stream {
   std::vector<Tensor> tensors_;
   size_t round_ = 0, rounds_ahead_ = 0;  ///< the input is so many rounds ahead of the output
   size_t written_ = 0;
-  RowPool pool_;
+  RowPool own_pool_;
+  RowPool* pool_;  ///< its own, or that of the frames' memory
   AlignedBuffer zero_row_;
   std::vector<AlignedBuffer> scratch_;  ///< one for each thread
 };

@@ -12,10 +12,14 @@ struct TapGrid {
       : kernel(spec.kernel),
         stride(spec.stride),
         transposed(spec.transposed),
-        radius(spec.stride == 1 ? spec.kernel / 2 : 0),
+        radius(spec.stride == spec.kernel ? 0 : spec.kernel / 2),
         in_stride(padded_channels(spec.in_channels)) {}
 
-  [[nodiscard]] Reach reach() const { return {radius, radius, transposed ? 1 : stride, transposed ? stride : 1}; }
+  [[nodiscard]] Reach reach() const {
+    if (transposed) return {0, 0, 1, stride};
+    // The pixels of the last step that the centre of a kernel with a stride makes are counted in `down` already.
+    return {radius, radius > stride - 1 ? radius - (stride - 1) : 0, stride, 1};
+  }
 
   /// Sums along a row, without phases: inputs of a transposed convolution, else outputs.
   [[nodiscard]] size_t sums_per_row(const Strip& strip) const {

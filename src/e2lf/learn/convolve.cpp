@@ -49,7 +49,7 @@ torch::Tensor convolve_plainly(const Layer& layer, const torch::Tensor& input, c
                                const torch::Tensor& bias) {
   // oneDNN is slow with channels last on CPUs without AVX-512.
   const auto x = on_cpu_in_float(input) ? input.contiguous() : input;
-  const auto padding = static_cast<int64_t>(layer.stride == 1 ? layer.kernel / 2 : 0);
+  const auto padding = static_cast<int64_t>(layer.stride == layer.kernel ? 0 : layer.kernel / 2);
   return at::conv2d(x, weight, bias, static_cast<int64_t>(layer.stride), padding);
 }
 

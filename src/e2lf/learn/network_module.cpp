@@ -17,6 +17,8 @@ size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
   switch (layer.op) {
     case Op::kConv:
     case Op::kConvTransposed:
+    case Op::kConvGru:
+    case Op::kConvLstm:
       return layer.out_channels;
     case Op::kPixelUnshuffle:
       return inputs.front() * layer.stride * layer.stride;
@@ -28,10 +30,44 @@ size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
       return sum;
     }
     case Op::kUpsample:
+    case Op::kUpsampleBilinear:
     case Op::kAdd:
+    case Op::kSigmoid:
       return inputs.front();
   }
   return 0;
+}
+
+/// The convolutions inside a cell: "gates" and, of a GRU, "candidate", with their numbers of outputs.
+std::vector<std::pair<std::string, int64_t>> cell_convolutions(const Layer& layer) {
+  const auto out = static_cast<int64_t>(layer.out_channels);
+  if (layer.op == Op::kConvLstm) return {{layer.name + ".gates", 4 * out}};
+  return {{layer.name + ".gates", 2 * out}, {layer.name + ".candidate", out}};
+}
+
+/// One frame of a cell; see model::Op.
+torch::Tensor run_cell(const Layer& layer, const torch::Tensor& x, const NamedTensors& weights, NamedTensors& state) {
+  const auto convolution = [&](const std::string& part, const torch::Tensor& input) {
+    const std::string name = layer.name + part;
+    return at::conv2d(input, weights.at(name + ".weight").to(x.scalar_type()),
+                      weights.at(name + ".bias").to(x.scalar_type()), 1, static_cast<int64_t>(layer.kernel / 2));
+  };
+  const auto remembered = [&](const std::string& name) -> torch::Tensor& {
+    torch::Tensor& tensor = state[name];
+    const auto channels = static_cast<int64_t>(layer.out_channels);
+    if (!tensor.defined()) tensor = torch::zeros({x.size(0), channels, x.size(2), x.size(3)}, x.options());
+    return tensor;
+  };
+  torch::Tensor& hidden = remembered(layer.name);
+  if (layer.op == Op::kConvLstm) {
+    torch::Tensor& memory = remembered(layer.name + ".memory");
+    const auto gates = convolution(".gates", torch::cat({x, hidden}, 1)).chunk(4, 1);
+    memory = torch::sigmoid(gates[1]) * memory + torch::sigmoid(gates[0]) * torch::tanh(gates[3]);
+    return hidden = torch::sigmoid(gates[2]) * torch::tanh(memory);
+  }
+  const auto gates = torch::sigmoid(convolution(".gates", torch::cat({x, hidden}, 1))).chunk(2, 1);
+  const auto candidate = torch::tanh(convolution(".candidate", torch::cat({x, gates[1] * hidden}, 1)));
+  return hidden = hidden * (1.0 - gates[0]) + candidate * gates[0];
 }
 
 }  // namespace
@@ -42,6 +78,17 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
     std::vector<size_t> inputs;
     for (const std::string& name : layer.inputs) inputs.push_back(channels.at(name));
     channels[layer.name] = output_channels(layer, inputs);
+    if (model::is_recurrent(layer)) {
+      const auto depth = static_cast<int64_t>(inputs.front() + layer.out_channels);
+      const auto size = static_cast<int64_t>(layer.kernel);
+      for (const auto& [name, outputs] : cell_convolutions(layer)) {
+        const double scale = 1.0 / std::sqrt(static_cast<double>(depth * size * size));
+        parameters_[name + ".weight"] =
+            (torch::randn({outputs, depth, size, size}) * scale).to(device).set_requires_grad(true);
+        parameters_[name + ".bias"] = torch::zeros({outputs}, torch::device(device)).set_requires_grad(true);
+      }
+      continue;
+    }
     if (layer.op != Op::kConv && layer.op != Op::kConvTransposed) continue;
 
     const auto in = static_cast<int64_t>(inputs.front()), out = static_cast<int64_t>(layer.out_channels);
@@ -61,6 +108,12 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
 
 torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarType compute, const NamedTensors& weights,
                                      NamedTensors* input_means) const {
+  NamedTensors at_rest;
+  return forward(input, compute, weights, input_means, at_rest);
+}
+
+torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarType compute, const NamedTensors& weights,
+                                     NamedTensors* input_means, NamedTensors& state) const {
   std::map<std::string, torch::Tensor> values = {
       {"input", input.to(compute).contiguous(at::MemoryFormat::ChannelsLast)}};
   torch::Tensor x;
@@ -85,6 +138,16 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
         break;
       case Op::kUpsample:
         x = x.repeat_interleave(stride, 2).repeat_interleave(stride, 3);
+        break;
+      case Op::kUpsampleBilinear:
+        x = at::upsample_bilinear2d(x, {x.size(2) * stride, x.size(3) * stride}, false);
+        break;
+      case Op::kSigmoid:
+        x = torch::sigmoid(x);
+        break;
+      case Op::kConvGru:
+      case Op::kConvLstm:
+        x = run_cell(layer, x, weights, state);
         break;
       case Op::kAdd:
         for (size_t i = 1; i < layer.inputs.size(); ++i) x = x + values.at(layer.inputs[i]);

@@ -33,11 +33,21 @@ class NetworkModule {
   [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute,
                                       const NamedTensors& weights, NamedTensors* input_means = nullptr) const;
 
+  /// The same of a recurrent network, with a state that goes from frame to frame: what each cell remembers, by the
+  /// layer's name, and "<layer>.memory" of kConvLstm. Empty: at rest, where forward() begins each time.
+  [[nodiscard]] torch::Tensor forward_frame(const torch::Tensor& input, torch::ScalarType compute,
+                                            NamedTensors& state) const {
+    return forward(input, compute, parameters_, nullptr, state);
+  }
+
   /// "<layer>.weight", "<layer>.bias": leaves that require gradients.
   [[nodiscard]] const NamedTensors& parameters() const { return parameters_; }
   [[nodiscard]] const model::Network& network() const { return network_; }
 
  private:
+  [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute,
+                                      const NamedTensors& weights, NamedTensors* input_means,
+                                      NamedTensors& state) const;
   model::Network network_;
   NamedTensors parameters_;
 };

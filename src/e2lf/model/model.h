@@ -79,6 +79,9 @@ enum class WeightStorage { kFloat32, kBfloat16 };
 [[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model,
                                        WeightStorage storage = WeightStorage::kFloat32);
 
+/// Whether a file is one of a video_model.h by what it says of itself. Fails as read_model() does on what is no model.
+[[nodiscard]] Result<bool> is_video_model(const std::filesystem::path& path);
+
 /// The paper's released weights as a model: `folder` holds RecNet.safetensors and AcqNet.safetensors. Fails with
 /// kNotFound and kShape where they are not the released ones, and as read_safetensors does.
 [[nodiscard]] Result<Model> import_release(const std::filesystem::path& folder);

@@ -9,7 +9,6 @@
 namespace e2lf::model {
 namespace {
 
-constexpr const char* kMetadataKey = "e2lf";
 constexpr const char* kCodesTensor = "aperture.codes";
 
 Result<const Tensor*> find_float(const Safetensors& tensors, const std::string& name, const std::string& file) {
@@ -46,6 +45,15 @@ Result<void> check_all_used(const Model& model, const Safetensors& tensors, cons
 
 }  // namespace
 
+Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
+  const auto metadata = tensors.metadata.find(kMetadataKey);
+  if (metadata == tensors.metadata.end()) {
+    return Error{ErrorCode::kFormat, "no e2lf model (its metadata has no \"e2lf\"); make one with `e2lf model import`",
+                 file};
+  }
+  return parse_json(metadata->second, cat(file, ": ", kMetadataKey));
+}
+
 Result<Weights> weights_from_tensors(const Network& network, const Safetensors& tensors, const std::string& file) {
   Weights weights;
   for (const WeightShape& wanted : weight_shapes(network)) {
@@ -64,14 +72,8 @@ Result<Weights> weights_from_tensors(const Network& network, const Safetensors& 
 
 Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, decode_safetensors(bytes, file));
-  const auto metadata = tensors.metadata.find(kMetadataKey);
-  if (metadata == tensors.metadata.end()) {
-    return Error{ErrorCode::kFormat, "no e2lf model (its metadata has no \"e2lf\"); make one with `e2lf model import`",
-                 file};
-  }
-  const std::string location = cat(file, ": ", kMetadataKey);
-  E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(metadata->second, location));
-  E2LF_ASSIGN_OR_RETURN(Model model, header_from_json(json, location + ": $"));
+  E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, file));
+  E2LF_ASSIGN_OR_RETURN(Model model, header_from_json(json, cat(file, ": ", kMetadataKey, ": $")));
   E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, file));
   if (tensors.tensors.contains(kCodesTensor)) {
     E2LF_ASSIGN_OR_RETURN(model.codes, codes_from_tensor(model, tensors, file));

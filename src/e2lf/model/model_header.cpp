@@ -66,6 +66,23 @@ Result<void> check_version(const Json& json, const std::string& location) {
 
 }  // namespace
 
+Result<void> check_kind(const Json& header, const std::string& expected, const std::string& location) {
+  E2LF_RETURN_IF_ERROR(check_version(header, location));
+  const Json found = header.value("measurement", Json(""));
+  if (found == expected) return {};
+  const bool is_video = found == kVoxelGrid;
+  if (!is_video && found != "") {
+    return Error{ErrorCode::kUnsupported,
+                 cat("the measurement ", json_line(found), " is not known; this build knows \"", kVoxelGrid,
+                     "\"; use a newer build"),
+                 location + ".measurement"};
+  }
+  return Error{ErrorCode::kUnsupported,
+               is_video ? "this model makes frames of voxel grids, no light fields; use it with `e2lf video`"
+                        : "this model makes light fields of event images, no frames; use it with `e2lf reconstruct`",
+               location + ".measurement"};
+}
+
 const char* input_kind_name(InputKind kind) {
   return std::find_if(std::begin(kInputKinds), std::end(kInputKinds), [&](const auto& k) { return k.first == kind; })
       ->second;
@@ -109,7 +126,7 @@ Json header_to_json(const Model& model) {
 }
 
 Result<Model> header_from_json(const Json& json, const std::string& location) {
-  E2LF_RETURN_IF_ERROR(check_version(json, location));
+  E2LF_RETURN_IF_ERROR(check_kind(json, "", location));
   Model model;
   OptionReader reader(json, location);
   reader.read("name", model.name)

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "e2lf/base/text.h"
-#include "e2lf/model/model.h"
+#include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
 namespace {
@@ -25,7 +25,7 @@ class ModelCheck {
     E2LF_RETURN_IF_ERROR(check_input());
     E2LF_RETURN_IF_ERROR(check_network());
     E2LF_RETURN_IF_ERROR(check_codes());
-    E2LF_RETURN_IF_ERROR(check_weights());
+    E2LF_RETURN_IF_ERROR(validate_weights(model_.network, model_.weights, location_));
     if (!model_.provenance.is_object()) return refuse("provenance", "it is not a JSON object; write { ... }");
     return {};
   }
@@ -77,6 +77,12 @@ class ModelCheck {
   [[nodiscard]] Result<void> check_network() const {
     const auto shapes = infer_shapes(model_.network);
     if (!shapes) return refuse(cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
+    if (is_recurrent(model_.network)) {
+      return refuse("network",
+                    "a layer remembers the frame before, but every light field is for itself; use other "
+                    "layers, or a model of frames",
+                    ErrorCode::kUnsupported);
+    }
     const size_t inputs = num_input_channels(model_.input, model_.num_patterns);
     if (model_.network.input_channels != inputs) {
       return refuse("network.input_channels",
@@ -114,42 +120,43 @@ class ModelCheck {
     return {};
   }
 
-  [[nodiscard]] Result<void> check_weights() const {
-    const std::vector<WeightShape> wanted = weight_shapes(model_.network);
-    for (const WeightShape& tensor : wanted) {
-      const auto found = model_.weights.find(tensor.name);
-      if (found == model_.weights.end()) {
-        return refuse(tensor.name, "the weights are missing; give one tensor for each layer", ErrorCode::kNotFound);
-      }
-      const std::vector<float>& values = found->second;
-      const size_t size = std::accumulate(tensor.shape.begin(), tensor.shape.end(), size_t{1}, std::multiplies<>());
-      if (values.size() != size) {
-        return refuse(tensor.name,
-                      cat(values.size(), " weights, the shape ", shape_text(tensor.shape), " needs ", size,
-                          "; give the weights of this network"),
-                      ErrorCode::kShape);
-      }
-      const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
-      if (bad != values.end()) {
-        return refuse(tensor.name, cat("weight ", bad - values.begin(), " is ", *bad, "; train or import it again"));
-      }
-    }
-    if (model_.weights.size() > wanted.size()) return refuse_extra_weights(wanted);
-    return {};
-  }
-
-  [[nodiscard]] Error refuse_extra_weights(const std::vector<WeightShape>& wanted) const {
-    const auto extra = std::find_if(model_.weights.begin(), model_.weights.end(), [&](const auto& entry) {
-      return std::none_of(wanted.begin(), wanted.end(), [&](const auto& tensor) { return tensor.name == entry.first; });
-    });
-    return refuse(extra->first, "the weights belong to no layer of the network; remove them", ErrorCode::kFormat);
-  }
-
   const Model& model_;
   const std::string& location_;
 };
 
 }  // namespace
+
+Result<void> validate_weights(const Network& network, const Weights& weights, const std::string& location) {
+  const auto refuse = [&](const std::string& tensor, const std::string& message, ErrorCode code) {
+    return Error{code, message, cat(location, ": ", tensor)};
+  };
+  const std::vector<WeightShape> wanted = weight_shapes(network);
+  for (const WeightShape& tensor : wanted) {
+    const auto found = weights.find(tensor.name);
+    if (found == weights.end()) {
+      return refuse(tensor.name, "the weights are missing; give one tensor for each layer", ErrorCode::kNotFound);
+    }
+    const std::vector<float>& values = found->second;
+    const size_t size = std::accumulate(tensor.shape.begin(), tensor.shape.end(), size_t{1}, std::multiplies<>());
+    if (values.size() != size) {
+      return refuse(tensor.name,
+                    cat(values.size(), " weights, the shape ", shape_text(tensor.shape), " needs ", size,
+                        "; give the weights of this network"),
+                    ErrorCode::kShape);
+    }
+    const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
+    if (bad != values.end()) {
+      return refuse(tensor.name, cat("weight ", bad - values.begin(), " is ", *bad, "; train or import it again"),
+                    ErrorCode::kInvalidValue);
+    }
+  }
+  const auto is_extra = [&](const auto& entry) {
+    return std::none_of(wanted.begin(), wanted.end(), [&](const auto& tensor) { return tensor.name == entry.first; });
+  };
+  const auto extra = std::find_if(weights.begin(), weights.end(), is_extra);
+  if (extra == weights.end()) return {};
+  return refuse(extra->first, "the weights belong to no layer of the network; remove them", ErrorCode::kFormat);
+}
 
 Result<void> validate(const Model& model, const std::string& location) {
   return ModelCheck(model, location).run();

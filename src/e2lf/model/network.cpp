@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/network.h"
 
+#include <algorithm>
+
 #include "e2lf/base/text.h"
 
 namespace e2lf::model {
@@ -16,6 +18,15 @@ Layer conv(const std::string& name, const std::string& input, size_t out_channel
 }
 
 }  // namespace
+
+bool is_recurrent(const Layer& layer) {
+  return layer.op == Op::kConvGru || layer.op == Op::kConvLstm;
+}
+
+bool is_recurrent(const Network& network) {
+  return std::any_of(network.layers.begin(), network.layers.end(),
+                     [](const Layer& layer) { return is_recurrent(layer); });
+}
 
 Network recnet(size_t input_channels, size_t output_channels, size_t width) {
   constexpr size_t kBodyLayers = 20;

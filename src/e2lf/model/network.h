@@ -12,26 +12,35 @@ namespace e2lf::model {
 
 /// What one layer of a network does. All tensors are [channel, y, x]; "same" zero padding throughout.
 enum class Op {
-  kConv,  ///< kernel x kernel convolution (cross-correlation), odd kernel, stride 1, or kernel = stride (no padding)
-  kConvTransposed,  ///< kernel = stride transposed convolution (no overlap): the inverse of the strided one in shape
-  kPixelUnshuffle,  ///< space to depth by `stride`: out channel = c * stride^2 + dy * stride + dx
-  kPixelShuffle,    ///< depth to space by `stride`, the inverse of kPixelUnshuffle
-  kUpsample,        ///< nearest neighbour by `stride`
-  kAdd,             ///< sum of all inputs
-  kConcat,          ///< inputs one after another along the channels
+  kConv,  ///< kernel x kernel convolution (cross-correlation): kernel = stride (no padding), else an odd kernel whose
+          ///< centre for output pixel i is input pixel i * stride
+  kConvTransposed,    ///< kernel = stride transposed convolution (no overlap): the inverse of the strided one in shape
+  kPixelUnshuffle,    ///< space to depth by `stride`: out channel = c * stride^2 + dy * stride + dx
+  kPixelShuffle,      ///< depth to space by `stride`, the inverse of kPixelUnshuffle
+  kUpsample,          ///< nearest neighbour by `stride`
+  kUpsampleBilinear,  ///< by `stride`: output pixel i lies at (i + 1/2) / stride - 1/2; beyond the edge is the edge
+  kAdd,               ///< sum of all inputs
+  kConcat,            ///< inputs one after another along the channels
+  kSigmoid,           ///< 1 / (1 + exp(-x))
+
+  // Cells with a memory of the frame before, which begins at zero; * is "same" convolution with `kernel` (odd), [a, b]
+  // is kConcat. The input is x, the result h.
+  kConvGru,   ///< (u, r) = sigmoid(gates * [x, h']), h = (1 - u) h' + u tanh(candidate * [x, r h']); h' = the last h
+  kConvLstm,  ///< (i, f, o) = sigmoid, g = tanh of the parts of gates * [x, h']; c = f c' + i g, h = o tanh(c)
 };
 
 /// One layer; its output is known by its name. Weights: "<name>.weight" [out, in, kernel, kernel] (for kConvTransposed
-/// [in, out, kernel, kernel], as in torch) and "<name>.bias" [out].
+/// [in, out, kernel, kernel], as in torch) and "<name>.bias" [out]. Cells have the same of two convolutions,
+/// "<name>.gates" (kConvGru: 2 out = u, r; kConvLstm: 4 out = i, f, o, g) and, of kConvGru, "<name>.candidate" (out).
 struct Layer {
   std::string name;
   Op op = Op::kConv;
   std::vector<std::string> inputs;  ///< earlier layers, or "input"
-  size_t out_channels = 0;          ///< kConv, kConvTransposed
-  size_t kernel = 1;                ///< kConv, kConvTransposed
+  size_t out_channels = 0;          ///< kConv, kConvTransposed, cells
+  size_t kernel = 1;                ///< kConv, kConvTransposed, cells
   size_t stride = 1;
   std::string residual;  ///< kConv: a tensor of the output's shape added before the activation; "" = none
-  bool relu = false;     ///< ReLU at the end, for any op
+  bool relu = false;     ///< ReLU at the end, for any op but cells
 
   bool operator==(const Layer&) const = default;
 };
@@ -51,14 +60,19 @@ struct LayerShape {
   size_t scale = 1;
 };
 
-/// The shape of every layer's output, in order. Fails with kInvalidValue (a name used twice or unknown, an even kernel,
-/// a stride that is not the kernel, sizes beyond any use: 65536 channels, kernels of 127, scales of 1024) and kShape
-/// (channels or scales that do not fit); the location is the layer. The functions below need a network that passes.
+/// The shape of every layer's output, in order. Fails with kInvalidValue (a name used twice or unknown, an even kernel
+/// that is not the stride, a stride beyond the kernel, sizes beyond any use: 65536 channels, kernels of 127, scales of
+/// 1024) and kShape (channels or scales that do not fit); the location is the layer. The functions below need a network
+/// that passes.
 [[nodiscard]] Result<std::vector<LayerShape>> infer_shapes(const Network& network);
 
 /// The smallest common factor that the height and width of an input must be a multiple of (1 for plain networks);
 /// reconstruction pads to it.
 [[nodiscard]] size_t size_multiple(const Network& network);
+
+/// Whether a layer is a cell, and whether a network has any: whether it remembers the frame before.
+[[nodiscard]] bool is_recurrent(const Layer& layer);
+[[nodiscard]] bool is_recurrent(const Network& network);
 
 /// A tensor of weights: its name ("<layer>.weight", "<layer>.bias") and shape as documented at Layer.
 struct WeightShape {
@@ -73,7 +87,8 @@ struct WeightShape {
 [[nodiscard]] double macs_per_pixel(const Network& network);
 [[nodiscard]] size_t num_parameters(const Network& network);
 
-/// Rows (and columns) of context on each side that one output pixel sees at most: 26 for the paper's network.
+/// Rows (and columns) of context on each side that one output pixel sees at most, of the same frame: 26 for the paper's
+/// network.
 [[nodiscard]] size_t receptive_radius(const Network& network);
 
 /// {"type": "conv-graph", "input_channels": 3, "layers": [{"name": "conv1", "op": "conv", "inputs": ["input"],

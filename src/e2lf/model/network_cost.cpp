@@ -9,8 +9,33 @@
 namespace e2lf::model {
 namespace {
 
-bool has_weights(const Layer& layer) {
-  return layer.op == Op::kConv || layer.op == Op::kConvTransposed;
+/// A convolution of a layer: the shape of its weights, and the input pixels (along an axis) per pixel that it is
+/// computed for.
+struct ConvCost {
+  std::string name;
+  size_t out = 0, in = 0;  ///< as stored: for transposed ones the other way round
+  size_t bias = 0;
+  size_t kernel = 1;
+  size_t scale = 1;
+};
+
+/// The convolutions of a layer; `in` channels at scale `scale_in` make it, `scale_out` is its own.
+std::vector<ConvCost> convolutions(const Layer& layer, size_t in, size_t scale_in, size_t scale_out) {
+  const size_t out = layer.out_channels, kernel = layer.kernel;
+  switch (layer.op) {
+    case Op::kConv:
+      return {{layer.name, out, in, out, kernel, scale_out}};
+    case Op::kConvTransposed:
+      // Visits all its weights once per pixel of its input, not of its output.
+      return {{layer.name, in, out, out, kernel, scale_in}};
+    case Op::kConvGru:
+      return {{layer.name + ".gates", 2 * out, in + out, 2 * out, kernel, scale_out},
+              {layer.name + ".candidate", out, in + out, out, kernel, scale_out}};
+    case Op::kConvLstm:
+      return {{layer.name + ".gates", 4 * out, in + out, 4 * out, kernel, scale_out}};
+    default:
+      return {};
+  }
 }
 
 size_t product(const std::vector<size_t>& shape) {
@@ -25,33 +50,35 @@ std::map<std::string, LayerShape> shapes_by_name(const Network& network) {
   return by_name;
 }
 
+/// All convolutions of a network, in the order of its layers.
+std::vector<ConvCost> convolutions(const Network& network) {
+  const auto shapes = shapes_by_name(network);
+  std::vector<ConvCost> all;
+  for (const Layer& layer : network.layers) {
+    const LayerShape input = shapes.at(layer.inputs.front());
+    for (ConvCost& conv : convolutions(layer, input.channels, input.scale, shapes.at(layer.name).scale)) {
+      all.push_back(std::move(conv));
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<WeightShape> weight_shapes(const Network& network) {
-  const auto shapes = shapes_by_name(network);
   std::vector<WeightShape> result;
-  for (const Layer& layer : network.layers) {
-    if (!has_weights(layer)) continue;
-    const size_t in = shapes.at(layer.inputs.front()).channels;
-    const size_t out = layer.out_channels;
-    const bool transposed = layer.op == Op::kConvTransposed;
-    result.push_back(
-        {layer.name + ".weight", {transposed ? in : out, transposed ? out : in, layer.kernel, layer.kernel}});
-    result.push_back({layer.name + ".bias", {out}});
+  for (const ConvCost& conv : convolutions(network)) {
+    result.push_back({conv.name + ".weight", {conv.out, conv.in, conv.kernel, conv.kernel}});
+    result.push_back({conv.name + ".bias", {conv.bias}});
   }
   return result;
 }
 
 double macs_per_pixel(const Network& network) {
-  const auto shapes = shapes_by_name(network);
   double sum = 0.0;
-  for (const Layer& layer : network.layers) {
-    if (!has_weights(layer)) continue;
-    const LayerShape input = shapes.at(layer.inputs.front());
-    // A transposed convolution visits all its weights once per pixel of its input, a plain one per pixel of its output.
-    const size_t scale = layer.op == Op::kConv ? shapes.at(layer.name).scale : input.scale;
-    const size_t weights = input.channels * layer.out_channels * layer.kernel * layer.kernel;
-    sum += static_cast<double>(weights) / static_cast<double>(scale * scale);
+  for (const ConvCost& conv : convolutions(network)) {
+    const size_t weights = conv.in * conv.out * conv.kernel * conv.kernel;
+    sum += static_cast<double>(weights) / static_cast<double>(conv.scale * conv.scale);
   }
   return sum;
 }
@@ -73,8 +100,11 @@ size_t receptive_radius(const Network& network) {
     const size_t scale_out = shapes.at(layer.name).scale;
     if (scale_out < scale_in) {
       reach += scale_in - scale_out;  // the rest of the coarse block, for the finest pixel at its edge
-    } else if (layer.op == Op::kConv && layer.stride == 1) {
-      reach += layer.kernel / 2 * scale_in;
+      if (layer.op == Op::kUpsampleBilinear) reach += scale_in;
+    } else if (layer.op == Op::kConv && layer.kernel != layer.stride) {
+      reach += layer.kernel / 2 * scale_in + (scale_out - scale_in);
+    } else if (is_recurrent(layer)) {
+      reach += (layer.op == Op::kConvGru ? 2 : 1) * (layer.kernel / 2) * scale_in;
     }
     if (!layer.residual.empty()) reach = std::max(reach, radius.at(layer.residual));
     radius[layer.name] = reach;

@@ -15,8 +15,12 @@ constexpr std::pair<Op, const char*> kOps[] = {{Op::kConv, "conv"},
                                                {Op::kPixelUnshuffle, "pixel-unshuffle"},
                                                {Op::kPixelShuffle, "pixel-shuffle"},
                                                {Op::kUpsample, "upsample"},
+                                               {Op::kUpsampleBilinear, "upsample-bilinear"},
                                                {Op::kAdd, "add"},
-                                               {Op::kConcat, "concat"}};
+                                               {Op::kConcat, "concat"},
+                                               {Op::kSigmoid, "sigmoid"},
+                                               {Op::kConvGru, "conv-gru"},
+                                               {Op::kConvLstm, "conv-lstm"}};
 
 const char* op_name(Op op) {
   return std::find_if(std::begin(kOps), std::end(kOps), [&](const auto& entry) { return entry.first == op; })->second;

@@ -83,7 +83,14 @@ class LayerCheck {
         }
         return finer(input.channels / (stride * stride));
       case Op::kUpsample:
+      case Op::kUpsampleBilinear:
         return finer(input.channels);
+      case Op::kSigmoid:
+        return input;
+      case Op::kConvGru:
+      case Op::kConvLstm:
+        E2LF_RETURN_IF_ERROR(check_cell());
+        return LayerShape{layer_.out_channels, input.scale};
       case Op::kAdd:
       case Op::kConcat:
         return joined();
@@ -95,11 +102,20 @@ class LayerCheck {
     if (layer_.kernel == 0 || layer_.kernel > kMaxKernel) {
       return invalid(cat("a kernel of ", layer_.kernel, "; use 1 to ", kMaxKernel));
     }
-    if (layer_.stride == 1 && layer_.kernel % 2 == 0) return invalid("an even kernel at stride 1; use an odd one");
-    if (layer_.stride > 1 && layer_.kernel != layer_.stride) {
-      return invalid("the stride is neither 1 nor the kernel; make them equal");
-    }
+    if (layer_.kernel == layer_.stride && layer_.stride > 1) return {};
+    if (layer_.kernel % 2 == 0) return invalid("an even kernel that is not the stride; use an odd one");
+    if (layer_.kernel < layer_.stride) return invalid("a stride beyond the kernel; use a smaller one");
     return {};
+  }
+
+  [[nodiscard]] Result<void> check_cell() const {
+    if (layer_.stride != 1) return invalid("a cell with a stride; use stride 1");
+    if (layer_.relu) return invalid("a cell with ReLU; leave it out");
+    // Gates are up to four times as many.
+    if (layer_.out_channels > kMaxChannels / 4) {
+      return invalid(cat(layer_.out_channels, " channels; use 1 to ", kMaxChannels / 4));
+    }
+    return check_conv_kernel();
   }
 
   [[nodiscard]] Result<LayerShape> finer(size_t channels) const {

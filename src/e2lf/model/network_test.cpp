@@ -110,8 +110,8 @@ TEST(InferShapes, RefusesNamesThatAreTakenOrUnknown) {
 
 TEST(InferShapes, RefusesKernelsAndStridesThatDoNotFit) {
   for (const Layer& bad :
-       {conv("x", "out", 1, 2), conv("x", "out", 1, 3, 2), conv("x", "out", 1, 0), conv("x", "out", 1, 129),
-        conv("x", "out", 1, 1, 0), conv("x", "out", 0, 1), conv("x", "out", 70000, 1),
+       {conv("x", "out", 1, 2), conv("x", "out", 1, 4, 2), conv("x", "out", 1, 3, 4), conv("x", "out", 1, 0),
+        conv("x", "out", 1, 129), conv("x", "out", 1, 1, 0), conv("x", "out", 0, 1), conv("x", "out", 70000, 1),
         strided("x", Op::kPixelUnshuffle, "out", 2000), strided("x", Op::kPixelUnshuffle, "out", ~size_t{0})}) {
     EXPECT_EQ(error_with(bad).code, ErrorCode::kInvalidValue);
   }

@@ -47,7 +47,40 @@ void append_provenance(std::string& text, const Json& provenance) {
   }
 }
 
+void append_network(std::string& text, const Network& network) {
+  const size_t field_px = receptive_field_px(network);
+  append_field(text, "network",
+               cat(network.layers.size(), " layers, ", grouped(num_parameters(network)), " parameters"));
+  append_field(text, "multiply-adds", cat(grouped(static_cast<size_t>(macs_per_pixel(network))), " per pixel"));
+  append_field(text, "receptive field", cat(field_px, " x ", field_px, " px"));
+}
+
+void append_origin(std::string& text, const Json& provenance) {
+  append_field(text, "provenance", provenance.empty() ? "none" : "as follows");
+  append_provenance(text, provenance);
+}
+
 }  // namespace
+
+Json summary_json(const VideoModel& model) {
+  Json json = video_header_to_json(model);
+  json["network"] = network_summary(model.network);
+  json.erase("provenance");
+  json["provenance"] = model.provenance;
+  return json;
+}
+
+std::string summary_text(const VideoModel& model) {
+  std::string text;
+  append_field(text, "name", model.name);
+  append_field(text, "makes", "frames of a recording, each from a voxel grid and the frames before");
+  append_field(text, "input", cat(model.bins, " time bins", model.normalises_voxels ? ", normalised" : ""));
+  append_field(text, "tone", tone_name(model.tone));
+  append_field(text, "padded to", cat("multiples of ", model.pad_multiple, " px"));
+  append_network(text, model.network);
+  append_origin(text, model.provenance);
+  return text;
+}
 
 Json summary_json(const Model& model) {
   Json json = header_to_json(model);
@@ -60,11 +93,9 @@ Json summary_json(const Model& model) {
 }
 
 std::string summary_text(const Model& model) {
-  const Network& network = model.network;
   const capture::SensorConstants& constants = model.constants;
   std::vector<std::string> inputs;
   for (const InputGroup& group : model.input) inputs.push_back(cat(group.scale, " * ", input_kind_name(group.kind)));
-  const size_t field_px = receptive_field_px(network);
 
   std::string text;
   append_field(text, "name", model.name);
@@ -75,12 +106,8 @@ std::string summary_text(const Model& model) {
                cat("eps ", constants.eps, ", tau ", constants.tau, ", sigma_w ", constants.sigma_w, ", sigma_z ",
                    constants.sigma_z));
   append_field(text, "input", join(inputs));
-  append_field(text, "network",
-               cat(network.layers.size(), " layers, ", grouped(num_parameters(network)), " parameters"));
-  append_field(text, "multiply-adds", cat(grouped(static_cast<size_t>(macs_per_pixel(network))), " per pixel"));
-  append_field(text, "receptive field", cat(field_px, " x ", field_px, " px"));
-  append_field(text, "provenance", model.provenance.empty() ? "none" : "as follows");
-  append_provenance(text, model.provenance);
+  append_network(text, model.network);
+  append_origin(text, model.provenance);
   append_field(text, "codes", model.codes ? "as follows, each with its light efficiency" : "none");
   if (model.codes) text += '\n' + capture::codes_text(*model.codes);
   return text;

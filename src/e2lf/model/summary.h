@@ -4,6 +4,7 @@
 #include <string>
 
 #include "e2lf/model/model.h"
+#include "e2lf/model/video_model.h"
 
 namespace e2lf::model {
 
@@ -14,5 +15,10 @@ namespace e2lf::model {
 
 /// The same for people, with a picture of the patterns.
 [[nodiscard]] std::string summary_text(const Model& model);
+
+/// The same of a model that makes frames: name, measurement, bins, what happens to voxels and frames, network figures,
+/// provenance.
+[[nodiscard]] Json summary_json(const VideoModel& model);
+[[nodiscard]] std::string summary_text(const VideoModel& model);
 
 }  // namespace e2lf::model

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "peers/torch_event_video.h"
+
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <torch/torch.h>
+#include <vector>
+
+namespace {
+
+struct Convolution {
+  torch::Tensor weight, bias;
+  int64_t stride = 1, padding = 0;
+
+  Convolution() = default;
+  Convolution(const float* w, const float* b, size_t out, size_t in, size_t kernel, size_t step)
+      : weight(tensor_of(w, {as_int(out), as_int(in), as_int(kernel), as_int(kernel)})),
+        bias(tensor_of(b, {as_int(out)})),
+        stride(as_int(step)),
+        padding(step == kernel ? 0 : as_int(kernel / 2)) {}
+
+  static int64_t as_int(size_t value) { return static_cast<int64_t>(value); }
+  static torch::Tensor tensor_of(const float* data, std::vector<int64_t> shape) {
+    return torch::from_blob(const_cast<float*>(data), shape, torch::kFloat32);
+  }
+
+  torch::Tensor operator()(const torch::Tensor& x) const { return torch::conv2d(x, weight, bias, stride, padding); }
+};
+
+/// A layer, and of cells what they remember.
+struct Module {
+  E2lfTorchVideoLayer layer{};
+  Convolution conv, candidate;
+  torch::Tensor hidden, memory;
+
+  explicit Module(const E2lfTorchVideoLayer& of) : layer(of) {
+    const bool is_cell = of.op == kE2lfGru || of.op == kE2lfLstm;
+    const size_t in = is_cell ? of.in_channels + of.out_channels : of.in_channels;
+    const size_t parts = of.op == kE2lfLstm ? 4 : of.op == kE2lfGru ? 2 : 1;
+    if (of.weight != nullptr) conv = {of.weight, of.bias, parts * of.out_channels, in, of.kernel, of.stride};
+    if (of.op == kE2lfGru) candidate = {of.candidate_weight, of.candidate_bias, of.out_channels, in, of.kernel, 1};
+  }
+
+  torch::Tensor run_cell(const torch::Tensor& x) {
+    if (!hidden.defined()) {
+      const std::vector<int64_t> shape = {1, Convolution::as_int(layer.out_channels), x.size(2), x.size(3)};
+      hidden = torch::zeros(shape);
+      memory = torch::zeros(shape);
+    }
+    if (layer.op == kE2lfLstm) {
+      const auto gates = conv(torch::cat({x, hidden}, 1)).chunk(4, 1);
+      memory = torch::sigmoid(gates[1]) * memory + torch::sigmoid(gates[0]) * torch::tanh(gates[3]);
+      return hidden = torch::sigmoid(gates[2]) * torch::tanh(memory);
+    }
+    const auto gates = torch::sigmoid(conv(torch::cat({x, hidden}, 1))).chunk(2, 1);
+    const auto wanted = torch::tanh(candidate(torch::cat({x, gates[1] * hidden}, 1)));
+    return hidden = hidden * (1 - gates[0]) + wanted * gates[0];
+  }
+
+  torch::Tensor run(const std::vector<torch::Tensor>& tensors) {
+    const torch::Tensor& x = tensors[layer.input];
+    switch (layer.op) {
+      case kE2lfGru:
+      case kE2lfLstm:
+        return run_cell(x);
+      case kE2lfBilinear: {
+        const auto step = Convolution::as_int(layer.stride);
+        return torch::upsample_bilinear2d(x, {x.size(2) * step, x.size(3) * step}, /*align_corners=*/false);
+      }
+      case kE2lfAdd:
+        return x + tensors[layer.other];
+      case kE2lfSigmoid:
+        return torch::sigmoid(x);
+      case kE2lfConv:
+        break;
+    }
+    torch::Tensor y = conv(x);
+    if (layer.residual != 0) y = y.add_(tensors[layer.residual - 1]);
+    return layer.relu != 0 ? torch::relu_(y) : y;
+  }
+};
+
+}  // namespace
+
+const char* e2lf_torch_event_video(const E2lfTorchVideoJob* job) {
+  static std::string message;
+  try {
+    const torch::InferenceMode guard;
+    torch::set_num_threads(job->threads);
+    std::vector<Module> modules;
+    for (size_t i = 0; i < job->num_layers; ++i) modules.emplace_back(job->layers[i]);
+    const auto input = Convolution::tensor_of(
+        job->input,
+        {1, Convolution::as_int(job->in_channels), Convolution::as_int(job->height), Convolution::as_int(job->width)});
+    for (size_t frame = 0; frame < job->frames; ++frame) {
+      const auto begin = std::chrono::steady_clock::now();
+      std::vector<torch::Tensor> tensors = {input};
+      for (Module& module : modules) tensors.push_back(module.run(tensors));
+      const torch::Tensor output = tensors.back().contiguous();
+      job->seconds[frame] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      std::memcpy(job->output, output.data_ptr<float>(), output.nbytes());
+    }
+    return nullptr;
+  } catch (const std::exception& error) {
+    message = error.what();
+    return message.c_str();
+  }
+}

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+
+#include "e2lf/engine/kernel.h"
+
+namespace e2lf::engine {
+
+/// model::Op::kUpsampleBilinear by `stride`, of one type; `relu` as in model::Layer.
+[[nodiscard]] std::unique_ptr<Kernel> make_bilinear(size_t channels, size_t stride, bool relu, ElementType type);
+
+}  // namespace e2lf::engine

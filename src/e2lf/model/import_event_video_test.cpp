@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/model/import_event_video.h"
+
+#include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/safetensors.h"
+#include "e2lf/model/event_video_networks.h"
+#include "testing/event_video_checkpoints.h"
+#include "testing/test_files.h"
+
+namespace e2lf::model {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Result<VideoModel> import_tensors(const Safetensors& tensors, const std::string& as = "") {
+  const TestFolder folder;
+  EXPECT_TRUE(write_safetensors(folder / "c.safetensors", tensors).ok());
+  return import_event_video(folder / "c.safetensors", as);
+}
+
+TEST(ImportEventVideo, FireNetAndFireNetPlusAreToldByTheirNames) {
+  const auto legacy = import_tensors(firenet_checkpoint(true));
+  ASSERT_TRUE(legacy.ok()) << legacy.error().text();
+  EXPECT_EQ(legacy->name, "firenet");
+  EXPECT_TRUE(legacy->normalises_voxels);
+  EXPECT_EQ(legacy->pad_multiple, 16U);
+  EXPECT_EQ(num_parameters(legacy->network), 37777U);
+  const auto plus = import_tensors(firenet_checkpoint(false));
+  ASSERT_TRUE(plus.ok()) << plus.error().text();
+  EXPECT_EQ(plus->name, "firenet+");
+  EXPECT_FALSE(plus->normalises_voxels);
+  EXPECT_EQ(plus->pad_multiple, 1U);
+  EXPECT_EQ(plus->network, firenet());
+  EXPECT_EQ(legacy->network, firenet());
+}
+
+TEST(ImportEventVideo, UpdateGatesStandBeforeResetGates) {
+  Safetensors tensors = firenet_checkpoint(false);
+  tensors.tensors["G1.update_gate.bias"] = make_tensor({16}, std::vector<float>(16, 3.0F));
+  tensors.tensors["G1.reset_gate.bias"] = make_tensor({16}, std::vector<float>(16, -4.0F));
+  const auto model = import_tensors(tensors);
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  EXPECT_EQ(model->weights.at("cell1.gates.bias")[0], 3.0F);
+  EXPECT_EQ(model->weights.at("cell1.gates.bias")[16], -4.0F);
+}
+
+TEST(ImportEventVideo, TheUnetHasTheParametersOfE2vidAndItsConventions) {
+  const auto plus = import_tensors(unet_checkpoint({.is_normalised = false}));
+  ASSERT_TRUE(plus.ok()) << plus.error().text();
+  EXPECT_EQ(plus->name, "e2vid+");
+  EXPECT_EQ(num_parameters(plus->network), 10710401U);
+  EXPECT_EQ(plus->pad_multiple, 8U);
+  EXPECT_EQ(plus->network, event_unet());
+  const auto e2vid = import_tensors(unet_checkpoint({.is_normalised = true}));
+  ASSERT_TRUE(e2vid.ok()) << e2vid.error().text();
+  EXPECT_EQ(e2vid->name, "e2vid");
+  EXPECT_EQ(e2vid->tone, Tone::kRobust);
+  EXPECT_TRUE(e2vid->normalises_voxels);
+  EXPECT_EQ(e2vid->network, event_unet({.ends_in_sigmoid = true}));
+  EXPECT_EQ(import_tensors(unet_checkpoint({.is_normalised = false}), "ssl-e2vid")->tone, Tone::kExpRobust);
+}
+
+TEST(ImportEventVideo, FoldsBatchNormalisationIntoTheConvolutionBeforeIt) {
+  Safetensors tensors = unet_checkpoint({.is_normalised = true, .channels = 2});
+  const std::string key = "unetrecurrent.encoders.0.conv.";
+  tensors.tensors[key + "norm_layer.running_mean"] = make_tensor({4}, std::vector<float>{1, 2, 3, 4});
+  tensors.tensors[key + "norm_layer.running_var"] = make_tensor({4}, std::vector<float>{4, 4, 4, 4});
+  tensors.tensors[key + "norm_layer.weight"] = make_tensor({4}, std::vector<float>{6, 6, 6, 6});
+  tensors.tensors[key + "norm_layer.bias"] = make_tensor({4}, std::vector<float>{10, 20, 30, 40});
+  const auto model = import_tensors(tensors);
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  const auto before = tensors.tensors.at(key + "conv2d.weight").to_float("w").value();
+  const auto& after = model->weights.at("encoder0.weight");
+  const double factor = 6.0 / std::sqrt(4.0 + 1e-5);
+  ASSERT_EQ(before.size(), after.size());
+  for (size_t i = 0; i < after.size(); ++i) EXPECT_NEAR(after[i], factor * before[i], 1e-5);
+  EXPECT_NEAR(model->weights.at("encoder0.bias")[2], 30.0 - 3.0 * factor, 1e-5);
+}
+
+TEST(ImportEventVideo, KeepsThePictureOfSeveralOutputs) {
+  Safetensors tensors = unet_checkpoint({.is_normalised = false, .channels = 2});
+  tensors.tensors["unetrecurrent.pred.conv2d.weight"] = make_tensor({3, 2, 1, 1}, std::vector<float>{1, 2, 3, 4, 5, 6});
+  tensors.tensors["unetrecurrent.pred.conv2d.bias"] = make_tensor({3}, std::vector<float>{7, 8, 9});
+  const auto model = import_tensors(tensors);
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  EXPECT_THAT(model->weights.at("picture.weight"), ElementsAre(1, 2));
+  EXPECT_THAT(model->weights.at("picture.bias"), ElementsAre(7));
+}
+
+TEST(ImportEventVideo, RefusesWhatItDoesNotKnow) {
+  Safetensors other;
+  other.tensors["a.weight"] = make_tensor({1}, std::vector<float>{1});
+  EXPECT_THAT(import_tensors(other).error().message, HasSubstr("firenet+"));
+
+  Safetensors extra = firenet_checkpoint(false);
+  extra.tensors["G3.update_gate.weight"] = make_tensor({1}, std::vector<float>{1});
+  EXPECT_THAT(import_tensors(extra).error().location, HasSubstr("G3.update_gate.weight"));
+
+  Safetensors missing = firenet_checkpoint(false);
+  missing.tensors.erase("R2.conv2.weight");
+  EXPECT_EQ(import_tensors(missing).error().code, ErrorCode::kNotFound);
+
+  Safetensors misfit = firenet_checkpoint(false);
+  misfit.tensors["G1.reset_gate.weight"] = make_tensor({16, 32, 1, 1}, std::vector<float>(512));
+  EXPECT_EQ(import_tensors(misfit).error().code, ErrorCode::kShape);
+
+  Safetensors empty = firenet_checkpoint(false);
+  empty.tensors["pred.conv2d.weight"] = make_tensor({0, 16, 1, 1}, std::vector<float>());
+  EXPECT_EQ(import_tensors(empty).error().code, ErrorCode::kShape);
+
+  EXPECT_THAT(import_tensors(firenet_checkpoint(false), "e2vid").error().message, HasSubstr("other layers"));
+  EXPECT_THAT(import_tensors(firenet_checkpoint(false), "hypere2vid").error().message, HasSubstr("known are"));
+
+  Safetensors transposed = unet_checkpoint({.is_normalised = false, .channels = 2});
+  transposed.tensors["unetrecurrent.decoders.1.transposed_conv2d.weight"] = make_tensor({1}, std::vector<float>{1});
+  EXPECT_EQ(import_tensors(transposed).error().code, ErrorCode::kUnsupported);
+}
+
+}  // namespace
+}  // namespace e2lf::model
