@@ -22,11 +22,11 @@ check "$many < $few + 80"
 # An .npz of events is read and written whole: where it has no room, that is said, and what to do.
 py - <<'EOF'
 import numpy as np
-n = 6_000_000
+n = 20_000_000
 np.savez("many_events.npz", x=np.zeros(n, np.uint16), y=np.zeros(n, np.uint16), p=np.ones(n, np.uint8), t=np.arange(n))
 np.savez("few_events.npz", x=np.zeros(9, np.uint16), y=np.zeros(9, np.uint16), p=np.ones(9, np.uint8), t=np.arange(9))
 EOF
-little() { (ulimit -v 250000; "$@"); }
+little() { (ulimit -v 350000; "$@"); }
 little "$E2LF" convert few_events.npz few.raw --sensor-width 64 --sensor-height 48 --quiet --threads 1
 fails 1 "an .npz is read whole: store the events as .npy" little "$E2LF" convert many_events.npz many.raw --sensor-width 64 --sensor-height 48 --quiet --threads 1
 "$E2LF" convert many_events.npz many.raw --sensor-width 64 --sensor-height 48 --quiet

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/base/memory.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
@@ -49,6 +50,17 @@ Result<NpyArray> peek_member(const ZipEntry& entry, const std::string& location)
   return std::move(header.array);
 }
 
+/// The bytes of a file, where they have room.
+Result<std::vector<uint8_t>> read_archive(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(path, error);
+  if (!error) {
+    E2LF_RETURN_IF_ERROR(require_memory(
+        bytes, "an .npz is read whole: store the events as .npy, .csv or .hdf5, or in parts", path.string()));
+  }
+  return read_file(path);
+}
+
 }  // namespace
 
 Result<NpzArrays> decode_npz(std::span<const uint8_t> bytes, const std::string& name) {
@@ -62,7 +74,7 @@ std::vector<uint8_t> encode_npz(const NpzArrays& arrays, bool compress) {
 }
 
 Result<NpzArrays> read_npz(const std::filesystem::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_archive(path));
   return decode_npz(bytes, path.string());
 }
 
@@ -71,7 +83,7 @@ Result<NpzArrays> peek_npz(std::span<const uint8_t> bytes, const std::string& na
 }
 
 Result<NpzArrays> peek_npz(const std::filesystem::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_archive(path));
   return peek_npz(bytes, path.string());
 }
 

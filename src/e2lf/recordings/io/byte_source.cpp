@@ -166,6 +166,7 @@ std::unique_ptr<ByteSource> make_descriptor_source(int descriptor, bool owned, s
 
 Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit) {
   std::vector<uint8_t> bytes;
+  bytes.reserve(std::min<uint64_t>(source.size().value_or(0), limit));  // growing would take twice as much
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> part, source.fetch(1));
     if (part.empty()) return bytes;

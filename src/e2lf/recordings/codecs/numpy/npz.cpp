@@ -273,8 +273,7 @@ bool detect_npz(std::span<const uint8_t> head) {
 
 Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
   const std::string name = source->name();
-  // Its bytes double their room as they come.
-  E2LF_RETURN_IF_ERROR(require_memory(2 * source->size().value_or(0), kReadRemedy, name));
+  E2LF_RETURN_IF_ERROR(require_memory(source->size().value_or(0), kReadRemedy, name));
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
   E2LF_RETURN_IF_ERROR(check_memory(bytes, name));
   E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, decode_npz(bytes, name));
