@@ -5,10 +5,12 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/camera.h"
+#include "e2lf/capture/camera_record.h"
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/pictures.h"
+#include "e2lf/files/json_text.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/outputs.h"
@@ -59,7 +61,14 @@ void bind_camera(py::module_& module) {
       .def(
           "to_dict", [](const Camera& self) { return to_python(capture::to_json(self)); },
           "What a camera file holds: every constant with its uncertainty.")
-      .def("__repr__", [](const Camera& self) { return "<e2lf.Camera " + self.name + ", " + self.event_model + ">"; });
+      .def("__repr__", [](const Camera& self) { return "<e2lf.Camera " + self.name + ", " + self.event_model + ">"; })
+      .def("__eq__", [](const Camera& self, const Camera& other) {
+        return capture::to_json(self) == capture::to_json(other);
+      })
+      .def(py::pickle([](const Camera& self) { return json_line(capture::to_json(self)); },
+                      [](const std::string& state) {
+                        return take(capture::camera_from_json(take(parse_json(state, "camera")), "camera"));
+                      }));
   module.def(
       "_read_camera", [](const fs::path& path) { return take(capture::read_camera(path)); }, py::arg("path"));
 }
@@ -88,11 +97,13 @@ py::object read_event_images(const fs::path& path) {
   for (capture::EventImages& images : file.cycles) cycles.append(to_array(std::move(images)));
   py::object codes = py::none();
   if (file.codes) codes = to_array(take(capture::codes_from_npy(*file.codes, path.string())));
-  return make_tuple_of("EventImageFile", std::move(cycles), std::move(codes));
+  py::object camera = py::none();
+  if (file.camera) camera = py::cast(take(capture::camera_from_npy(*file.camera, path.string())));
+  return make_tuple_of("EventImageFile", std::move(cycles), std::move(codes), std::move(camera));
 }
 
 void write_event_images(const fs::path& path, const std::vector<py::array>& cycles,
-                        const std::optional<py::array>& codes, bool overwrite) {
+                        const std::optional<py::array>& codes, const capture::Camera* camera, bool overwrite) {
   std::optional<NpyArray> patterns;
   if (codes) patterns = capture::codes_to_npy(codes_of(*codes, "codes"));
   std::vector<Borrowed<capture::EventImages>> all;
@@ -100,6 +111,7 @@ void write_event_images(const fs::path& path, const std::vector<py::array>& cycl
   write_output(path, overwrite, [&](const fs::path& place) -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
     if (patterns) writer.set_codes(*patterns);
+    if (camera != nullptr) writer.set_camera(capture::camera_to_npy(*camera));
     for (const auto& images : all) E2LF_RETURN_IF_ERROR(writer.add(*images));
     return writer.finish();
   });
@@ -108,11 +120,11 @@ void write_event_images(const fs::path& path, const std::vector<py::array>& cycl
 void bind_event_images(py::module_& module) {
   module.def(
       "read_event_images", &read_event_images, py::arg("path"),
-      "EventImageFile(cycles, codes) of an .npz, an .npy or a folder of event_image_00000.npy ...: a list of int16 "
-      "[transition, y, x], one for each cycle, and the patterns, or None.");
+      "EventImageFile(cycles, codes, camera) of an .npz, an .npy or a folder of event_image_00000.npy ...: a list of "
+      "int16 [transition, y, x], one for each cycle, the patterns and the camera, each None where the file lacks it.");
   module.def("write_event_images", &write_event_images, py::arg("path"), py::arg("cycles"),
-             py::arg("codes") = py::none(), py::kw_only(), py::arg("overwrite") = false,
-             "Writes an .npz: `events` int16 [cycle, transition, y, x] and `codes` where given.\n\n"
+             py::arg("codes") = py::none(), py::kw_only(), py::arg("camera") = nullptr, py::arg("overwrite") = false,
+             "Writes an .npz: `events` int16 [cycle, transition, y, x], `codes` and `camera` where given.\n\n"
              "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].");
   module.def(
       "event_picture",

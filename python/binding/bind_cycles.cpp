@@ -218,7 +218,7 @@ void bind_cycle_reader(py::module_& module) {
 /// A recording as `e2lf simulate` writes it.
 void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cycles,
                 const std::optional<py::array>& codes, const ScheduleArgument& schedule, bool triggers,
-                int64_t begin_us, uint64_t seed, bool overwrite) {
+                int64_t begin_us, uint64_t seed, const capture::Camera* camera, bool overwrite) {
   std::vector<Borrowed<capture::EventImages>> images;
   for (const py::array& each : images_of_cycles) images.push_back(event_images_of(each, "cycles"));
   if (images.empty()) throw py::value_error("there is no cycle");
@@ -230,7 +230,10 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
   recordings::RecordingInfo info;
   info.width = images.front()->width;
   info.height = images.front()->height;
-  if (codes) info.header = capture::codes_to_header(codes_of(*codes, "codes"));
+  cli::RecordedSetup setup;
+  if (codes) setup.codes = codes_of(*codes, "codes");
+  if (camera != nullptr) setup.camera = *camera;
+  info.header = cli::header_of(setup);
   for (const auto& each : images) {
     if (each->transitions == options.schedule.num_images() && each->width == info.width && each->height == info.height)
       continue;
@@ -263,11 +266,11 @@ void bind_cycles(py::module_& module) {
   bind_cycle_reader(module);
   module.def("synthesise_recording", &synthesise, py::arg("path"), py::arg("cycles"), py::arg("codes") = py::none(),
              py::kw_only(), py::arg("schedule") = py::none(), py::arg("triggers") = true, py::arg("begin_us") = 100000,
-             py::arg("seed") = 1, py::arg("overwrite") = false,
+             py::arg("seed") = 1, py::arg("camera") = nullptr, py::arg("overwrite") = false,
              "Writes the recording that a camera would give for event images: events spread over each pattern's time, "
              "and triggers.\n\n"
              "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].\n"
-             "codes: the patterns [N, view_y, view_x], kept in the header.\n"
+             "codes: the patterns [N, view_y, view_x], kept in the header, as is the camera.\n"
              "schedule: a Schedule or the path of its file; None = the paper's.\n"
              "begin_us: start of the first cycle.");
 }

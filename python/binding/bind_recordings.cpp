@@ -57,6 +57,11 @@ py::object codes_of_recording(const Recording& recording) {
   return codes ? py::object(to_array(*codes)) : py::none();
 }
 
+py::object camera_of_recording(const Recording& recording) {
+  const auto camera = take(cli::recorded_setup(recording.name(), recording.reader().info())).camera;
+  return camera ? py::cast(*camera) : py::none();
+}
+
 /// The whole recording in two arrays.
 py::tuple read_events(const fs::path& path, const OpenArguments& arguments) {
   const auto reader = open_reader(path.string(), arguments);
@@ -142,6 +147,7 @@ void bind_recording(py::module_& module) {
           "What the file does not say and was taken for granted.")
       .def_property_readonly("codes", &codes_of_recording,
                              "The patterns it was made with, float32 [N, view_y, view_x]; None where nothing tells.")
+      .def_property_readonly("camera", &camera_of_recording, "The Camera that it was made with, or None.")
       .def(
           "summary", [](Recording& self) { return to_python(cli::summary_json(self.summary())); },
           "What has been read so far: counts of events and triggers, times in us, what was left out and why.")

@@ -3,6 +3,8 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from ._e2lf import Camera
+
 
 class Slice(NamedTuple):
     """A stretch of a recording: all t with begin_us <= t < end_us that were asked for."""
@@ -30,3 +32,4 @@ class EventImageFile(NamedTuple):
 
     cycles: List[np.ndarray]  #: int16 [transition, y, x] each
     codes: Optional[np.ndarray]  #: float32 [N, view_y, view_x]
+    camera: Optional[Camera] = None  #: the e2lf.Camera that recorded them

@@ -100,7 +100,7 @@ class ErrorTest(InFolder):
 
     def test_plain_data_is_pickled_and_nothing_else(self):
         make_recording("rec.raw", cycles=1)
-        for value in (e2lf.SensorConstants(tau=0.25), e2lf.paper_schedule(3)):
+        for value in (e2lf.SensorConstants(tau=0.25), e2lf.paper_schedule(3), e2lf.read_camera("evk4-lcos")):
             self.assertEqual(pickle.loads(pickle.dumps(value)), value)
         part = next(iter(e2lf.open_recording("rec.raw")))
         again = pickle.loads(pickle.dumps(part))
@@ -109,7 +109,7 @@ class ErrorTest(InFolder):
             e2lf.read_model("nothing")
         again = pickle.loads(pickle.dumps(caught.exception))
         self.assertEqual((str(again), again.code), (str(caught.exception), "not_found"))
-        for value in (model(), e2lf.open_recording("rec.raw"), e2lf.read_camera("ideal")):
+        for value in (model(), e2lf.open_recording("rec.raw")):
             with self.assertRaises(TypeError):
                 pickle.dumps(value)
 

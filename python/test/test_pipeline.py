@@ -1,4 +1,5 @@
 """Simulation, cycles, reconstruction, pictures and measures give the numbers of the command line."""
+import pickle
 import unittest
 from pathlib import Path
 
@@ -27,6 +28,10 @@ class PipelineTest(InFolder):
                                 event_model=self.model.event_model, seed=1 + cycle)
             self.assertTrue(same(own, images))
         self.assertTrue(same(file.codes, self.model.codes))
+        self.assertEqual(file.camera.name, "paper")
+        e2lf.write_event_images("again.npz", *file[:2], camera=file.camera)
+        self.assertEqual(e2lf.read_event_images("again.npz").camera, file.camera)
+        self.assertEqual(pickle.loads(pickle.dumps(file)).camera, file.camera)
 
     def test_simulate_physical_pixels(self):
         command_line("simulate", "scene.npy", "-m", self.path, "--camera", "evk4-lcos", "-o", "events.npz", "--cycles", 2,
@@ -40,8 +45,11 @@ class PipelineTest(InFolder):
 
     def test_accumulate(self):
         images, codes = event_images()
-        e2lf.synthesise_recording("rec.raw", images, codes)
-        command_line("simulate", "scene.npy", "-m", self.path, "-o", "program.raw", "--cycles", 3, "--quiet")
+        paper = e2lf.read_camera("paper")
+        e2lf.synthesise_recording("rec.raw", images, codes, camera=paper)
+        self.assertEqual(e2lf.open_recording("rec.raw").camera, paper)
+        command_line("simulate", "scene.npy", "-m", self.path, "--camera", "paper", "-o", "program.raw", "--cycles", 3,
+                     "--quiet")
         self.assertEqual(Path("rec.raw").read_bytes(), Path("program.raw").read_bytes())
         cases = [({}, (), 3), ({"schedule": e2lf.paper_schedule()}, (), 3),
                  ({"source": "bursts"}, ("--source", "bursts"), None),

@@ -16,7 +16,7 @@ json synthesised.json "len(j['published_on_another_machine'])" | grep -q '^6$' |
 events=$(json info.json "j['events']")
 "$E2LF" bench decode recording.raw --events $((3 * events)) --seconds 0 --no-reference --json --quiet >repeated.json
 [ "$(json repeated.json "(len(j['streams']), j['streams'][0]['events'], 'reference' in j['streams'][0])")" = "(1, $((3 * events)), False)" ] || fail "repeated"
-"$E2LF" bench decode recording.raw --events 1000 --seconds 0 --quiet | grep -q 'recording.raw, 1 times' || fail "the table"
+grep -q 'recording.raw, 1 times' <<<"$("$E2LF" bench decode recording.raw --events 1000 --seconds 0 --quiet)" || fail "the table"
 mkdir converted
 "$E2LF" bench decode recording.raw --events 1000 --seconds 0 --no-reference --convert converted --json --quiet >converted.json
 [ "$(json converted.json "sorted(k for k, v in j['convert'].items() if v > 0)")" = "['csv', 'hdf5']" ] || fail "convert"

@@ -2,7 +2,7 @@
 "$E2LF" bench reconstruct --width 48 --height 32 --runs 1 --json --quiet >report.json
 [ "$(json report.json "(j['image'], j['float32']['seconds']['median'] > 0)")" = "([32, 48], True)" ] || fail "report"
 model=$TESTSUITE/../models/e2lf-n4.safetensors
-"$E2LF" bench reconstruct -m "$model" --width 48 --height 32 --runs 1 --quiet | grep -q "the peer knows only the paper's network" || fail "table"
+grep -q "the peer knows only the paper's network" <<<"$("$E2LF" bench reconstruct -m "$model" --width 48 --height 32 --runs 1 --quiet)" || fail "table"
 fails 1 "--width: 1284 pixels" "$E2LF" bench reconstruct -m "$model" --width 1284
 fails 1 "multiple of 8" "$E2LF" bench reconstruct -m "$model" --height 721
 for option in width height runs; do

@@ -39,7 +39,7 @@ mkdir empty
 fails 1 "the folder holds neither" "$E2LF" info empty
 fails 1 "the folder holds neither" "$E2LF" convert empty out
 fails 1 "the folder holds neither" "$E2LF" reconstruct empty -m "$model" -o out
-if "$E2LF" view --help | grep -q -- --export; then
+if grep -q -- --export <<<"$("$E2LF" view --help)"; then
   fails 1 "the folder holds neither" "$E2LF" view empty --export page.html
 fi
 # An archive is told by its headers: the data behind them are not read for it.

@@ -1,6 +1,6 @@
 # Help goes to stdout with exit code 0 and has an example; mistakes go to stderr with exit code 2.
-"$E2LF" --help | grep -q reconstruct
-"$E2LF" version | grep -q '^e2lf [0-9]'
+grep -q reconstruct <<<"$("$E2LF" --help)"
+grep -q '^e2lf [0-9]' <<<"$("$E2LF" version)"
 fails 2 'did you mean "reconstruct"' "$E2LF" reconstuct
 for verb in demo info convert accumulate simulate reconstruct eval view "codes show" "model info" "model import" "bench decode" "bench reconstruct" "bench simulate" "bench train"; do
   # shellcheck disable=SC2086

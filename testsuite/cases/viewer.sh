@@ -1,6 +1,6 @@
 # The viewer in a browser: every picture against known numbers, and what its server must not do.
 viewer=$TESTSUITE/../viewer
-"$E2LF" view --help | grep -q "This build has no viewer" && skip "this build has no viewer (npm or libcpp-httplib-dev was not found)"
+grep -q "This build has no viewer" <<<"$("$E2LF" view --help)" && skip "this build has no viewer (npm or libcpp-httplib-dev was not found)"
 command -v chromium >/dev/null || skip "chromium is not installed"
 
 py "$viewer/test/inputs.py" .

@@ -52,6 +52,7 @@ struct SensorConfig {
   double camera_share = 0.5;          ///< share of samples with that camera
   double camera_nominal_share = 0.3;  ///< of these: share with exactly the stated constants
   double camera_spread = 1.0;         ///< the others vary over so many times the stated uncertainty
+  double camera_wide_share = 0.0;     ///< of these: share far from the stated one; draw_wide() has the ranges
   double camera_field_spread = 0.0;   ///< transmissions are off by up to this share, which the network is not told
   std::array<double, 2> camera_gain = {0.15, 1.4};  ///< log-uniform factor on the light field of these
   double cycles_share = 0.0;     ///< share of steps whose camera samples are means over 2, 4, 8 or 16 cycles

@@ -88,6 +88,8 @@ auto sensor_fields(Sensor& sensor) {
     visit("camera_share", sensor.camera_share, "samples with that camera");
     visit("camera_nominal_share", sensor.camera_nominal_share, "of these: exactly the stated constants");
     visit("camera_spread", sensor.camera_spread, "the others vary over so many times the stated uncertainty");
+    visit("camera_wide_share", sensor.camera_wide_share,
+          "of these: much faster pixels, or less mismatch, noise and leakage down to none");
     visit("camera_field_spread", sensor.camera_field_spread,
           "what a pattern passes differs from the told value by up to this share; the network is not told");
     visit("camera_gain", sensor.camera_gain, "range of the gain of these");
