@@ -62,9 +62,8 @@ void bind_camera(py::module_& module) {
           "to_dict", [](const Camera& self) { return to_python(capture::to_json(self)); },
           "What a camera file holds: every constant with its uncertainty.")
       .def("__repr__", [](const Camera& self) { return "<e2lf.Camera " + self.name + ", " + self.event_model + ">"; })
-      .def("__eq__", [](const Camera& self, const Camera& other) {
-        return capture::to_json(self) == capture::to_json(other);
-      })
+      .def("__eq__",
+           [](const Camera& self, const Camera& other) { return capture::to_json(self) == capture::to_json(other); })
       .def(py::pickle([](const Camera& self) { return json_line(capture::to_json(self)); },
                       [](const std::string& state) {
                         return take(capture::camera_from_json(take(parse_json(state, "camera")), "camera"));
