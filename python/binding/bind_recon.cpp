@@ -89,11 +89,13 @@ py::array invert(const py::array& images, const py::array& codes,
 }
 
 py::dict event_error(const py::array& light_field, const py::array& images, const py::array& codes, float gain,
-                     const std::optional<capture::SensorConstants>& constants, const std::string& event_model) {
+                     const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
+                     const capture::Camera* camera) {
   const auto field = light_field_of(light_field, "light_field");
   const auto counts = event_images_of(images, "images");
-  const recon::EventCheck check{codes_of(codes, "codes"), constants.value_or(capture::SensorConstants()),
-                                take(sensor::event_model_from_name(event_model))};
+  recon::EventCheck check{codes_of(codes, "codes"), constants.value_or(capture::SensorConstants()),
+                          take(sensor::event_model_from_name(event_model))};
+  if (camera != nullptr && camera->is_pixel()) check.pixels = *camera;
   const recon::EventError error = without_gil([&] { return recon::event_error(check, *field, gain, *counts); });
   py::dict result;
   result["at_first"] = error.at_first;
@@ -138,8 +140,10 @@ void bind_recon(py::module_& module) {
   module.def(
       "event_error", &event_error, py::arg("light_field"), py::arg("images"), py::arg("codes"), py::kw_only(),
       py::arg("gain") = 1.0F, py::arg("constants") = py::none(), py::arg("event_model") = "reference-aware",
+      py::arg("camera") = nullptr,
       "How well a light field explains event images: means of |simulated - given| over pixels and transitions.\n\n"
       "gain: what the light field has been multiplied with.\n"
+      "camera: a Camera with physical pixels, in place of constants and event_model.\n"
       "Returns a dict: at_first (references at the first intensity), least (references `residue` thresholds above "
       "it), residue.");
 }

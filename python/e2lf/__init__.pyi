@@ -373,6 +373,7 @@ def event_error(
     gain: float = 1.0,
     constants: Optional[SensorConstants] = None,
     event_model: str = "reference-aware",
+    camera: Optional[Camera] = None,
 ) -> Dict[str, float]: ...
 
 # Measures

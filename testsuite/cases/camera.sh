@@ -58,6 +58,24 @@ camera = json.loads(np.load("acc.npz")["camera"].tobytes())
 assert camera["event_model"] == "reference-aware" and camera["constants"]["tau"]["value"] == 0.25, camera
 EOF
 done
+
+# Which network fits: that of the patterns and the kind of pixels, where none is named; another one is warned of.
+models=$TESTSUITE/../models
+for camera in paper evk4-lcos; do
+  "$E2LF" simulate scene --camera $camera -m "$models/e2lf-n4.safetensors" --seed 3 -o "own-$camera.npz" --quiet
+  "$E2LF" reconstruct "own-$camera.npz" -o "chosen-$camera" --quiet
+done
+[ "$(json chosen-paper/run.json 'j["inputs"][-1]["path"].split("/")[-1], j["inputs"][0]["path"].split("/")[-1]')" = "('own-paper.npz', 'e2lf-n4.safetensors')" ] || fail "a network for the paper's pixels"
+[ "$(json chosen-evk4-lcos/run.json 'j["inputs"][0]["path"].split("/")[-1]')" = e2lf-n4-camera.safetensors ] || fail "a network for physical pixels"
+"$E2LF" reconstruct own-evk4-lcos.npz -m "$models/e2lf-n4.safetensors" -o never_seen 2>warned.txt
+grep -q "physical pixels (evk4-lcos), which e2lf-n4 has never seen" warned.txt || fail "no warning: $(cat warned.txt)"
+# The check simulates that camera: the right network explains the events better.
+error_of() { json "$1/run.json" 'j["notes"]["cycles"][0]["event_error"]'; }
+check "$(error_of chosen-evk4-lcos) < 0.6 * $(error_of never_seen)"
+"$E2LF" reconstruct own-evk4-lcos.npz --method inversion -o inverted 2>warned.txt
+grep -q "knows the paper's event model alone" warned.txt || fail "no warning: $(cat warned.txt)"
+fails 1 "no bundled network was trained for these patterns" "$E2LF" reconstruct real.npz -o x
+fails 1 "give the model that was trained for them with -m" "$E2LF" reconstruct bare.npz -o x
 py - <<'EOF'
 import numpy as np
 np.savez("odd.npz", events=np.load("real.npz")["events"], camera=np.frombuffer(b"{}", np.uint8))

@@ -9,6 +9,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_input.h"
@@ -16,6 +17,7 @@
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
 #include "e2lf/cli/live_log.h"
+#include "e2lf/cli/network_choice.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_setup.h"
@@ -43,64 +45,42 @@ double seconds(CycleClock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-/// Whether anything but the model itself tells which patterns the camera showed.
-bool are_patterns_told(const std::optional<KnownCodes>& known) {
-  return known && (known->origin == CodesOrigin::kGiven || known->origin == CodesOrigin::kEvents);
+/// The named model, else a bundled one that was trained for the patterns of the events.
+Result<std::optional<model::Model>> find_model(const ReconstructArguments& arguments, const RecordedSetup& setup,
+                                               const std::optional<capture::Camera>& camera, RunRecord& record) {
+  if (!arguments.codes.model.empty() || arguments.method != "network") {
+    return read_named_model(arguments.codes, record);
+  }
+  std::optional<capture::Codes> codes = setup.codes;
+  if (!arguments.codes.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(codes, capture::read_codes(arguments.codes.codes));
+  }
+  if (!codes) {
+    return Error{ErrorCode::kInvalidValue,
+                 "nothing says which patterns the camera showed; give the model that was trained for them with -m",
+                 arguments.input.string()};
+  }
+  E2LF_ASSIGN_OR_RETURN(auto model, bundled_network(*codes, camera, record));
+  if (!model) {
+    return Error{ErrorCode::kNotFound,
+                 "no bundled network was trained for these patterns; give one that was with -m, or use --method "
+                 "inversion",
+                 arguments.input.string()};
+  }
+  return model;
 }
 
-void warn_of_assumed_patterns(const fs::path& input, const std::string& whose) {
-  log_warning(cat("nothing in ", input.string(), " says which patterns the camera showed: those of ", whose,
-                  " are assumed, and nothing confirms it"));
-}
-
-/// A network works for the patterns that it was trained for alone. Says where those are not, or may not be, the
-/// events', and keeps it in the record.
-void tell_patterns(const ReconstructArguments& arguments, const model::Model& model,
-                   const std::optional<KnownCodes>& known, RunRecord& record) {
-  const bool is_told = are_patterns_told(known);
-  const bool are_the_models = is_told && model.codes && *model.codes == known->codes;
-  const char* told_by = !is_told ? "nothing" : known->origin == CodesOrigin::kGiven ? "--codes" : "the events' file";
-  record.note("patterns", {{"told_by", told_by}, {"are_the_models", are_the_models}});
-  if (are_the_models) return;
-  if (!is_told) return warn_of_assumed_patterns(arguments.input, model.name);
-  log_warning(model.codes
-                  ? cat("the events were made with other patterns than ", model.name,
-                        " was trained for: the light field will be wrong; use their model, or --method inversion")
-                  : cat(model.name, " does not say which patterns it was trained for: nothing confirms that ",
-                        "they are those of the events"));
-}
-
-/// Gives the network the constants of a camera: those of --camera, else those that the events' file names, else those
-/// that the model was made for.
-Result<void> tell_camera(const ReconstructArguments& arguments, model::Model& model,
-                         const std::optional<capture::Camera>& of_events, RunRecord& record) {
-  if (!model::is_told_the_camera(model)) {
-    if (arguments.camera.empty()) return {};
+/// Takes the camera that the network was made for where nothing names one.
+Result<recon::Method> network_method(const ReconstructArguments& arguments, model::Model model,
+                                     const std::optional<KnownCodes>& known, std::optional<capture::Camera>& camera,
+                                     RunRecord& record) {
+  if (!model::is_told_the_camera(model) && !arguments.camera.empty()) {
     return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
                  "--camera"};
   }
-  if (!arguments.camera.empty()) {
-    E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(arguments.camera, record));
-    record.note("camera_told_by", "--camera");
-    return {};
-  }
-  if (of_events) model.camera = of_events;
-  if (!model.camera) return {};
-  record.note("camera", capture::to_json(*model.camera));
-  record.note("camera_told_by", of_events ? "the events' file" : "the model");
-  return {};
-}
-
-Result<recon::Method> network_method(const ReconstructArguments& arguments, std::optional<model::Model> named,
-                                     const std::optional<KnownCodes>& known,
-                                     const std::optional<capture::Camera>& of_events, RunRecord& record) {
-  if (!named) {
-    return Error{ErrorCode::kInvalidValue, "the network needs a model; give one with -m, or use --method inversion",
-                 "--model"};
-  }
-  model::Model& model = *named;
-  tell_patterns(arguments, model, known, record);
-  E2LF_RETURN_IF_ERROR(tell_camera(arguments, model, of_events, record));
+  tell_patterns(arguments.input, model, known, record);
+  tell_camera(camera, model, record);
+  if (!camera && model::is_told_the_camera(model)) camera = model.camera;
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor reconstructor,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
@@ -122,7 +102,7 @@ Result<recon::Method> network_method(const ReconstructArguments& arguments, std:
 }
 
 Result<recon::Method> inversion_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
-                                       RunRecord& record) {
+                                       const std::optional<capture::Camera>& camera, RunRecord& record) {
   if (arguments.passes > 1) {
     return Error{ErrorCode::kInvalidValue, "the inversion makes one pass; leave the option out", "--passes"};
   }
@@ -135,6 +115,10 @@ Result<recon::Method> inversion_method(const ReconstructArguments& arguments, st
     log_warning("no patterns given: taking the built-in ones (`e2lf codes show`); give the camera's with --codes");
   } else if (!are_patterns_told(known)) {
     warn_of_assumed_patterns(arguments.input, arguments.codes.model.string());
+  }
+  if (camera && camera->is_pixel()) {
+    log_warning(cat("the events are those of physical pixels (", camera->name,
+                    "); the inversion knows the paper's event model alone"));
   }
   return recon::Method([known = std::move(*known)](const capture::EventImages& images, const ProgressFn&) {
     return recon::reconstruct_by_inversion(images, known.codes, known.constants);
@@ -153,10 +137,13 @@ Error at(Error error, const fs::path& input) {
 }
 
 /// What the result of each cycle is checked against; nothing where nobody told the patterns.
-Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCodes>& known) {
+Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCodes>& known,
+                                                     const std::optional<capture::Camera>& camera) {
   if (!known) return std::optional<recon::EventCheck>();
   E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(known->event_model));
-  return std::optional(recon::EventCheck{known->codes, known->constants, model});
+  recon::EventCheck check{known->codes, known->constants, model};
+  if (camera && camera->is_pixel()) check.pixels = camera;
+  return std::optional(std::move(check));
 }
 
 /// Reconstructs cycles and writes each; what has been done so far.
@@ -233,8 +220,10 @@ Json constants_json(const KnownCodes& known) {
 }
 
 void print_event_error(const Json& cycle) {
-  std::printf("simulated again with these patterns, it differs from the events by %.3f per pixel and transition",
-              cycle["event_error"].get<double>());
+  std::printf(
+      "simulated again with these patterns and this camera, it differs from the events by %.3f per pixel and "
+      "transition",
+      cycle["event_error"].get<double>());
   const Json& least = cycle["least_event_error"];
   const double residue = least["residue"].get<double>();
   if (residue > 0) {
@@ -274,13 +263,13 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(CycleInput input,
                         open_cycle_input(arguments.input, arguments.cycles, arguments.cycles_per_field, verb));
-  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
+  E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, find_model(arguments, setup, camera, record));
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments.codes, model, setup.codes, record));
-  E2LF_ASSIGN_OR_RETURN(recon::Method method,
-                        arguments.method == "network"
-                            ? network_method(arguments, std::move(model), codes, setup.camera, record)
-                            : inversion_method(arguments, codes, record));
+  E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
+                                                  ? network_method(arguments, std::move(*model), codes, camera, record)
+                                                  : inversion_method(arguments, codes, camera, record));
   record.end_step("open");
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
@@ -288,7 +277,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   if (!are_patterns_told(codes) || arguments.cycles_per_field > 1) codes.reset();
   if (known_constants) record.note("constants", *known_constants);
   E2LF_ASSIGN_OR_RETURN(const std::optional<float> gain, parse_gain(arguments.gain));
-  E2LF_ASSIGN_OR_RETURN(auto check, event_check(codes));
+  E2LF_ASSIGN_OR_RETURN(auto check, event_check(codes, camera));
   CycleWriter writer(arguments, common, {std::move(method), gain, std::move(check)});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, is_strict, verb));

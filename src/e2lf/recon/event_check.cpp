@@ -8,6 +8,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::recon {
 namespace {
@@ -51,6 +52,29 @@ class PixelCheck {
   std::vector<float> levels_;  ///< of the pixel at hand
 };
 
+/// The camera with nothing that differs from pixel to pixel: what its counts are in the middle.
+capture::Camera average_pixels(capture::Camera camera) {
+  using enum capture::PixelConstant;
+  camera = capture::without_noise(std::move(camera));
+  camera.pixel[kMismatch] = camera.pixel[kMismatchEach] = 0.0F;
+  camera.pixel[kResetOffset] -= 0.5F * camera.pixel[kResetSpan] * camera.pixel[kThresholdOff];
+  camera.pixel[kResetSpan] = 0.0F;
+  return camera;
+}
+
+Result<EventError> pixel_error(const EventCheck& check, const lightfield::LightField& light_field, float gain,
+                               const capture::EventImages& given) {
+  E2LF_ASSIGN_OR_RETURN(
+      const capture::EventImages counted,
+      sensor::simulate_pixel_events(check.codes, light_field, average_pixels(*check.pixels), {.gain = 1.0F / gain}));
+  uint64_t sum = 0;
+  for (size_t i = 0; i < given.counts.size(); ++i) {
+    sum += static_cast<uint64_t>(std::abs(int{counted.counts[i]} - int{given.counts[i]}));
+  }
+  const double mean = static_cast<double>(sum) / static_cast<double>(given.counts.size());
+  return EventError{.at_first = mean, .least = mean};
+}
+
 }  // namespace
 
 Result<EventError> event_error(const EventCheck& check, const lightfield::LightField& light_field, float gain,
@@ -61,10 +85,11 @@ Result<EventError> event_error(const EventCheck& check, const lightfield::LightF
                      " transitions; give the codes that the events were made with"),
                  ""};
   }
-  E2LF_ASSIGN_OR_RETURN(const auto intensities, sensor::coded_intensities(check.codes, light_field));
-  if (intensities.height != given.height || intensities.width != given.width) {
+  if (light_field.shape().height != given.height || light_field.shape().width != given.width) {
     return Error{ErrorCode::kShape, "the light field and the events differ in size", ""};
   }
+  if (check.pixels) return pixel_error(check, light_field, gain, given);
+  E2LF_ASSIGN_OR_RETURN(const auto intensities, sensor::coded_intensities(check.codes, light_field));
   constexpr size_t kMinPixels = size_t{1} << 14;
   std::mutex mutex;
   Differences differences{};

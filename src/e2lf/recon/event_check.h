@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+
 #include "e2lf/base/result.h"
+#include "e2lf/capture/camera.h"
 #include "e2lf/capture/codes.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/capture/sensor_constants.h"
@@ -15,6 +18,7 @@ struct EventCheck {
   capture::Codes codes;
   capture::SensorConstants constants;
   sensor::EventModel model = sensor::EventModel::kReferenceAware;
+  std::optional<capture::Camera> pixels = {};  ///< physical ones, in place of constants and model
 };
 
 /// Means of |simulated - given| over pixels and transitions.
@@ -25,9 +29,11 @@ struct EventError {
 };
 
 /// How well a reconstruction explains the events it was made from: its coded intensities are counted without noise by
-/// Eq. 8 or Eq. 9, 10 and compared. Needs no true light field, so it also judges real captures, whose references may
-/// start above black. `gain` is what the light field has been multiplied with. Fails with kShape when the codes do not
-/// have one pattern more than there are transitions, and as sensor::coded_intensities() does.
+/// Eq. 8 or Eq. 9, 10 and compared. Physical pixels count as sensor::simulate_pixel_events() does, without noise and
+/// mismatch and with references in the middle of where black leaves them; at_first and least are the same then. Needs
+/// no true light field, so it also judges real captures, whose references may start above black. `gain` is what the
+/// light field has been multiplied with. Fails with kShape when the codes do not have one pattern more than there are
+/// transitions, and as sensor::coded_intensities() does.
 [[nodiscard]] Result<EventError> event_error(const EventCheck& check, const lightfield::LightField& light_field,
                                              float gain, const capture::EventImages& given);
 

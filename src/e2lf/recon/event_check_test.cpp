@@ -6,6 +6,7 @@
 
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/scene.h"
+#include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::recon {
 namespace {
@@ -51,6 +52,36 @@ TEST_P(EventErrors, TellHowFarReferencesStartAboveTheFirstIntensity) {
 }
 INSTANTIATE_TEST_SUITE_P(Models, EventErrors,
                          testing::Values(sensor::EventModel::kQuantised, sensor::EventModel::kReferenceAware));
+
+/// Physical pixels without anything random are counted exactly; with it, the right light field explains best.
+TEST(EventErrors, OfPhysicalPixelsTellTheLightFieldAndTheCamera) {
+  using enum capture::PixelConstant;
+  const lightfield::LightField truth = scene();
+  capture::Camera camera;
+  camera.event_model = "pixel";
+  camera.pixel[kEps] = 0.01F;
+  camera.pixel[kReceptorRate] = 30.0F;
+  camera.pixel[kAmplifierRate] = 300.0F;
+  camera.pixel[kThresholdOn] = camera.pixel[kThresholdOff] = 0.3F;
+  camera.pixel[kBlackTime] = 0.0156F;
+  camera.pixel[kLitTime] = 0.0104F;
+  EventCheck check{capture::default_codes(), {}, sensor::EventModel::kReferenceAware, camera};
+  const auto silent = sensor::simulate_pixel_events(check.codes, truth, camera, {.seed = 1}).value();
+  EXPECT_EQ(event_error(check, truth, 1.0F, silent).value().at_first, 0);
+
+  camera.pixel[kResetSpan] = 1.0F;
+  camera.pixel[kMismatch] = 0.1F;
+  camera.pixel[kNoise] = 0.05F;
+  check.pixels = camera;
+  const auto events = sensor::simulate_pixel_events(check.codes, truth, camera, {.seed = 1}).value();
+  const double own = event_error(check, truth, 1.0F, events).value().least;
+  lightfield::LightField darker = truth;
+  for (float& value : darker.data()) value *= 0.5F;
+  EXPECT_LT(own, 0.8 * event_error(check, darker, 1.0F, events).value().least);
+  EXPECT_NEAR(own, event_error(check, darker, 0.5F, events).value().least, 1e-3);
+  check.pixels.reset();
+  EXPECT_LT(own, 0.8 * event_error(check, truth, 1.0F, events).value().least);
+}
 
 TEST(EventErrors, RefuseCodesAndSizesThatDoNotFit) {
   const EventCheck check{capture::default_codes(), {}};
