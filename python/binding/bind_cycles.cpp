@@ -115,7 +115,7 @@ class CycleIterator {
       if (!std::exchange(has_ended_, true)) end();
       throw py::stop_iteration();
     }
-    confidence_.add(*cycle);
+    confidence_.add(*cycle, reader_.source());
     py::list slices;
     for (const cycles::TimeSlice& slice : cycle->slices) slices.append(py::make_tuple(slice.begin_us, slice.end_us));
     return make_tuple_of("Cycle", to_array(std::move(cycle->images)), cycle->number, cycle->begin_us, std::move(slices),

@@ -7,7 +7,14 @@ simulate=("$E2LF" simulate demo/scene -m "$network" --camera evk4-lcos --scene-g
 [ "$(json info.json "(j['format'], j['triggers'])")" = "('evt3', 48)" ] || fail "info: $(cat info.json)"
 [ "$(json rec.raw.run.json "j['notes']['events']")" = "$(json info.json "j['events']")" ] || fail "the record counts the events"
 # What is accumulated is what the simulation sums up itself, to the last event.
-"$E2LF" accumulate rec.raw -o events.npz --source triggers --quiet
+"$E2LF" accumulate rec.raw -o events.npz --source triggers --json >found.json 2>warnings.txt
+# The events of slow pixels confirm the triggers, and no other times.
+check "$(json found.json "j['least_confidence']") > 0.8"
+[ ! -s warnings.txt ] || fail "$(cat warnings.txt)"
+for origin_us in 102000 105000 110592 147368; do
+  "$E2LF" accumulate rec.raw -o wrong.npz --overwrite --source schedule --origin-us $origin_us --json >wrong.json 2>/dev/null
+  check "$(json wrong.json "j['least_confidence']") < 0.3"
+done
 "${simulate[@]}" --stream -o summed.npz
 "${simulate[@]}" --stream --threads 1 -o one_thread.npz
 "${simulate[@]}" --rise-us 2000 --refractory-us 200 --leak-rate-hz 1 --shot-rate-hz 2 --hot-pixels 0.01 --readout-limit 2e6 -o worn.raw
@@ -25,9 +32,9 @@ worn = load("worn")
 assert worn.shape == events.shape and not np.array_equal(worn, events)
 PY
 # From the recording to light fields; the scene comes back.
-"$E2LF" reconstruct rec.raw -m "$network" --source triggers -o fields --quiet
+"$E2LF" reconstruct rec.raw --source triggers --gain 0.25 -o fields --quiet
 "$E2LF" eval demo/scene fields/cycle_00001 --json >eval.json
-check "$(json eval.json "j['psnr_db']") > 16"
+check "$(json eval.json "j['psnr_db']") > 14.5"
 # Other models, event by event.
 for model in quantised reference-aware esim v2e; do
   "$E2LF" simulate demo/scene --event-model $model --stream -o $model.raw --quiet

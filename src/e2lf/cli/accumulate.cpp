@@ -111,7 +111,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<cycles::Cycle> cycle, reader.next());
     if (!cycle) break;
-    confidence.add(*cycle);
+    confidence.add(*cycle, reader.source());
     if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.transitions, writer);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));

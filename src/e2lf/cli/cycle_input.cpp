@@ -35,7 +35,7 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> cycle, reader_->next());
   if (!cycle) return std::optional<CycleImages>();
   ++taken_;
-  confidence_.add(*cycle);
+  confidence_.add(*cycle, reader_->source());
   next.about = cycle_json(*cycle);
   next.ready = cycle->arrival.value_or(CycleClock::now());
   next.behind_s = behind_s(*cycle);

@@ -116,10 +116,11 @@ const char* source_name(cycles::CycleSource source) {
   E2LF_REQUIRE(false, "a source without a name");
 }
 
-void ConfidenceWatch::add(const cycles::Cycle& cycle) {
-  constexpr float kDoubtful = 0.1F;
+void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source) {
+  // Bursts in much noise are found for sure and stand out little; claimed times that are right are well confirmed.
+  constexpr float kDoubtfulBurst = 0.1F, kDoubtfulClaim = 0.3F;
   ++cycles_;
-  doubtful_ += cycle.confidence < kDoubtful;
+  doubtful_ += cycle.confidence < (source == cycles::CycleSource::kBursts ? kDoubtfulBurst : kDoubtfulClaim);
   least_ = std::min(least_, cycle.confidence);
 }
 

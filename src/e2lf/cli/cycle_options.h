@@ -51,7 +51,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 /// Watches whether the events confirm what was claimed of the cycles.
 class ConfidenceWatch {
  public:
-  void add(const cycles::Cycle& cycle);
+  void add(const cycles::Cycle& cycle, cycles::CycleSource source);
   [[nodiscard]] float least() const { return least_; }
   /// Warns of cycles in whose claimed changes nothing happens, or the opposite, and of what had to be assumed.
   void warn(const std::filesystem::path& input, const cycles::CycleReport& report) const;

@@ -2,6 +2,7 @@
 #include "e2lf/cycles/cycle_assembler.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace e2lf::cycles {
 namespace {
@@ -139,19 +140,26 @@ void CycleAssembler::end_cycle() {
   open_.reset();
 }
 
-/// The least of the starts'. Bursts are events; what a trigger or the schedule claims, the events must confirm. Not
-/// where the schedule expects nothing of a pattern: slow pixels make few events between a pattern and its inverse.
+/// The least of the starts'. Bursts are events; what a trigger or the schedule claims, the events must confirm: the two
+/// surest of the changes whose sign is known. Slow pixels tell no more for sure: they make few events between a pattern
+/// and its inverse, and go over smoothly where two patterns pass nearly the same light.
 float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) const {
   float least = 1.0F;
+  for (const PatternStart& start : starts) least = std::min(least, start.confidence);
+  if (options_.source == CycleSource::kBursts) return least;
+  std::vector<float> confirmed, confirmed_sign;
   for (const PatternStart& start : starts) {
     const ScheduledPattern& pattern = options_.schedule.patterns[start.pattern];
-    float confidence = start.confidence;
-    if (options_.source != CycleSource::kBursts && (pattern.image || pattern.sign != BurstSign::kAny)) {
-      confidence *= change_confidence(event_rise(histogram_, start.t_us, window_us_), pattern.sign);
-    }
-    least = std::min(least, confidence);
+    if (!pattern.image && pattern.sign == BurstSign::kAny) continue;
+    const float confidence = std::max(change_confidence(event_rise(histogram_, start.t_us, window_us_), pattern.sign),
+                                      abrupt_change_confidence(histogram_, start.t_us, window_us_, pattern.sign));
+    confirmed.push_back(confidence);
+    if (pattern.sign != BurstSign::kAny) confirmed_sign.push_back(confidence);
   }
-  return least;
+  if (confirmed.empty()) return least;
+  if (confirmed_sign.size() < 3) return least * *std::min_element(confirmed.begin(), confirmed.end());
+  std::partial_sort(confirmed_sign.begin(), confirmed_sign.begin() + 2, confirmed_sign.end(), std::greater<>());
+  return least * confirmed_sign[1];
 }
 
 void CycleAssembler::apply(const PatternStart& start, const PatternTracker* tracker) {
@@ -199,8 +207,8 @@ void CycleAssembler::consume_events(int64_t until_us) {
     histogram_.add(events_, next_, end);
     const int64_t newest_us = next_ < end ? events_.t[end - 1] : INT64_MIN / 2;
     const int64_t oldest_us = open_ ? open_->cycle.begin_us : newest_us;
-    histogram_.forget_before(std::max(oldest_us - window_us_ - EventHistogram::kBinUs,
-                                      newest_us - kMaxCyclesCounted * options_.schedule.cycle_us()));
+    histogram_.forget_before(
+        std::max(oldest_us - 2 * window_us_, newest_us - kMaxCyclesCounted * options_.schedule.cycle_us()));
   }
   next_ = end;
 }

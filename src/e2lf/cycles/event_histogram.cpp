@@ -13,6 +13,28 @@ namespace {
 /// Rises of this many standard deviations are half certain.
 constexpr double kHalfCertain = 10;
 
+/// 0 for what chance makes, 1 for what it never does.
+double certainty(double significance) {
+  return significance <= kHalfCertain / 2 ? 0.0 : 1 - kHalfCertain / (2 * significance);
+}
+
+/// How far the counts after a time differ from those before it, in windows of one length.
+struct RateStep {
+  double on = 0, off = 0;  ///< more than before; negative: fewer
+  double all = 0;          ///< in both windows
+
+  [[nodiscard]] double size() const { return std::abs(on) + std::abs(off); }
+  /// The part of it that makes the picture brighter: ON events that begin, OFF events that end.
+  [[nodiscard]] double brighter() const { return std::max(0.0, on) + std::max(0.0, -off); }
+};
+
+RateStep rate_step(const EventHistogram& histogram, int64_t begin_us, int64_t length_us) {
+  const EventHistogram::Counts before = histogram.count(begin_us - length_us, begin_us);
+  const EventHistogram::Counts after = histogram.count(begin_us, begin_us + length_us);
+  return {static_cast<double>(after.on) - before.on, static_cast<double>(after.off) - before.off,
+          static_cast<double>(before.on) + before.off + after.on + after.off};
+}
+
 }  // namespace
 
 int64_t EventHistogram::bin_of(int64_t t_us) {
@@ -58,11 +80,31 @@ EventRise event_rise(const EventHistogram& histogram, int64_t t_us, int64_t wind
 }
 
 float change_confidence(const EventRise& rise, BurstSign sign) {
-  if (rise.significance <= kHalfCertain / 2) return 0.0F;
-  const double certainty = 1 - kHalfCertain / (2 * rise.significance);
+  if (rise.total() <= 0) return 0.0F;
   const double right = sign == BurstSign::kAny ? rise.total() : sign == BurstSign::kOn ? rise.on : rise.off;
   const double agreement = std::max(0.0, 2 * right / rise.total() - 1);
-  return static_cast<float>(certainty * agreement * rise.total() / rise.all);
+  return static_cast<float>(certainty(rise.significance) * agreement * rise.total() / rise.all);
+}
+
+float abrupt_change_confidence(const EventHistogram& histogram, int64_t t_us, int64_t window_us, BurstSign sign) {
+  const int64_t begin_us = EventHistogram::bin_of(t_us), length_us = window_us / 2;
+  const RateStep here = rate_step(histogram, begin_us, length_us);
+  const double sure = certainty(here.size() / std::sqrt(here.all + 1));
+  if (sure <= 0) return 0.0F;
+  double greatest = here.size();
+  for (int64_t away_us = EventHistogram::kBinUs; away_us <= window_us; away_us += EventHistogram::kBinUs) {
+    for (const int64_t t : {begin_us - away_us, begin_us + away_us}) {
+      greatest = std::max(greatest, rate_step(histogram, t, length_us).size());
+    }
+  }
+  const double far_away = 0.5 * (rate_step(histogram, begin_us - window_us, length_us).size() +
+                                 rate_step(histogram, begin_us + window_us, length_us).size());
+  const double sharpness = std::max(0.0, 1 - far_away / here.size());
+  const double right = sign == BurstSign::kAny  ? here.size()
+                       : sign == BurstSign::kOn ? here.brighter()
+                                                : here.size() - here.brighter();
+  const double agreement = std::max(0.0, 2 * right / here.size() - 1);
+  return static_cast<float>(sure * agreement * sharpness * here.size() / greatest);
 }
 
 }  // namespace e2lf::cycles

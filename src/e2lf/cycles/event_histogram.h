@@ -45,4 +45,10 @@ struct EventRise {
 /// have made and what has the wrong sign.
 [[nodiscard]] float change_confidence(const EventRise& rise, BurstSign sign);
 
+/// How surely the rates of ON and OFF events change abruptly right at a time, 0..1, be it to more events or to fewer.
+/// That is what slow pixels show: while they still follow one change, the next one ends its events. The change of the
+/// rates must have the sign, be greater there than anywhere within `window_us`, and be gone that far away.
+[[nodiscard]] float abrupt_change_confidence(const EventHistogram& histogram, int64_t t_us, int64_t window_us,
+                                             BurstSign sign);
+
 }  // namespace e2lf::cycles

@@ -45,6 +45,13 @@ std::unique_ptr<StreamPixels> EventStream::make_pixels(const LightSegment& first
   }
 }
 
+void EventStream::rest(const LightSegment& segment) {
+  E2LF_REQUIRE(!pixels_, "pixels rest before they see anything");
+  pixels_ = make_pixels(segment);
+  now_us_ = segment.begin_us;
+  parts_.resize((height_ * width_ + kPartPixels - 1) / kPartPixels);
+}
+
 void EventStream::advance(const LightSegment& segment, recordings::EventColumns& events) {
   const size_t count = height_ * width_;
   E2LF_REQUIRE(segment.from.size() == count && segment.to.size() == count, "a segment lights every pixel");
@@ -52,11 +59,7 @@ void EventStream::advance(const LightSegment& segment, recordings::EventColumns&
   E2LF_REQUIRE(duration_us > 0 && duration_us < std::numeric_limits<int32_t>::max(), "a segment takes time");
   E2LF_REQUIRE(segment.pattern_begin_us <= segment.begin_us && segment.end_us <= segment.pattern_end_us,
                "a segment lies in its pattern");
-  if (!pixels_) {
-    pixels_ = make_pixels(segment);
-    now_us_ = segment.begin_us;
-    parts_.resize((count + kPartPixels - 1) / kPartPixels);
-  }
+  if (!pixels_) rest(segment);
   E2LF_REQUIRE(segment.begin_us == now_us_, "segments follow on each other");
   now_us_ = segment.end_us;
   for (auto& part : parts_) part.clear();

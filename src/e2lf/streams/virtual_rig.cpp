@@ -110,6 +110,7 @@ Result<void> VirtualRig::show(ShownPattern shown, int64_t end_us, recordings::Ev
   segment.pattern_begin_us = begin_us;
   segment.pattern_end_us = end_us;
   segment.is_black = aperture_.is_black(shown);
+  if (!before_) E2LF_RETURN_IF_ERROR(rest_before(shown));
   while (now_us_ < end_us) {
     E2LF_RETURN_IF_ERROR(reach_knot(now_us_));
     const bool rises = is_rising(begin_us), moves = rises || scene_.knot_us > 0;
@@ -127,8 +128,20 @@ Result<void> VirtualRig::show(ShownPattern shown, int64_t end_us, recordings::Ev
   return {};
 }
 
+/// Before the first cycle the display showed its last pattern for long; black where the cycle begins with that.
+Result<void> VirtualRig::rest_before(ShownPattern first) {
+  before_ = aperture_.is_black(first) ? first : shown_.back();
+  E2LF_RETURN_IF_ERROR(reach_knot(now_us_));
+  light_at(now_us_, *before_, from_);
+  LightSegment segment;
+  segment.begin_us = now_us_;
+  segment.from = segment.to = from_;
+  stream_.rest(segment);
+  return {};
+}
+
 bool VirtualRig::is_rising(int64_t pattern_begin_us) const {
-  return before_ && now_us_ < pattern_begin_us + options_.rise_us;
+  return now_us_ < pattern_begin_us + options_.rise_us;
 }
 
 int64_t VirtualRig::next_stop(int64_t pattern_begin_us, int64_t end_us) const {
@@ -177,7 +190,7 @@ void VirtualRig::light_at(int64_t t_us, ShownPattern shown, std::vector<float>& 
 void VirtualRig::light_of_rise(int64_t t_us, int64_t pattern_begin_us, ShownPattern shown, std::vector<float>& light) {
   light_at(t_us, shown, light);
   const int64_t left_us = pattern_begin_us + options_.rise_us - t_us;
-  if (!before_ || left_us <= 0) return;
+  if (left_us <= 0) return;
   light_at(t_us, *before_, other_);
   blend(light, other_, static_cast<float>(left_us) / static_cast<float>(options_.rise_us));
 }

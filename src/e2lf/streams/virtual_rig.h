@@ -50,6 +50,7 @@ class VirtualRig {
   VirtualRig(const capture::Codes& codes, const capture::Camera& camera, EventStream stream, const RigOptions& options,
              MovingScene scene, size_t height, size_t width);
   [[nodiscard]] Result<void> show(ShownPattern shown, int64_t end_us, recordings::EventColumns& events);
+  [[nodiscard]] Result<void> rest_before(ShownPattern first);
   [[nodiscard]] Result<void> reach_knot(int64_t t_us);
   [[nodiscard]] int64_t next_stop(int64_t pattern_begin_us, int64_t end_us) const;
   [[nodiscard]] bool is_rising(int64_t pattern_begin_us) const;
