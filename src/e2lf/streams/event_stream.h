@@ -21,12 +21,13 @@ class EventStream {
   /// Fails as validate(StreamOptions) and with kShape (no pixels, or more than 65,536 in a row or column).
   [[nodiscard]] static Result<EventStream> create(const StreamOptions& options, size_t height, size_t width);
 
-  /// Lets pixels have seen the segment's `from` for ever, without events; before the first segment, which begins with it.
+  /// Lets pixels have seen the segment's `from` for ever, without events; before the first segment, which begins with
+  /// it.
   void rest(const LightSegment& segment);
 
   /// Appends the events of the next segment, in order of time. Without rest() pixels have seen the `from` of the
-  /// first for ever. Segments follow on each other without gaps, and are shorter than 35 minutes; else the contract is broken.
-  /// With a readout limit events may come after the segment's end, never after events of the next one.
+  /// first for ever. Segments follow on each other without gaps, and are shorter than 35 minutes; else the contract is
+  /// broken. With a readout limit events may come after the segment's end, never after events of the next one.
   void advance(const LightSegment& segment, recordings::EventColumns& events);
 
   [[nodiscard]] uint64_t lost_events() const { return readout_.lost(); }  ///< to the readout limit
