@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
 #include <png.h>
 #include <zlib.h>
@@ -17,7 +18,7 @@ constexpr size_t kSignatureBytes = 8;
 constexpr const char* kViewGridKey = "Light field views";
 // Deflate cannot make one byte stand for more than 1032.
 constexpr double kMaxDeflateRatio = 1032.0;
-constexpr png_alloc_size_t kMostChunkBytes = png_alloc_size_t{8} << 20;  ///< of texts and colour profiles
+constexpr png_alloc_size_t kMostBytes = png_alloc_size_t{64} << 20;  ///< of a row, a text, a colour profile
 
 struct PngFailure {
   std::string message;
@@ -31,10 +32,18 @@ void on_error(png_structp png, png_const_charp message) {
 
 void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
+/// libpng makes room for what a chunk claims to hold. Without that room it leaves the chunk out.
+png_voidp allocate(png_structp /*png*/, png_alloc_size_t bytes) {
+  return bytes <= kMostBytes ? std::malloc(bytes) : nullptr;
+}
+void release(png_structp /*png*/, png_voidp bytes) {
+  std::free(bytes);
+}
+
 class PngReader {
  public:
   explicit PngReader(std::span<const uint8_t> bytes) : rest_(bytes) {
-    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure_, on_error, on_warning);
+    png_ = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &failure_, on_error, on_warning, nullptr, allocate, release);
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
   }
   PngReader(const PngReader&) = delete;
@@ -46,7 +55,6 @@ class PngReader {
     if (png_ == nullptr || info_ == nullptr) return false;
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_read_fn(png_, this, read_bytes);
-    png_set_chunk_malloc_max(png_, kMostChunkBytes);  // libpng makes room for what a chunk claims to hold
     png_read_info(png_, info_);
     image.width = png_get_image_width(png_, info_);
     image.height = png_get_image_height(png_, info_);
