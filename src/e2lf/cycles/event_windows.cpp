@@ -58,7 +58,7 @@ Result<void> WindowReader::check_gap() const {
   if (windows <= options_.max_empty) return {};
   return Error{ErrorCode::kInvalidValue,
                cat("there is no event from ", *begin_us_, " to ", next_us, " us, for ", windows,
-                   " windows; make windows longer, or choose a part with --from-us and --to-us"),
+                   " windows; make windows longer, or choose a part of the recording"),
                reader_->name()};
 }
 

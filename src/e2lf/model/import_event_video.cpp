@@ -259,11 +259,11 @@ Result<Conventions> find_conventions(const std::string& as, Family family, bool 
                                   [&](const Conventions& each) { return each.name == name; });
   if (found == std::end(kConventions)) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("no network \"", name, "\" is known; known are ", join(event_video_names())), "--as"};
+                 cat("no network \"", name, "\" is known; known are ", join(event_video_names())), "as"};
   }
   if (found->family != family) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("the file has other layers than ", name, "; leave it out, and it is told by them"), "--as"};
+                 cat("the file has other layers than ", name, "; leave the name out, and it is told by them"), "as"};
   }
   return *found;
 }
