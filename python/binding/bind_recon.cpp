@@ -19,9 +19,7 @@ using GainArgument = std::variant<double, std::string>;
 /// Multiplies with a number, or with auto_gain() where it is "auto".
 void apply_gain(lightfield::LightField& field, const GainArgument& gain) {
   const auto* number = std::get_if<double>(&gain);
-  const float factor = number != nullptr ? static_cast<float>(*number) : recon::auto_gain(field);
-  if (factor == 1.0F) return;
-  for (float& value : field.data()) value *= factor;
+  recon::apply_tone(field, 0.0F, number != nullptr ? static_cast<float>(*number) : recon::auto_gain(field));
 }
 
 void check_gain(const GainArgument& gain) {
@@ -50,6 +48,10 @@ class Network {
     const OneAtATime::Use use(use_, "reconstructor");
     return to_array(without_gil([&]() -> Result<lightfield::LightField> {
       E2LF_ASSIGN_OR_RETURN(auto field, reconstructor_.reconstruct(*counts, told, passes, cycles));
+      const auto& camera = reconstructor_.model().camera;
+      if (std::holds_alternative<std::string>(gain) && camera && camera->is_pixel()) {
+        recon::apply_tone(field, recon::auto_black(field), 1.0F);
+      }
       apply_gain(field, gain);
       return field;
     }));
@@ -118,7 +120,8 @@ void bind_recon(py::module_& module) {
       .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
            py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("progress") = py::none(),
            "Event images int16 [transition, y, x] -> light field float32 [view_y, view_x, y, x], not clamped.\n\n"
-           "gain: \"auto\" (well exposed) or a number; 1 = the network's plain output.\n"
+           "gain: \"auto\" (well exposed; of physical pixels the darkest parts become black) or a number; 1 = the "
+           "network's plain output.\n"
            "passes: the mean over so many positions on the network's pixel grid.\n"
            "cycles: the images are sums over so many cycles, for networks that are told the camera.\n"
            "progress: called with (done, total); an exception ends the work.")

@@ -14,14 +14,35 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 using lightfield::LightField;
 
+namespace {
+
+/// A finite number, or nothing where the text is none.
+std::optional<float> finite_number(const std::string& text) {
+  char* end = nullptr;
+  const float value = std::strtof(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
 Result<std::optional<float>> parse_gain(const std::string& gain) {
   if (gain == "auto") return std::optional<float>();
-  char* end = nullptr;
-  const float value = std::strtof(gain.c_str(), &end);
-  if (gain.empty() || *end != '\0' || !std::isfinite(value) || value <= 0) {
+  const auto value = finite_number(gain);
+  if (!value || *value <= 0) {
     return Error{ErrorCode::kInvalidValue, cat("\"", gain, "\" is no gain; give auto or a positive number"), "--gain"};
   }
-  return std::optional(value);
+  return value;
+}
+
+Result<std::optional<float>> parse_black(const std::string& black) {
+  if (black == "auto") return std::optional<float>();
+  const auto value = finite_number(black);
+  if (!value || *value < 0) {
+    return Error{ErrorCode::kInvalidValue, cat("\"", black, "\" is no brightness; give auto, 0 or a positive number"),
+                 "--black"};
+  }
+  return value;
 }
 
 Result<void> write_reconstruction(const fs::path& folder, const LightField& light_field, const std::string& format,

@@ -13,6 +13,8 @@ namespace e2lf::cli {
 
 /// The brightness that --gain asks for; nothing for "auto". Fails with kInvalidValue.
 [[nodiscard]] Result<std::optional<float>> parse_gain(const std::string& gain);
+/// The same of --black: a number that is finite and at least 0.
+[[nodiscard]] Result<std::optional<float>> parse_black(const std::string& black);
 
 /// Writes a reconstructed light field into an existing folder: its views in `format` ("png", "png16": VV_UU.png; "npy":
 /// lightfield.npy, not clamped), contact_sheet.png and epi.png.

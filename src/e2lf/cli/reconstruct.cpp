@@ -36,7 +36,7 @@ namespace {
 struct ReconstructArguments {
   fs::path input, output;
   CodesSource codes;
-  std::string method = "network", precision = "auto", gain = "auto", format = "png", camera;
+  std::string method = "network", precision = "auto", gain = "auto", black = "auto", format = "png", camera;
   size_t passes = 1, cycles_per_field = 1;
   CycleFlags cycles;
 };
@@ -146,6 +146,15 @@ Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCo
   return std::optional(std::move(check));
 }
 
+/// Black is looked for where physical pixels leave it open and brightness is not to be measured.
+Result<recon::Tone> tone_of(const ReconstructArguments& arguments, const std::optional<capture::Camera>& camera) {
+  recon::Tone tone;
+  E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
+  E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
+  if (!tone.black && (tone.gain || !camera || !camera->is_pixel())) tone.black = 0.0F;
+  return tone;
+}
+
 /// Reconstructs cycles and writes each; what has been done so far.
 class CycleWriter {
  public:
@@ -159,6 +168,7 @@ class CycleWriter {
     Json about = cycle.about;
     about["cycle"] = cycles_.size();
     about["gain"] = field.gain;
+    about["black"] = field.black;
     about["reconstruct_s"] = field.reconstruct_s;
     about["latency_s"] = cycle.behind_s + seconds(CycleClock::now() - cycle.ready);
     if (field.error) {
@@ -173,7 +183,7 @@ class CycleWriter {
   [[nodiscard]] const Json& cycles() const { return cycles_; }
   [[nodiscard]] const LiveLog& live_log() const { return live_log_; }
   /// Of all cycles; there must be one.
-  [[nodiscard]] float gain() const { return sequence_.gain().value(); }
+  [[nodiscard]] const recon::Tone& tone() const { return sequence_.tone(); }
 
  private:
   Result<recon::Field> reconstruct(const CycleImages& cycle) {
@@ -248,8 +258,9 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
     std::printf("%s", json_text(result).c_str());
   } else if (!common.quiet) {
     const std::string where = place_of_views(arguments.output, input.has_one_field(), cycles.size());
-    std::printf("%zu light field%s in %s (gain %.3g): views, contact_sheet.png, epi.png, run.json\n", cycles.size(),
-                cycles.size() == 1 ? "" : "s", where.c_str(), cycles.front()["gain"].get<double>());
+    std::printf("%zu light field%s in %s (black %.3g, gain %.3g): views, contact_sheet.png, epi.png, run.json\n",
+                cycles.size(), cycles.size() == 1 ? "" : "s", where.c_str(), cycles.front()["black"].get<double>(),
+                cycles.front()["gain"].get<double>());
     if (cycles.front().contains("event_error")) print_event_error(cycles.front());
   }
 }
@@ -276,9 +287,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   // Nor do those of one cycle of the counts of several.
   if (!are_patterns_told(codes) || arguments.cycles_per_field > 1) codes.reset();
   if (known_constants) record.note("constants", *known_constants);
-  E2LF_ASSIGN_OR_RETURN(const std::optional<float> gain, parse_gain(arguments.gain));
+  E2LF_ASSIGN_OR_RETURN(const recon::Tone tone, tone_of(arguments, camera));
   E2LF_ASSIGN_OR_RETURN(auto check, event_check(codes, camera));
-  CycleWriter writer(arguments, common, {std::move(method), gain, std::move(check)});
+  CycleWriter writer(arguments, common, {std::move(method), tone, std::move(check)});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, is_strict, verb));
   warn_of_losses(arguments.input, input.summary());
@@ -291,7 +302,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   }
   record.note("left_out", losses_json(input.summary()));
   record.end_step("reconstruct");
-  record.resolve("gain", json_number(writer.gain()));
+  record.resolve("gain", json_number(writer.tone().gain.value()));
+  record.resolve("black", json_number(writer.tone().black.value()));
   record.note("cycles", writer.cycles());
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
@@ -337,6 +349,10 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   app.add_option("--gain", reconstruction.gain,
                  "brightness of the output: auto (estimated on the first cycle) or a number; 1 = as computed")
+      ->capture_default_str();
+  app.add_option("--black", reconstruction.black,
+                 "brightness that becomes black: a number, or auto (0; with physical pixels and --gain auto the "
+                 "darkest parts of the first cycle)")
       ->capture_default_str();
   app.add_option("--format", reconstruction.format, "png, png16 (64 views) or npy (float32 [8, 8, y, x], not clamped)")
       ->check(CLI::IsMember({"png", "png16", "npy"}))

@@ -21,14 +21,15 @@ Result<Field> FieldSequence::next(const capture::EventImages& images, const Prog
   Field field;
   E2LF_ASSIGN_OR_RETURN(field.light_field, method_(images, progress));
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
-  if (!gain_) gain_ = auto_gain(field.light_field);
-  field.gain = *gain_;
-  if (field.gain != 1.0F) {
-    for (float& value : field.light_field.data()) value *= field.gain;
-  }
   if (check_) {
-    E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, field.gain, images));
+    E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, images));
   }
+  if (!tone_.black) tone_.black = auto_black(field.light_field);
+  apply_tone(field.light_field, *tone_.black, 1.0F);
+  if (!tone_.gain) tone_.gain = auto_gain(field.light_field);
+  apply_tone(field.light_field, 0.0F, *tone_.gain);
+  field.black = *tone_.black;
+  field.gain = *tone_.gain;
   return field;
 }
 

@@ -18,29 +18,35 @@ using Method =
 
 /// The light field of one cycle.
 struct Field {
-  lightfield::LightField light_field;    ///< multiplied with the gain
-  float gain = 1;                        ///< the same for all of a sequence
+  lightfield::LightField light_field;    ///< less the black level, multiplied with the gain
+  float black = 0, gain = 1;             ///< the same for all of a sequence
   double reconstruct_s = 0;              ///< what the method took
   std::optional<EventError> error = {};  ///< against its events, where the camera is known
+};
+
+/// What a sequence does to brightness; nothing = found at its first light field.
+struct Tone {
+  std::optional<float> gain = {};     ///< nothing = auto_gain() of what is left of the light field above black
+  std::optional<float> black = 0.0F;  ///< nothing = auto_black()
 };
 
 /// Light fields of cycles, one after the other. Their brightness is found at the first and kept, so that a sequence
 /// does not flicker.
 class FieldSequence {
  public:
-  /// `gain`: nothing = auto_gain() of the first. `check`: nothing = no comparison with the events.
-  FieldSequence(Method method, std::optional<float> gain, std::optional<EventCheck> check)
-      : method_(std::move(method)), gain_(gain), check_(std::move(check)) {}
+  /// `check`: nothing = no comparison with the events.
+  FieldSequence(Method method, Tone tone, std::optional<EventCheck> check)
+      : method_(std::move(method)), tone_(tone), check_(std::move(check)) {}
 
   /// Fails as the method and event_error() do.
   [[nodiscard]] Result<Field> next(const capture::EventImages& images, const ProgressFn& progress = {});
 
-  /// Nothing before the first.
-  [[nodiscard]] std::optional<float> gain() const { return gain_; }
+  /// Nothing that is to be found is known before the first.
+  [[nodiscard]] const Tone& tone() const { return tone_; }
 
  private:
   Method method_;
-  std::optional<float> gain_;
+  Tone tone_;
   std::optional<EventCheck> check_;
 };
 

@@ -24,7 +24,7 @@ capture::EventImages images_of(int16_t count) {
 
 TEST(FieldSequence, KeepsTheGainOfTheFirst) {
   FieldSequence sequence(constant_field, {}, {});
-  EXPECT_FALSE(sequence.gain());
+  EXPECT_FALSE(sequence.tone().gain);
   const Field first = sequence.next(images_of(30)).value();
   EXPECT_FLOAT_EQ(first.gain, 3);  // to 0.9
   EXPECT_FLOAT_EQ(first.light_field.data()[7], 0.9F);
@@ -34,14 +34,23 @@ TEST(FieldSequence, KeepsTheGainOfTheFirst) {
   EXPECT_FALSE(second.error);
 }
 
+TEST(FieldSequence, KeepsTheBlackOfTheFirst) {
+  FieldSequence sequence(constant_field, {.black = std::nullopt}, {});
+  const Field first = sequence.next(images_of(30)).value();
+  EXPECT_FLOAT_EQ(first.black, 0.045F);  // at most 0.15 of the bright level
+  EXPECT_FLOAT_EQ(first.gain, 0.9F / 0.255F);
+  EXPECT_FLOAT_EQ(first.light_field.data()[7], 0.9F);
+  EXPECT_NEAR(sequence.next(images_of(4)).value().light_field.data()[7], (0.04 - 0.045) * 0.9 / 0.255, 1e-6);
+}
+
 TEST(FieldSequence, TakesAGivenGainAndHandsOnWhatFails) {
-  FieldSequence sequence(constant_field, 2.0F, {});
+  FieldSequence sequence(constant_field, {.gain = 2.0F}, {});
   EXPECT_FLOAT_EQ(sequence.next(images_of(30)).value().light_field.data()[0], 0.6F);
   EXPECT_EQ(sequence.next(images_of(-1)).error().message, "no light");
 }
 
 TEST(FieldSequence, ComparesWithTheEventsWhereTheCameraIsKnown) {
-  FieldSequence sequence(constant_field, 1.0F, EventCheck{capture::default_codes(), {}});
+  FieldSequence sequence(constant_field, {.gain = 1.0F}, EventCheck{capture::default_codes(), {}});
   const Field field = sequence.next(images_of(30)).value();
   ASSERT_TRUE(field.error);
   EXPECT_GT(field.error->at_first, 0);

@@ -9,10 +9,11 @@ namespace e2lf::recon {
 namespace {
 
 constexpr size_t kSamples = 1 << 18;
-constexpr double kQuantile = 0.995;
+constexpr double kBrightQuantile = 0.995, kDarkQuantile = 0.005;
+constexpr float kMostBlack = 0.15F;  ///< of the bright level: a scene without anything black keeps its contrast
 
-/// The bright level of the finite values, 0 when there are none.
-float bright_level(std::span<const float> values) {
+/// A quantile of the finite values, 0 when there are none.
+float level_of(std::span<const float> values, double quantile) {
   // An odd stride visits the columns of an image evenly even when its width is a power of two.
   const size_t stride = values.size() / kSamples | 1;
   std::vector<float> samples;
@@ -21,7 +22,7 @@ float bright_level(std::span<const float> values) {
     if (std::isfinite(values[i])) samples.push_back(values[i]);
   }
   if (samples.empty()) return 0;
-  const auto rank = static_cast<ptrdiff_t>(kQuantile * static_cast<double>(samples.size() - 1));
+  const auto rank = static_cast<ptrdiff_t>(quantile * static_cast<double>(samples.size() - 1));
   std::nth_element(samples.begin(), samples.begin() + rank, samples.end());
   return samples[static_cast<size_t>(rank)];
 }
@@ -29,9 +30,19 @@ float bright_level(std::span<const float> values) {
 }  // namespace
 
 float auto_gain(const lightfield::LightField& light_field) {
-  const float level = bright_level(light_field.data());
+  const float level = level_of(light_field.data(), kBrightQuantile);
   if (level <= 0 || (level >= 0.7F && level <= 1.0F)) return 1;
   return std::clamp(0.9F / level, 0.25F, 64.0F);
+}
+
+float auto_black(const lightfield::LightField& light_field) {
+  const float bright = std::max(0.0F, level_of(light_field.data(), kBrightQuantile));
+  return std::clamp(level_of(light_field.data(), kDarkQuantile), 0.0F, kMostBlack * bright);
+}
+
+void apply_tone(lightfield::LightField& light_field, float black, float gain) {
+  if (black == 0.0F && gain == 1.0F) return;
+  for (float& value : light_field.data()) value = gain * (value - black);
 }
 
 }  // namespace e2lf::recon

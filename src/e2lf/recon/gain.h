@@ -11,4 +11,12 @@ namespace e2lf::recon {
 /// and so does one without any light. Always in [0.25, 64].
 [[nodiscard]] float auto_gain(const lightfield::LightField& light_field);
 
+/// The brightness that is to become black: the 0.5 % quantile over the views, at least 0 and at most 0.15 of the bright
+/// level. For cameras whose events tell brightness up to a constant only: where a photoreceptor lags, a dark level of
+/// the scene and a slower receptor look alike (docs/experiments/camera-fit.md).
+[[nodiscard]] float auto_black(const lightfield::LightField& light_field);
+
+/// Makes `black` 0 and multiplies by `gain`, in place.
+void apply_tone(lightfield::LightField& light_field, float black, float gain);
+
 }  // namespace e2lf::recon

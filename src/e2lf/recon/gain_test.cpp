@@ -46,5 +46,24 @@ TEST(AutoGain, SceneWithoutLightIsLeftAlone) {
   EXPECT_EQ(auto_gain(lightfield::LightField()), 1.0F);
 }
 
+TEST(AutoBlack, IsTheDarkLevelWithinItsLimits) {
+  lightfield::LightField field({8, 8, 10, 20});
+  const auto fill = [&](float dark, float bright) {
+    for (size_t i = 0; i < field.data().size(); ++i) field.data()[i] = i % 10 == 0 ? dark : bright;
+  };
+  fill(0.05F, 0.8F);
+  EXPECT_FLOAT_EQ(auto_black(field), 0.05F);
+  fill(-0.05F, 0.8F);
+  EXPECT_EQ(auto_black(field), 0);
+  fill(0.5F, 0.8F);
+  EXPECT_FLOAT_EQ(auto_black(field), 0.12F);
+  fill(0.0F, -1.0F);
+  EXPECT_EQ(auto_black(field), 0);
+  fill(0.05F, 0.8F);
+  apply_tone(field, 0.05F, 2.0F);
+  EXPECT_FLOAT_EQ(field.data()[0], 0);
+  EXPECT_FLOAT_EQ(field.data()[1], 1.5F);
+}
+
 }  // namespace
 }  // namespace e2lf::recon
