@@ -34,6 +34,15 @@ fails 1 "--disparity: a disparity map is shown on a light field" "$E2LF" view ev
 absent none.html
 "$E2LF" view colour.npy --export colour.html --quiet
 "$E2LF" view cycles --export cycles.html --quiet
+# A map for each cycle, of the view that the record of e2lf depth names.
+"$E2LF" depth cycles -o cycle_depth --view-row 3 --view-column 2 --quiet
+"$E2LF" view cycles --disparity cycle_depth --export cycle_depth.html --quiet
+py - <<'PY'
+import json, re
+text = re.search(r'id="e2lf-document"[^>]*>(.*?)</script>', open("cycle_depth.html").read(), re.S).group(1)
+disparity = json.loads(text)["items"][0]["disparity"]
+assert len(disparity["maps"]) == 2 and disparity["view"] == [3, 2], disparity
+PY
 "$E2LF" view events.npz --export events.html --quiet
 "$E2LF" view capture.raw --frames 20 --export recording.html --quiet
 "$E2LF" view "$TESTSUITE/../models/e2lf-n4.safetensors" --export model.html --quiet
