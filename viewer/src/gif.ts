@@ -70,27 +70,26 @@ class CodeWriter {
 function compress(pixels: Uint8Array): number[] {
   const clear = 256, end = 257, mostCodes = 4096;
   const writer = new CodeWriter();
-  let table = new Map<number, number>(); // code of a run * 256 + the next pixel -> the code of the longer run
+  const table = new Uint16Array(mostCodes * 256); // code of a run * 256 + the next pixel -> the longer run's; 0 = none
   let next = end + 1, width = 9;
   writer.write(clear, width);
   let run = pixels[0]!;
   for (let i = 1; i < pixels.length; ++i) {
     const key = run * 256 + pixels[i]!;
-    const longer = table.get(key);
-    if (longer !== undefined) {
-      run = longer;
+    if (table[key] !== 0) {
+      run = table[key]!;
       continue;
     }
     writer.write(run, width);
     run = pixels[i]!;
     if (next === mostCodes) {
       writer.write(clear, width);
-      table = new Map();
+      table.fill(0);
       next = end + 1;
       width = 9;
       continue;
     }
-    table.set(key, next);
+    table[key] = next;
     if (next === 1 << width && width < 12) ++width;
     ++next;
   }

@@ -1,7 +1,7 @@
 // A light field, or two of them to compare: parallax, refocus, synthetic aperture, EPIs, all views, gain and gamma.
 import { nearestView, shapes } from '../aperture';
 import { ApertureMap } from '../aperture_map';
-import { paths, placeOnPath, recordGif, recordWebm, type Place } from '../animation';
+import { numFrames, paths, placeOnPath, recordGif, recordWebm, type Place } from '../animation';
 import { busy } from '../busy';
 import type { Comparison, LightFieldItem } from '../document';
 import { canvas, clamp, element, placeOn } from '../dom';
@@ -279,11 +279,11 @@ export class LightFieldScreen implements Screen {
     const end = busy();
     this.isRecording = true;
     try {
-      say('recording ...');
       const film = await recorder(this.panes[0]!.pane.picture, (i) => {
         if (this.isClosed) throw new Error('The film ended with what it showed.');
         go(placeOnPath(state.get('path'), i, this.item.views, now, range));
         this.paint(1);
+        say(`recording, ${Math.round((100 * i) / numFrames)} %`);
       });
       saveBlob(this.item.name, `${state.get('path')}.${ending}`, film);
       say(`film saved, ${(film.size / 1e6).toFixed(1)} MB`);
