@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The target of event images: the first byte chooses .npz, .npy or a folder's first image, the rest is the file.
+// The target of event images: the first byte chooses .npz, .npy, .mat or a folder's first image, the rest is the file.
 #include "e2lf/capture/event_images.h"
 #include "require.h"
 #include "scratch.h"
@@ -7,7 +7,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace e2lf;
   using fuzz::require;
-  constexpr const char* kNames[] = {"input.npz", "input.npy", "event_image_00000.npy"};
+  constexpr const char* kNames[] = {"input.npz", "input.npy", "event_image_00000.npy", "input.mat"};
   static const fuzz::ScratchFolder folder;
   folder.clear();
   std::span<const uint8_t> input(data, size);
@@ -19,9 +19,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     require(images.counts.size() == images.transitions * images.image_size(), "images have all their pixels");
     require(images.transitions == file->cycles[0].transitions, "cycles have one shape");
   }
-  const auto written = folder.path() / "again.npz";
-  require(capture::write_event_images(written, *file).ok(), "they can be written");
-  const auto back = capture::read_event_images(written);
-  require(back.ok() && back->cycles == file->cycles, "they come back as written");
+  const auto npz = folder.path() / "again.npz", mat = folder.path() / "again.mat";
+  require(capture::write_event_images(npz, *file).ok(), "they can be written");
+  // MATLAB has not all types of numbers that codes may have.
+  require(capture::write_event_images_mat(mat, {file->cycles, {}, {}}).ok(), "they can be written for MATLAB");
+  for (const auto& written : {npz, mat}) {
+    const auto back = capture::read_event_images(written);
+    require(back.ok() && back->cycles == file->cycles, "they come back as written");
+  }
   return 0;
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The target of the pictures and MATLAB files that light fields are read from: the input is a file.
-#include "e2lf/lightfield/formats/mat5.h"
+#include "e2lf/files/mat5.h"
 #include "e2lf/lightfield/formats/raw_image.h"
 #include "require.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace e2lf::lightfield;
+  using e2lf::find_mat_array;
   using e2lf::fuzz::require;
   const std::span<const uint8_t> bytes(data, size);
   const auto check = [](const e2lf::Result<RawImage>& image) {

@@ -6,6 +6,7 @@
 #include "e2lf/capture/camera.h"
 #include "e2lf/capture/codes_header.h"
 #include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
@@ -168,6 +169,12 @@ Result<void> write_event_images(const fs::path& folder) {
   const fs::path out = folder / "event_images";
   E2LF_RETURN_IF_ERROR(write_choice(out / "npz", 0, encode_npz({{"events", cycles}, {"codes", codes}})));
   E2LF_RETURN_IF_ERROR(write_choice(out / "npy", 1, encode_npy(cycles)));
+  capture::EventImageFile matlab{{capture::EventImages(3, 4, 5)}, codes, {}};
+  const fs::path mat = folder / "event_images.mat";
+  E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(mat, matlab));
+  E2LF_ASSIGN_OR_RETURN(Bytes bytes, read_file(mat));
+  fs::remove(mat);
+  E2LF_RETURN_IF_ERROR(write_choice(out / "mat", 3, std::move(bytes)));
   return write_choice(out / "folder", 2, encode_npy(image));
 }
 

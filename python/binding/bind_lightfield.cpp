@@ -209,7 +209,8 @@ void bind_lightfield(py::module_& module) {
       "write_light_field", &write, py::arg("path"), py::arg("light_field"), py::kw_only(), py::arg("format") = "",
       py::arg("overwrite") = false, py::arg("progress") = py::none(),
       "Writes a light field [view_y, view_x, y, x] or with [channel].\n\n"
-      "format: \"png\", \"png16\", \"hci\" (folders), \"npy\", \"lenslet\", \"h5\"; by the extension where empty.\n"
+      "format: \"png\", \"png16\", \"hci\", \"stanford\" (folders), \"npy\", \"lenslet\", \"mat\", \"h5\"; by the "
+      "extension where empty.\n"
       "progress: called with (views done, views).");
   bind_pictures(module);
   bind_images(module);

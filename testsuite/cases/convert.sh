@@ -35,9 +35,33 @@ done
 [ "$("$E2LF" info slice.npy --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
 fails 1 "(--overwrite)" "$E2LF" convert recording.raw a.csv
 fails 1 "check the path" "$E2LF" convert nothing.raw x.csv
-fails 1 "has this extension" "$E2LF" convert demo/scene scene.mat
-absent scene.mat
+fails 1 "has this extension" "$E2LF" convert demo/scene scene.tif
+absent scene.tif
 
 "$E2LF" convert demo/scene scene.npy
 "$E2LF" convert scene.npy scene_back --format png
 cmp demo/scene/03_04.png scene_back/03_04.png
+# Other programs' formats, and back: the same 8 bits.
+"$E2LF" convert demo/scene scene.mat --quiet
+"$E2LF" convert demo/scene stanford --format stanford --quiet
+"$E2LF" convert demo/scene hci --format hci --quiet
+"$E2LF" convert demo/scene scene_eslf.png --quiet
+exists stanford/out_03_04_-3.000000_-4.000000.png hci/input_Cam031.png
+for input in scene.mat stanford hci scene_eslf.png; do
+  "$E2LF" convert "$input" again --format png --quiet --overwrite
+  cmp demo/scene/03_04.png again/03_04.png
+done
+
+# Event images for MATLAB, and back.
+"$E2LF" convert demo/events.npz events.mat
+[ "$("$E2LF" info events.mat)" = "$("$E2LF" info demo/events.npz)" ] || fail "event images as .mat"
+"$E2LF" convert events.mat events_back.npz --quiet
+py - <<'PY'
+import numpy as np
+first, again = np.load("demo/events.npz"), np.load("events_back.npz")
+assert sorted(first.files) == sorted(again.files), again.files
+for name in first.files:
+    assert first[name].dtype == again[name].dtype and np.array_equal(first[name], again[name]), name
+PY
+fails 1 "written as .npz or .mat" "$E2LF" convert demo/events.npz events.csv
+fails 1 "--shift-time" "$E2LF" convert demo/events.npz other.mat --shift-time

@@ -12,6 +12,8 @@ echo treasure >secret.txt
 ln -s ../secret.txt linked/secret.txt
 
 "$E2LF" demo -o demo --width 64 --height 48 --quiet
+"$E2LF" depth demo/recon -o depth --quiet
+"$E2LF" view demo/recon --disparity depth --export depth.html --quiet
 "$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o capture.raw --quiet
 "$E2LF" view light.npy --export light.html --quiet
 exists light.html light.html.run.json
@@ -21,8 +23,26 @@ fails 1 "holds neither event images" "$E2LF" view empty --export none.html
 fails 1 "check the path" "$E2LF" view nowhere
 absent none.html
 "$E2LF" view light.npy other.npy --export compare.html --quiet
+"$E2LF" view light.npy --disparity disparity.npy --export disparity.html --quiet
+py - <<'PY'
+import numpy as np
+np.save("small.npy", np.zeros((4, 5), np.float32))
+PY
+fails 1 "small.npy: has 5x4 px" "$E2LF" view light.npy --disparity small.npy --export none.html
+fails 1 "check the path" "$E2LF" view light.npy --disparity nowhere.npy --export none.html
+fails 1 "--disparity: a disparity map is shown on a light field" "$E2LF" view events.npz --disparity disparity.npy --export none.html
+absent none.html
 "$E2LF" view colour.npy --export colour.html --quiet
 "$E2LF" view cycles --export cycles.html --quiet
+# A map for each cycle, of the view that the record of e2lf depth names.
+"$E2LF" depth cycles -o cycle_depth --view-row 3 --view-column 2 --quiet
+"$E2LF" view cycles --disparity cycle_depth --export cycle_depth.html --quiet
+py - <<'PY'
+import json, re
+text = re.search(r'id="e2lf-document"[^>]*>(.*?)</script>', open("cycle_depth.html").read(), re.S).group(1)
+disparity = json.loads(text)["items"][0]["disparity"]
+assert len(disparity["maps"]) == 2 and disparity["view"] == [3, 2], disparity
+PY
 "$E2LF" view events.npz --export events.html --quiet
 "$E2LF" view capture.raw --frames 20 --export recording.html --quiet
 "$E2LF" view "$TESTSUITE/../models/e2lf-n4.safetensors" --export model.html --quiet

@@ -8,6 +8,7 @@ import struct
 import subprocess
 import tempfile
 
+MODELS = pathlib.Path(__file__).resolve().parents[2] / "models"
 LIMIT_S = 1800  # what hangs ends here; a run takes seconds
 
 
@@ -163,6 +164,9 @@ def prepare(e2lf, folder):
                recording, True),
         Verb("simulate", e2lf, ["simulate", "{source}", "-o", "{result}", "--cycles", "4", "--quiet"],
              "simulated.npz", scene, False),
+        Verb("convert mat", e2lf, ["convert", "{source}", "{result}", "--quiet"], "o.mat", scene, False),
+        Verb("model export", e2lf, ["model", "export", "{source}", "-o", "{result}", "--quiet"], "model.onnx",
+             MODELS / "e2lf-n4.safetensors", False),
     ]
     trainer = pathlib.Path(e2lf).parent / "e2lf-train"
     if trainer.exists():

@@ -13,6 +13,9 @@ const sequentialStops: Colour[] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [
 /** From dark violet (0) over green to yellow (1). */
 export const sequential = (share: number): Colour => between(sequentialStops, share);
 
+/** Disparities from near to far, as e2lf depth colours them. */
+export const nearToFar: Colour[] = [[204, 38, 26], [250, 204, 51], [115, 217, 89], [38, 166, 217], [48, 54, 148]];
+
 /** Events: OFF blue, none the colour of paper or of night, ON red. `value` in -1..1. */
 export function diverging(value: number, isDark: boolean): Colour {
   const none: Colour = isDark ? [18, 20, 24] : [250, 250, 250];

@@ -19,6 +19,13 @@ export interface LightFieldItem {
   width: number;
   channels: 1 | 3;
   cycles: LightFieldCycle[];
+  disparity?: Disparity;
+}
+
+export interface Disparity {
+  view: [number, number]; // row, column: the view whose pixels they are
+  range: [number, number]; // nearest and farthest, px per view
+  maps: number[]; // the part of each cycle: int16 [y, x], deflated, in thousandths of a px per view; -32768 = unknown
 }
 
 export interface EventImagesItem {

@@ -65,6 +65,17 @@ export class Painter {
     return made;
   }
 
+  /** A table of one float32 for each pixel, for texelFetch; replaces what was in `table`. */
+  numbers(table: WebGLTexture | null, width: number, height: number, values: Float32Array): WebGLTexture {
+    const gl = this.gl;
+    const made = table ?? gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, width, height, 0, gl.RED, gl.FLOAT, values);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    return made;
+  }
+
   /** Runs a program over width x height pixels and copies the picture to `target`, which takes that size. */
   paint(target: HTMLCanvasElement, width: number, height: number, shader: string, values: Record<string, Uniform>): void {
     this.run(width, height, shader, values);

@@ -1,4 +1,5 @@
 // The programs that run on every pixel. Pictures are addressed from the top left: `place` is in 0..1.
+import { nearToFar } from './colour_map';
 
 export const vertexShader = `#version 300 es
 out vec2 place;
@@ -33,6 +34,33 @@ uniform int numTaps;
 uniform vec3 focus;    // disparity in the middle, and its change over the width and the height
 uniform int mode;      // 0 first, 1 second, 2 swipe, 3 difference
 uniform float split, boost;
+uniform highp sampler2D disparities;    // px per view of the pixels of one view
+uniform float overlay;                  // how much of their colours is shown; 0 = no map
+uniform vec2 overlayRange, viewpoint, mapView;
+
+float disparityAt(vec2 p) {
+  return texelFetch(disparities, ivec2(clamp(p, vec2(0.0), size - 1.0)), 0).r;
+}
+// Red is near, dark blue far.
+vec3 colourOf(float disparity) {
+  float share = clamp((disparity - overlayRange.x) / max(overlayRange.y - overlayRange.x, 1e-6), 0.0, 1.0) * 4.0;
+  vec3 stops[5] = vec3[5](NEAR_TO_FAR);
+  int low = min(int(share), 3);
+  return mix(stops[low], stops[low + 1], share - float(low));
+}
+// The map lies on what it measures: a point of its view is elsewhere from another viewpoint, by its own disparity.
+vec3 overlaid(vec3 picture) {
+  vec2 p = place * size;
+  vec2 shifted = p + (focus.x + dot(focus.yz, place - 0.5)) * viewpoint;
+  vec2 from = shifted;
+  for (int i = 0; i < 4; ++i) {
+    float disparity = disparityAt(from);
+    if (disparity > 1e3) return picture;    // unknown
+    from = shifted - disparity * (viewpoint - mapView);
+  }
+  float disparity = disparityAt(from);
+  return disparity > 1e3 ? picture : mix(picture, colourOf(disparity), overlay);
+}
 
 vec3 light(bool isSecond) {
   vec2 p = place * size;
@@ -55,7 +83,8 @@ void main() {
     return;
   }
   colour = shown(light(mode == 1 || (mode == 2 && place.x >= split)));
-}`;
+  if (overlay > 0.0) colour.rgb = overlaid(colour.rgb);
+}`.replace('NEAR_TO_FAR', nearToFar.map((stop) => `vec3(${stop.map((value) => (value / 255).toFixed(4))})`).join(', '));
 
 // A slice through the light field: views along y, pixels along x (or the other way round).
 export const epiShader = `${head}

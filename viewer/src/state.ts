@@ -20,6 +20,8 @@ const defaults = {
   compare: 'side',
   split: 0.5, // of swipe, share of the width
   boost: 4, // of differences
+  overlay: 0.5, // opacity of the disparity map
+  path: 'orbit', // of films
   // Events
   image: 0, // transition
   limit: 0, // events that have the full colour; 0 = what suits the image

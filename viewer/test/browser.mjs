@@ -21,8 +21,9 @@ export async function withPage(url, options, check) {
   context.setDefaultTimeout(patienceMs);
   const page = await context.newPage();
   const complaints = [];
-  // The tests read canvases back, which the browser thinks slow.
-  page.on('console', (message) => message.text().includes('willReadFrequently') || complaints.push(message.text()));
+  // The tests read canvases back, and the page waits for each picture of a film: the browser thinks both slow.
+  const isOfSpeed = (text) => text.includes('willReadFrequently') || text.includes('GPU stall due to ReadPixels');
+  page.on('console', (message) => isOfSpeed(message.text()) || complaints.push(message.text()));
   page.on('pageerror', (error) => complaints.push(error.message));
   await page.goto(url);
   await settle(page);

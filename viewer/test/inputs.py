@@ -41,6 +41,22 @@ other[0, 0] = light[0, 0]
 np.save(f"{folder}/light.npy", light)
 np.save(f"{folder}/other.npy", other)
 
+# A map that rises to the right, as of view 4, 4; the last columns are not known.
+disparity = np.tile((1 + np.arange(WIDTH) / WIDTH).astype(np.float32), (HEIGHT, 1))
+disparity[:, 60:] = np.nan
+np.save(f"{folder}/disparity.npy", disparity)
+
+
+def disparity_colours(values):
+    """Those of e2lf depth, from near to far."""
+    stops = np.array([[204, 38, 26], [250, 204, 51], [115, 217, 89], [38, 166, 217], [48, 54, 148]], float)
+    known = np.sort(np.round(1000 * disparity[np.isfinite(disparity)])) / 1000
+    few = (len(known) - 1) // 100
+    near, far = known[few], known[len(known) - 1 - few]
+    share = 4 * np.clip((values - near) / (far - near), 0, 1)
+    return np.stack([np.interp(share, range(5), stops[:, channel]) for channel in range(3)])
+
+
 colour = np.zeros((8, 8, 16, 24, 3), np.float32)
 colour[..., 0], colour[..., 1], colour[..., 2] = 1.0, 128 / 255, 64 / 255
 np.save(f"{folder}/colour.npy", colour)
@@ -63,6 +79,9 @@ expected = {
     "moved": (255 * refocused(light, 0, weights(1, 1.5, -0.5))[20]).tolist(),
     "other": np.round(255 * other[4, 4, 20]).tolist(),
     "psnr_db": [None if np.isinf(value) else value for value in psnr],
+    "disparity_colours": disparity_colours(disparity[20, :60]).tolist(),
+    # Two views to the right a point of the map is further to the right by twice its disparity.
+    "disparity_colours_moved": disparity_colours(1 + (np.arange(WIDTH) - 2) / (WIDTH + 2)).tolist(),
     "events_here": int(events[0, 1, 30, 40]),
     "events_around": float(np.abs(events[0, 1, 14:47, 24:57].astype(int)).mean()),
 }

@@ -8,6 +8,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/event_arrays_mat.h"
 
 namespace e2lf::capture {
 namespace {
@@ -60,11 +61,10 @@ Result<void> check_codes(const NpyArray& codes, size_t transitions, const std::s
                location};
 }
 
-Result<EventImageFile> read_archive(const fs::path& path) {
-  E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_npz(path));
+Result<EventImageFile> from_arrays(NpzArrays arrays, const fs::path& path) {
   const auto found = arrays.find("events");
   if (found == arrays.end()) {
-    return Error{ErrorCode::kNotFound, "no array \"events\" in the archive; expected events and, when known, codes",
+    return Error{ErrorCode::kNotFound, "no array \"events\" in the file; expected events and, when known, codes",
                  path.string()};
   }
   EventImageFile file;
@@ -141,26 +141,7 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
   return EventImageFile{{std::move(cycle)}, {}, {}};
 }
 
-}  // namespace
-
-Result<EventImageFile> read_event_images(const fs::path& path) {
-  std::error_code status;
-  if (!fs::exists(path, status)) {
-    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
-  }
-  if (fs::is_directory(path, status)) return read_folder(path);
-  const std::string extension = path.extension().string();
-  if (extension == ".npz") return read_archive(path);
-  if (extension == ".npy") {
-    E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
-    E2LF_ASSIGN_OR_RETURN(std::vector<EventImages> cycles, cycles_from_array(array, path.string()));
-    return EventImageFile{std::move(cycles), {}, {}};
-  }
-  return Error{ErrorCode::kUnsupported,
-               "not a kind of event image file; use .npz, .npy or a folder of event_image_*.npy", path.string()};
-}
-
-Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {
+NpzArrays to_arrays(const EventImageFile& file) {
   E2LF_REQUIRE(!file.cycles.empty(), "writing event images needs at least one cycle");
   const EventImages& first = file.cycles.front();
   std::vector<int16_t> counts;
@@ -175,7 +156,41 @@ Result<void> write_event_images(const fs::path& path, const EventImageFile& file
                               std::span<const int16_t>(counts));
   if (file.codes) arrays["codes"] = *file.codes;
   if (file.camera) arrays["camera"] = *file.camera;
-  return write_npz(path, arrays);
+  return arrays;
+}
+
+}  // namespace
+
+Result<EventImageFile> read_event_images(const fs::path& path) {
+  std::error_code status;
+  if (!fs::exists(path, status)) {
+    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+  }
+  if (fs::is_directory(path, status)) return read_folder(path);
+  const std::string extension = path.extension().string();
+  if (extension == ".npz") {
+    E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_npz(path));
+    return from_arrays(std::move(arrays), path);
+  }
+  if (extension == ".mat") {
+    E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_event_arrays_mat(path));
+    return from_arrays(std::move(arrays), path);
+  }
+  if (extension == ".npy") {
+    E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
+    E2LF_ASSIGN_OR_RETURN(std::vector<EventImages> cycles, cycles_from_array(array, path.string()));
+    return EventImageFile{std::move(cycles), {}, {}};
+  }
+  return Error{ErrorCode::kUnsupported,
+               "not a kind of event image file; use .npz, .npy, .mat or a folder of event_image_*.npy", path.string()};
+}
+
+Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {
+  return write_npz(path, to_arrays(file));
+}
+
+Result<void> write_event_images_mat(const fs::path& path, const EventImageFile& file) {
+  return write_event_arrays_mat(path, to_arrays(file));
 }
 
 }  // namespace e2lf::capture

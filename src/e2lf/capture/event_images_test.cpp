@@ -5,10 +5,13 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <unistd.h>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/mat5.h"
 
 namespace e2lf::capture {
 namespace {
@@ -56,6 +59,59 @@ TEST_F(EventImageFiles, ArchiveRoundTripKeepsCyclesAndCodes) {
   ASSERT_TRUE(read->codes);
   EXPECT_EQ(read->codes->shape, file.codes->shape);
   EXPECT_EQ(read->codes->bytes, file.codes->bytes);
+}
+
+TEST_F(EventImageFiles, MatlabFileHasTheAxesInMatlabsOrder) {
+  EventImageFile file;
+  file.cycles = {ramp(-20), ramp(100)};
+  std::vector<float> codes(3 * 2 * 4);
+  std::iota(codes.begin(), codes.end(), 0.0F);
+  file.codes = make_npy(std::vector<size_t>{3, 2, 4}, std::span<const float>(codes));
+  const std::string camera = "{}";
+  file.camera = make_npy(std::vector<size_t>{2}, std::span(reinterpret_cast<const uint8_t*>(camera.data()), 2));
+  ASSERT_TRUE(write_event_images_mat(folder_ / "events.mat", file));
+
+  const std::vector<uint8_t> bytes = read_file(folder_ / "events.mat").value();
+  const auto events = find_mat_array(bytes, "events", 1 << 20, "");
+  ASSERT_TRUE(events);
+  EXPECT_EQ(events->extents, (std::vector<size_t>{3, 5, 2, 2}));
+  // Column-major: down the first column of the first image, which counts in rows of five.
+  const auto count = [&](size_t i) { return load_le<int16_t>(events->data.data() + 2 * i); };
+  EXPECT_EQ(count(0), -20);
+  EXPECT_EQ(count(1), -15);
+  EXPECT_EQ(count(3), -19);
+  EXPECT_EQ(find_mat_array(bytes, "codes", 1 << 20, "")->extents, (std::vector<size_t>{2, 4, 3}));
+
+  const auto read = read_event_images(folder_ / "events.mat");
+  ASSERT_TRUE(read) << read.error().text();
+  EXPECT_EQ(read->cycles, file.cycles);
+  ASSERT_TRUE(read->codes && read->camera);
+  EXPECT_EQ(read->codes->shape, file.codes->shape);
+  EXPECT_EQ(read->codes->bytes, file.codes->bytes);
+  EXPECT_EQ(read->camera->shape, file.camera->shape);
+  EXPECT_EQ(read->camera->bytes, file.camera->bytes);
+}
+
+TEST_F(EventImageFiles, MatlabFileOfOneImageHasTwoAxes) {
+  const std::vector<double> counts = {1, -2, 3, 4, 5, 6};
+  const std::span<const uint8_t> data(reinterpret_cast<const uint8_t*>(counts.data()), counts.size() * sizeof(double));
+  const MatVariable variable{"events", MatClass::kDouble, {2, 3}, data};
+  const std::vector<uint8_t> bytes = encode_mat(std::span(&variable, 1), "").value();
+  ASSERT_TRUE(write_file(folder_ / "one.mat", bytes));
+  const auto read = read_event_images(folder_ / "one.mat");
+  ASSERT_TRUE(read) << read.error().text();
+  EventImages expected(1, 2, 3);
+  expected.counts = {1, 3, 5, -2, 4, 6};
+  EXPECT_EQ(read->cycles, std::vector<EventImages>{expected});
+}
+
+TEST_F(EventImageFiles, MatlabFileWithoutEventsIsAnError) {
+  const std::vector<uint8_t> none = encode_mat({}, "").value();
+  ASSERT_TRUE(write_file(folder_ / "none.mat", none));
+  EXPECT_EQ(failure(folder_ / "none.mat"), ErrorCode::kNotFound);
+  std::vector<uint8_t> short_file(none.begin(), none.begin() + 100);
+  ASSERT_TRUE(write_file(folder_ / "short.mat", short_file));
+  EXPECT_EQ(failure(folder_ / "short.mat"), ErrorCode::kTruncated);
 }
 
 TEST_F(EventImageFiles, ThreeAxesAreOneCycleOfAnyNumericType) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf convert: between event formats, or between light-field formats
+// e2lf convert: between event formats, between formats of event images, or between light-field formats
 #include "e2lf/recordings/convert.h"
 
 #include <cctype>
@@ -8,6 +8,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/event_images.h"
 #include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
@@ -40,14 +41,9 @@ Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& 
   const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
   if (format != lightfield::LightFieldFormat::kPng8 || !is_named) return format;
   return Error{ErrorCode::kUnsupported,
-               "no light-field format that is written has this extension; take .npy, .h5, .png (a lenslet mosaic), a "
-               "folder's name, or give --format",
+               "no light-field format that is written has this extension; take .npy, .mat, .h5, .png (a lenslet "
+               "mosaic), a folder's name, or give --format",
                arguments.output.string()};
-}
-
-bool is_folder(lightfield::LightFieldFormat format) {
-  using lightfield::LightFieldFormat;
-  return format == LightFieldFormat::kPng8 || format == LightFieldFormat::kPng16 || format == LightFieldFormat::kHci;
 }
 
 Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& verb) {
@@ -60,7 +56,7 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   const OutputRules rules{.inputs = {arguments.input}, .overwrite = common.overwrite};
   std::optional<ResultFolder> folder;
   std::optional<OutputFile> file;
-  if (is_folder(write.format)) {
+  if (lightfield::is_folder_format(write.format)) {
     E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, rules));
   } else {
     E2LF_ASSIGN_OR_RETURN(file, OutputFile::create(arguments.output, rules));
@@ -152,6 +148,48 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   return {};
 }
 
+/// What --format says, else the extension; the name that the format is written under.
+Result<std::string> event_image_extension(const ConvertArguments& arguments) {
+  const std::string extension =
+      arguments.format.empty() ? arguments.output.extension().string() : cat(".", arguments.format);
+  if (extension == ".npz" || extension == ".mat") return extension;
+  return Error{
+      ErrorCode::kUnsupported,
+      "this is event images, which are written as .npz or .mat; signed whole numbers of 8 or 16 bits are counts, "
+      "store a light field as uint16 or float32",
+      arguments.input.string()};
+}
+
+Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  E2LF_ASSIGN_OR_RETURN(const std::string extension, event_image_extension(arguments));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
+                                                                                 .overwrite = common.overwrite}));
+  RunRecord record("convert");
+  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(arguments.input));
+  if (extension == ".mat") {
+    E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(output.path(), file));
+  } else {
+    E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
+  }
+  record.end_step("convert");
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(output.commit());
+  const capture::EventImages& first = file.cycles.front();
+  if (common.json) {
+    const Json json = {{"cycles", file.cycles.size()},
+                       {"transitions", first.transitions},
+                       {"height", first.height},
+                       {"width", first.width}};
+    std::printf("%s", json_text(json).c_str());
+  } else if (!common.quiet) {
+    std::printf("%zu cycles of %zu event images of %zux%zu px in %s\n", file.cycles.size(), first.transitions,
+                first.width, first.height, arguments.output.c_str());
+  }
+  return {};
+}
+
 Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   switch (kind) {
@@ -161,34 +199,38 @@ Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
     case FileKind::kLightField:
       E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
       return convert_light_field(arguments, verb);
+    case FileKind::kEventImages:
+      E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+      E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+      return convert_event_images(arguments, verb);
     case FileKind::kCycles:
       return lightfield::detect_kind(arguments.input).error();
-    case FileKind::kEventImages:
     case FileKind::kModel:
       break;
   }
-  const char* const remedy = kind == FileKind::kEventImages
-                                 ? "signed whole numbers of 8 or 16 bits are counts, store a light field as uint16 or "
-                                   "float32"
-                                 : "only recordings and light fields have other formats";
-  return Error{ErrorCode::kUnsupported, cat("this is ", kind_text(kind), "; ", remedy), arguments.input.string()};
+  return Error{ErrorCode::kUnsupported,
+               cat("this is ", kind_text(kind), "; other programs take it as ONNX, which `e2lf model export` writes"),
+               arguments.input.string()};
 }
 
 }  // namespace
 
 int run_convert(const std::vector<std::string>& arguments) {
-  Verb verb("convert", "Convert a recording to another event format, or a light field to another light-field format.",
+  Verb verb("convert",
+            "Convert a recording to another event format, event images or a light field to another format of these.",
             "e2lf convert recording.raw recording.hdf5");
   ConvertArguments conversion;
   CLI::App& app = verb.app();
-  app.add_option("input,-i,--input", conversion.input,
-                 "recording (- for a pipe, tcp://127.0.0.1:PORT, camera://NAME, replay:FILE) or light field")
+  app.add_option(
+         "input,-i,--input", conversion.input,
+         "recording (- for a pipe, tcp://127.0.0.1:PORT, camera://NAME, replay:FILE), event images or light field")
       ->required();
   app.add_option("output,-o,--output", conversion.output, "file or folder to write; its extension says the format")
       ->required();
-  app.add_option(
-      "--format", conversion.format,
-      "of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz; png, png16, hci, npy, lenslet, h5");
+  app.add_option("--format", conversion.format,
+                 "of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz; of event images npz, mat; png, "
+                 "png16, hci, stanford, npy, "
+                 "lenslet, mat, h5");
   app.add_flag("--shift-time", conversion.shift_time, "begin at 0 instead of the sensor's own time")
       ->group(kRecordingOptions);
   app.add_flag("--colour", conversion.colour, "keep colour")->group(kLightFieldOptions);

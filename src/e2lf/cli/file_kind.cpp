@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/file_kind.h"
 
+#include <algorithm>
+
 #include "e2lf/base/text.h"
 #include "e2lf/cli/recording_flags.h"
+#include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -53,6 +56,12 @@ Result<FileKind> archive_kind(const fs::path& path) {
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
 }
 
+/// A MATLAB file before version 7.3; later ones are HDF5 files.
+bool holds_event_images(const fs::path& path) {
+  const auto names = mat_variables(path);
+  return names && std::find(names->begin(), names->end(), "events") != names->end();
+}
+
 }  // namespace
 
 const char* kind_text(FileKind kind) {
@@ -80,6 +89,7 @@ Result<FileKind> file_kind(const fs::path& path) {
   if (extension == ".safetensors") return FileKind::kModel;
   if (extension == ".npz") return archive_kind(path);
   if (extension == ".npy") return array_kind(path);
+  if (extension == ".mat" && holds_event_images(path)) return FileKind::kEventImages;
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
 }
 

@@ -10,7 +10,7 @@ namespace e2lf::cli {
 /// What a path stands for. Every verb asks file_kind(), so that all agree.
 enum class FileKind {
   kRecording,    ///< events: a file, or what is read as it arrives
-  kEventImages,  ///< counts of each pattern transition: .npz, .npy, folder of event_image_00000.npy ...
+  kEventImages,  ///< counts of each pattern transition: .npz, .npy, .mat, folder of event_image_00000.npy ...
   kLightField,   ///< a light field of any format
   kCycles,       ///< a folder of cycle_00000 ..., a light field in each
   kModel,        ///< a .safetensors: a model, or data to train on

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf model info | import | store
+// e2lf model info | import | store | export
 #include "e2lf/model/model.h"
 
 #include <cstdio>
@@ -9,8 +9,10 @@
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/model/import_event_video.h"
+#include "e2lf/model/onnx_export.h"
 #include "e2lf/model/summary.h"
 
 namespace e2lf::cli {
@@ -95,6 +97,17 @@ int run_model_import(const std::vector<std::string>& arguments) {
   });
 }
 
+/// Gives a network that is told the camera the one that --camera names; "" = leaves it as it is.
+Result<void> set_camera(const std::string& camera, model::Model& model, RunRecord& record) {
+  if (camera.empty()) return {};
+  if (!model::is_told_the_camera(model)) {
+    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
+                 "--camera"};
+  }
+  E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(camera, record));
+  return {};
+}
+
 int run_model_store(const std::vector<std::string>& arguments) {
   Verb verb("model store",
             "Write a model again with its weights in 16 or 32 bits, or with another camera to begin from.",
@@ -115,13 +128,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
     RunRecord record("model store");
     record.add_input(input);
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(input));
-    if (!camera.empty() && !model::is_told_the_camera(model)) {
-      return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
-                   "--camera"};
-    }
-    if (!camera.empty()) {
-      E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(camera, record));
-    }
+    E2LF_RETURN_IF_ERROR(set_camera(camera, model, record));
     const bool is_half = weights == "bfloat16";
     E2LF_RETURN_IF_ERROR(model::write_model(
         file.path(), model, is_half ? model::WeightStorage::kBfloat16 : model::WeightStorage::kFloat32));
@@ -131,13 +138,61 @@ int run_model_store(const std::vector<std::string>& arguments) {
   });
 }
 
+/// What an exported file takes and says, for --json.
+Json export_summary(const model::Model& model) {
+  Json summary = Json::object();
+  for (const auto& [key, value] : model::onnx_metadata(model)) {
+    const Json parsed = Json::parse(value, nullptr, /*allow_exceptions=*/false);
+    const bool is_json = key != "name" && (parsed.is_structured() || parsed.is_number());
+    summary[key] = is_json ? parsed : Json(value);
+  }
+  return summary;
+}
+
+Result<void> export_model(const fs::path& input, const fs::path& output, const std::string& camera, const Verb& verb) {
+  if (output.extension() != ".onnx") {
+    return Error{ErrorCode::kUnsupported, "models are exported as ONNX; name the output with .onnx", output.string()};
+  }
+  E2LF_ASSIGN_OR_RETURN(OutputFile file,
+                        OutputFile::create(output, {.inputs = {input, camera}, .overwrite = verb.common().overwrite}));
+  RunRecord record("model export");
+  record.add_input(input);
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(input));
+  E2LF_RETURN_IF_ERROR(set_camera(camera, model, record));
+  E2LF_ASSIGN_OR_RETURN(const std::string bytes, model::onnx_file(model));
+  E2LF_RETURN_IF_ERROR(write_file(file.path(), bytes));
+  record.end_step("export");
+  E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(file.commit());
+  if (verb.common().json) {
+    std::printf("%s", json_text(export_summary(model)).c_str());
+  } else if (!verb.common().quiet) {
+    std::printf("%s takes events [batch, %zu, y, x]%s and gives views [batch, %zu, y, x]\n", output.c_str(),
+                model.num_patterns - 1, model::is_told_the_camera(model) ? ", traits" : "",
+                model.views_y * model.views_x);
+  }
+  return {};
+}
+
+int run_model_export(const std::vector<std::string>& arguments) {
+  Verb verb("model export", "Write a model as ONNX: event images in, views out, for other programs.",
+            "e2lf model export models/e2lf-n4.safetensors -o e2lf-n4.onnx");
+  fs::path input, output;
+  std::string camera;
+  verb.app().add_option("model,-m,--model", input, "model file (.safetensors)")->required();
+  verb.app().add_option("-o,--output", output, "file to write (.onnx)")->required();
+  add_camera_option(verb.app(), camera, "for networks that are told: the camera whose events will be given");
+  return verb.run(arguments, [&] { return export_model(input, output, camera, verb); });
+}
+
 }  // namespace
 
 int run_model(const std::vector<std::string>& arguments) {
   return run_subverb("model",
                      {{"info", "say what a model file holds", run_model_info},
                       {"import", "turn released weights into a model file", run_model_import},
-                      {"store", "write a model again: weights in 16 or 32 bits, another camera", run_model_store}},
+                      {"store", "write a model again: weights in 16 or 32 bits, another camera", run_model_store},
+                      {"export", "write a model as ONNX, for other programs", run_model_export}},
                      arguments);
 }
 

@@ -7,6 +7,7 @@
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/disparity_input.h"
 #include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/output.h"
@@ -23,7 +24,7 @@ namespace {
 
 struct ViewArguments {
   std::vector<fs::path> things;
-  fs::path page;
+  fs::path page, disparity;
   uint16_t port = 0;
   size_t frames = 200;
   LightFieldFlags light_field{.views = 0};
@@ -76,6 +77,17 @@ class DocumentMaker {
         break;
       }
     }
+    return {};
+  }
+
+  /// Lays a disparity map over the first light field.
+  Result<void> add_disparity(const fs::path& path) {
+    if (light_fields_.empty()) {
+      return Error{ErrorCode::kInvalidValue, "a disparity map is shown on a light field; give one, too", "--disparity"};
+    }
+    const Shown& shown = light_fields_.front();
+    E2LF_ASSIGN_OR_RETURN(const DisparityMaps found, read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
+    document_.add_disparity(shown.item, found.maps, found.view.y, found.view.x);
     return {};
   }
 
@@ -143,16 +155,19 @@ class DocumentMaker {
 Result<view::Document> make_document(const ViewArguments& arguments) {
   DocumentMaker maker(arguments);
   for (const fs::path& thing : arguments.things) E2LF_RETURN_IF_ERROR(maker.add(thing));
+  if (!arguments.disparity.empty()) E2LF_RETURN_IF_ERROR(maker.add_disparity(arguments.disparity));
   E2LF_RETURN_IF_ERROR(maker.compare());
   return maker.take();
 }
 
 Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.page, {.inputs = arguments.things,
-                                                                               .overwrite = common.overwrite}));
+  std::vector<fs::path> inputs = arguments.things;
+  if (!arguments.disparity.empty()) inputs.push_back(arguments.disparity);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output,
+                        OutputFile::create(arguments.page, {.inputs = inputs, .overwrite = common.overwrite}));
   RunRecord record("view");
-  for (const fs::path& thing : arguments.things) record.add_input(thing);
+  for (const fs::path& input : inputs) record.add_input(input);
   E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments));
   record.end_step("read");
   {
@@ -187,6 +202,8 @@ int run_view(const std::vector<std::string>& arguments) {
             "e2lf view out/demo/scene out/demo/recon");
   ViewArguments view_arguments;
   verb.app().add_option("things", view_arguments.things, "files and folders to look at")->required();
+  verb.app().add_option("--disparity", view_arguments.disparity,
+                        "disparity map to lay over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
   verb.app().add_option("--export", view_arguments.page, "write one HTML file with all data in it; serve nothing");
   verb.app()
       .add_option("--port", view_arguments.port, "of 127.0.0.1 to serve on; 0 = a free one")

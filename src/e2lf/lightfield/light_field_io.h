@@ -81,18 +81,23 @@ struct ReadOptions {
                                                   const ProgressFn& progress = {});
 
 enum class LightFieldFormat {
-  kPng8,     ///< folder of VV_UU.png, round(255 * clamp(value))
-  kPng16,    ///< folder of VV_UU.png, round(65535 * clamp(value))
-  kHci,      ///< folder of input_CamNNN.png, 8 bits, at most 9 view columns
-  kNpy,      ///< float32 [view_y, view_x, y, x] or [view_y, view_x, y, x, channel], not clamped
-  kLenslet,  ///< one 16-bit PNG, sample (y * views_y + view_y, x * views_x + view_x)
-  kHdf5,     ///< .h5 with `LF_y` float32 [view, y, x], not clamped; colour becomes grey
+  kPng8,      ///< folder of VV_UU.png, round(255 * clamp(value))
+  kPng16,     ///< folder of VV_UU.png, round(65535 * clamp(value))
+  kHci,       ///< folder of input_CamNNN.png, 8 bits, at most 9 view columns
+  kStanford,  ///< folder of out_RR_CC_-y_-x.png, 8 bits; y and x are row and column, since one view step is all we know
+  kNpy,       ///< float32 [view_y, view_x, y, x] or [view_y, view_x, y, x, channel], not clamped
+  kLenslet,   ///< one 16-bit PNG, sample (y * views_y + view_y, x * views_x + view_x)
+  kMat,       ///< MATLAB 6 file, `LF` single (U,V,H,W) or (U,V,H,W,3) as LFToolbox has it, not clamped
+  kHdf5,      ///< .h5 with `LF_y` float32 [view, y, x], not clamped; colour becomes grey
 };
 
-/// The format of a word: png, png16, hci, npy, lenslet, h5. Fails with kInvalidValue.
+/// The format of a word: png, png16, hci, stanford, npy, lenslet, mat, h5. Fails with kInvalidValue.
 [[nodiscard]] Result<LightFieldFormat> parse_format(const std::string& word);
 
-/// The format a path asks for: .npy, .h5 / .hdf5, .png (lenslet mosaic), else a folder of 8-bit views.
+/// Whether a format is a folder of views.
+[[nodiscard]] bool is_folder_format(LightFieldFormat format);
+
+/// The format a path asks for: .npy, .mat, .h5 / .hdf5, .png (lenslet mosaic), else a folder of 8-bit views.
 [[nodiscard]] LightFieldFormat format_of_path(const std::filesystem::path& path);
 
 struct WriteOptions {
@@ -101,11 +106,11 @@ struct WriteOptions {
 };
 
 /// Writes to `path`, a folder or a file as the format says, which appears whole or not at all. Views are encoded in
-/// parallel. Fails with kExists, kIo, and kShape where the format cannot hold the light field.
+/// parallel. Fails with kExists, kIo, and kShape or kUnsupported where the format cannot hold the light field.
 [[nodiscard]] Result<void> write_light_field(const std::filesystem::path& path, const LightField& light_field,
                                              const WriteOptions& options = {}, const ProgressFn& progress = {});
 
-/// Writes the views of a folder format (kPng8, kPng16, kHci) into a folder that is there, e.g. a part of a ResultFolder
+/// Writes the views of a folder format (is_folder_format()) into a folder that is there, e.g. a part of a ResultFolder
 /// that holds other results too.
 [[nodiscard]] Result<void> write_views(const std::filesystem::path& folder, const LightField& light_field,
                                        LightFieldFormat format, const ProgressFn& progress = {});

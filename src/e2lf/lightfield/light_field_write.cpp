@@ -5,6 +5,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/lightfield/axes.h"
@@ -21,12 +22,14 @@ struct FormatWord {
   const char* word;
   LightFieldFormat format;
 };
-constexpr FormatWord kFormatWords[] = {{"png", LightFieldFormat::kPng8},        {"png16", LightFieldFormat::kPng16},
-                                       {"hci", LightFieldFormat::kHci},         {"npy", LightFieldFormat::kNpy},
-                                       {"lenslet", LightFieldFormat::kLenslet}, {"h5", LightFieldFormat::kHdf5}};
+constexpr FormatWord kFormatWords[] = {{"png", LightFieldFormat::kPng8}, {"png16", LightFieldFormat::kPng16},
+                                       {"hci", LightFieldFormat::kHci},  {"stanford", LightFieldFormat::kStanford},
+                                       {"npy", LightFieldFormat::kNpy},  {"lenslet", LightFieldFormat::kLenslet},
+                                       {"mat", LightFieldFormat::kMat},  {"h5", LightFieldFormat::kHdf5}};
 
-bool is_folder_format(LightFieldFormat format) {
-  return format == LightFieldFormat::kPng8 || format == LightFieldFormat::kPng16 || format == LightFieldFormat::kHci;
+LightFieldKind kind_of_folder(LightFieldFormat format) {
+  if (format == LightFieldFormat::kHci) return LightFieldKind::kHciFolder;
+  return format == LightFieldFormat::kStanford ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
 }
 
 Image view_image(const LightField& light_field, size_t view_y, size_t view_x) {
@@ -70,6 +73,30 @@ Result<void> write_lenslet(const fs::path& path, const LightField& light_field) 
   return write_png(path, mosaic, PngDepth::k16, cat(shape.views_y, "x", shape.views_x));
 }
 
+Result<void> write_mat(const fs::path& path, const LightField& light_field) {
+  const Shape& shape = light_field.shape();
+  const AxisStrides strides = matlab_uvhwc_strides(shape);
+  std::vector<float> samples(shape.size());
+  parallel_for(shape.width, 8, [&](size_t begin, size_t end) {
+    for (size_t x = begin; x < end; ++x) {
+      for (size_t view = 0; view < shape.num_views(); ++view) {
+        const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
+        const float* pixel = light_field.view(view_y, view_x).data() + x * shape.channels;
+        float* out = samples.data() + view_y * strides.view_y + view_x * strides.view_x + x * strides.x;
+        for (size_t y = 0; y < shape.height; ++y, pixel += shape.width * shape.channels) {
+          for (size_t c = 0; c < shape.channels; ++c) out[y * strides.y + c * strides.channel] = pixel[c];
+        }
+      }
+    }
+  });
+  std::vector<size_t> extents = {shape.views_y, shape.views_x, shape.height, shape.width};
+  if (shape.channels == 3) extents.push_back(3);
+  const std::span<const uint8_t> data(reinterpret_cast<const uint8_t*>(samples.data()), samples.size() * sizeof(float));
+  const MatVariable variable{"LF", MatClass::kSingle, std::move(extents), data};
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> file, encode_mat(std::span(&variable, 1), path.string()));
+  return write_file(path, file);
+}
+
 Result<void> write_luma(const fs::path& path, const LightField& light_field) {
   const Shape& shape = light_field.shape();
   const std::vector<size_t> extents = {shape.num_views(), shape.height, shape.width};
@@ -94,9 +121,15 @@ Result<LightFieldFormat> parse_format(const std::string& word) {
                cat("no light-field format is called \"", word, "\"; use one of ", join(words)), ""};
 }
 
+bool is_folder_format(LightFieldFormat format) {
+  return format == LightFieldFormat::kPng8 || format == LightFieldFormat::kPng16 || format == LightFieldFormat::kHci ||
+         format == LightFieldFormat::kStanford;
+}
+
 LightFieldFormat format_of_path(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".npy") return LightFieldFormat::kNpy;
+  if (extension == ".mat") return LightFieldFormat::kMat;
   if (extension == ".h5" || extension == ".hdf5") return LightFieldFormat::kHdf5;
   if (extension == ".png") return LightFieldFormat::kLenslet;
   return LightFieldFormat::kPng8;
@@ -110,8 +143,7 @@ Result<void> write_views(const fs::path& folder, const LightField& light_field, 
     return Error{ErrorCode::kShape, cat("HCI names number at most 9 view columns, not ", shape.views_x, "; write png"),
                  folder.string()};
   }
-  const LightFieldKind kind =
-      format == LightFieldFormat::kHci ? LightFieldKind::kHciFolder : LightFieldKind::kViewFolder;
+  const LightFieldKind kind = kind_of_folder(format);
   const PngDepth depth = format == LightFieldFormat::kPng16 ? PngDepth::k16 : PngDepth::k8;
   std::mutex mutex;
   std::optional<Error> error;
@@ -120,7 +152,7 @@ Result<void> write_views(const fs::path& folder, const LightField& light_field, 
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
       const Result<void> status =
-          write_png(folder / view_name(kind, view_y, view_x), view_image(light_field, view_y, view_x), depth);
+          write_png(folder / written_view_name(kind, view_y, view_x), view_image(light_field, view_y, view_x), depth);
       const std::lock_guard lock(mutex);
       if (!status.ok() && !error) error = status.error();
       ++done;
@@ -138,6 +170,7 @@ Result<void> write_light_field(const fs::path& path, const LightField& light_fie
   E2LF_RETURN_IF_ERROR(check_output(path, options.overwrite));
   if (options.format == LightFieldFormat::kNpy) return write_array(path, light_field);
   if (options.format == LightFieldFormat::kLenslet) return write_lenslet(path, light_field);
+  if (options.format == LightFieldFormat::kMat) return write_mat(path, light_field);
   return write_luma(path, light_field);
 }
 

@@ -51,16 +51,20 @@ INSTANTIATE_TEST_SUITE_P(
                     RoundTripCase{LightFieldFormat::kNpy, LightFieldKind::kNpy, "lf.npy", true},
                     RoundTripCase{LightFieldFormat::kLenslet, LightFieldKind::kLenslet, "lf.png", false},
                     RoundTripCase{LightFieldFormat::kLenslet, LightFieldKind::kLenslet, "lf.png", true},
+                    RoundTripCase{LightFieldFormat::kStanford, LightFieldKind::kStanfordFolder, "stanford", false},
+                    RoundTripCase{LightFieldFormat::kStanford, LightFieldKind::kStanfordFolder, "stanford", true},
+                    RoundTripCase{LightFieldFormat::kMat, LightFieldKind::kMat, "lf.mat", false},
+                    RoundTripCase{LightFieldFormat::kMat, LightFieldKind::kMat, "lf.mat", true},
                     RoundTripCase{LightFieldFormat::kHdf5, LightFieldKind::kHdf5, "lf.h5", false}));
 
-TEST(WriteLightField, KeepsValuesOutsideTheRangeInNpyAndHdf5) {
+TEST(WriteLightField, KeepsValuesOutsideTheRangeInNumbers) {
   const TestFolder folder;
   LightField light_field(Shape{8, 8, 2, 3, 1});
   light_field.at(7, 7, 1, 2) = 1.75F;
   light_field.at(0, 1, 0, 0) = -0.25F;
   ReadOptions options;
   options.range = RangePolicy::kKeep;
-  for (const char* name : {"lf.npy", "lf.h5"}) {
+  for (const char* name : {"lf.npy", "lf.mat", "lf.h5"}) {
     WriteOptions write_options;
     write_options.format = format_of_path(name);
     ASSERT_TRUE(write_light_field(folder / name, light_field, write_options).ok());

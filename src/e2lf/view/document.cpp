@@ -23,6 +23,31 @@ Json number_or_null(double value) {
   return std::isfinite(value) ? Json(std::round(value * 1000.0) / 1000.0) : Json();
 }
 
+constexpr int16_t kUnknownDisparity = -32768;
+
+std::vector<int16_t> thousandths(const lightfield::Image& map) {
+  std::vector<int16_t> numbers;
+  numbers.reserve(map.pixels.size());
+  for (const float value : map.pixels) {
+    const float most = 32.0F;
+    numbers.push_back(std::isfinite(value) ? static_cast<int16_t>(std::lround(1000.0F * std::clamp(value, -most, most)))
+                                           : kUnknownDisparity);
+  }
+  return numbers;
+}
+
+/// What all but a hundredth at either end lies between, of all maps.
+std::pair<double, double> usual_range(const std::vector<std::vector<int16_t>>& maps) {
+  std::vector<int16_t> known;
+  for (const auto& map : maps) {
+    std::copy_if(map.begin(), map.end(), std::back_inserter(known), [](int16_t v) { return v != kUnknownDisparity; });
+  }
+  if (known.empty()) return {0, 0};
+  std::sort(known.begin(), known.end());
+  const size_t last = known.size() - 1, few = last / 100;
+  return {known[few] / 1000.0, known[last - few] / 1000.0};
+}
+
 }  // namespace
 
 size_t Document::add_part(Part part) {
@@ -47,6 +72,19 @@ void Document::add_light_field(const std::string& name, const std::shared_ptr<Li
             {"width", shape.width},
             {"channels", shape.channels},
             {"cycles", std::move(described)}});
+}
+
+void Document::add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x) {
+  Json& field = items_.at(item);
+  std::vector<std::vector<int16_t>> numbers;
+  Json parts = Json::array();
+  for (const lightfield::Image& map : maps) {
+    E2LF_REQUIRE(field["height"] == map.height && field["width"] == map.width, "a map has the size of the views");
+    numbers.push_back(thousandths(map));
+    parts.push_back(add_part(counts_part(numbers.back())));
+  }
+  const auto [near, far] = usual_range(numbers);
+  field["disparity"] = {{"view", {view_y, view_x}}, {"range", {near, far}}, {"maps", std::move(parts)}};
 }
 
 void Document::add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,

@@ -12,6 +12,7 @@
 #include "e2lf/capture/codes.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/files/options.h"
+#include "e2lf/lightfield/image.h"
 #include "e2lf/model/model.h"
 #include "e2lf/view/light_field_cycles.h"
 
@@ -26,6 +27,11 @@ class Document {
  public:
   /// A light field of one or more cycles. Each view becomes an 8-bit PNG: round(255 * clamp(value)).
   void add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles);
+
+  /// The disparity maps of a light field that was added, its number among the items: one map, or one for each cycle, px
+  /// per view step of the pixels of view (view_y, view_x). Maps of another size than the views break the contract.
+  /// Numbers are kept in thousandths, those beyond +-32 px are cut off; what is not finite is not known.
+  void add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x);
 
   /// Event images of one or more cycles, all of one shape; `codes` may be null.
   void add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,

@@ -49,6 +49,26 @@ TEST(Document, CountsComeBackFromTheirPart) {
   EXPECT_EQ(back, counts);
 }
 
+TEST(Document, DisparitiesAreThousandthsWithTheirUsualRange) {
+  Document document;
+  document.add_item({{"kind", "light_field"}, {"height", 20}, {"width", 10}});
+  lightfield::Image map(10, 20, 1);
+  for (size_t i = 0; i < 200; ++i) map.pixels[i] = static_cast<float>(i) / 100.0F;
+  map.pixels[3] = std::nanf("");
+  map.pixels[199] = 100.0F;
+  document.add_disparity(0, {map}, 4, 3);
+  const Json disparity = Json::parse(document.description())["items"][0]["disparity"];
+  EXPECT_EQ(disparity["view"], (Json{4, 3}));
+  EXPECT_EQ(disparity["range"], (Json{0.01, 1.98}));
+  const auto bytes = document.parts().at(disparity["maps"][0])();
+  std::vector<int16_t> numbers(200);
+  uLongf size = 400;
+  ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(numbers.data()), &size, bytes->data(), bytes->size()), Z_OK);
+  EXPECT_EQ(numbers[7], 70);
+  EXPECT_EQ(numbers[3], -32768);
+  EXPECT_EQ(numbers[199], 32000);
+}
+
 TEST(Document, CodesOfAnotherNumberOfPatternsAreLeftOut) {
   Document document;
   const capture::EventImages images(3, 2, 4);

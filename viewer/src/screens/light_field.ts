@@ -1,18 +1,21 @@
 // A light field, or two of them to compare: parallax, refocus, synthetic aperture, EPIs, all views, gain and gamma.
 import { nearestView, shapes } from '../aperture';
 import { ApertureMap } from '../aperture_map';
+import { numFrames, paths, placeOnPath, recordGif, recordWebm, type Place } from '../animation';
 import { busy } from '../busy';
 import type { Comparison, LightFieldItem } from '../document';
 import { canvas, clamp, element, placeOn } from '../dom';
+import { DisparityMap, drawBar } from '../disparity_map';
 import { FrameClock } from '../frame_clock';
 import { Camera, LightFieldViews, lightFieldUniforms, maxDisparity, toneUniforms } from '../light_field';
 import { Pane } from '../pane';
 import type { Uniform } from '../painter';
 import { fit, setSize, type Context, type Screen } from '../screen';
+import { saveBlob } from '../screenshot';
 import { epiShader, gridShader, pictureShader } from '../shaders';
 import type { Key } from '../state';
 
-const keysWhileMoving: Key[] = ['x', 'y', 'focus', 'tiltx', 'tilty', 'size', 'split', 'gain', 'gamma', 'boost'];
+const keysWhileMoving: Key[] = ['x', 'y', 'focus', 'tiltx', 'tilty', 'size', 'split', 'gain', 'gamma', 'boost', 'overlay'];
 const modes: Record<string, number> = { first: 0, second: 1, swipe: 2, difference: 3 };
 const swipeMode = 2;
 
@@ -36,6 +39,8 @@ export class LightFieldScreen implements Screen {
   private readonly quality = element('p', { class: 'quality' });
   private swipeSlider: HTMLElement | null = null;
   private boostSlider: HTMLElement | null = null;
+  private readonly disparity: DisparityMap | null = null;
+  private isRecording = false;
   private isClosed = false;
 
   constructor(
@@ -47,6 +52,8 @@ export class LightFieldScreen implements Screen {
     this.first = new LightFieldViews(item, source, painter);
     this.second = comparison ? new LightFieldViews(comparison.item, source, painter) : this.first;
     this.camera = new Camera(painter);
+    const measured = [item, comparison?.item].find((one) => one?.disparity);
+    if (measured) this.disparity = new DisparityMap(measured, source, painter);
     this.map = new ApertureMap(state, item.views, context.say);
     this.addControls();
     this.addPane(item.name, false);
@@ -97,11 +104,28 @@ export class LightFieldScreen implements Screen {
       const label = (cycle: number) => this.item.cycles[cycle]?.label ?? '';
       panel.group('Time', panel.slider('cycle', 'Cycle', { low: 0, high: this.item.cycles.length - 1, step: 1, text: label }));
     }
+    this.addDisparityControls();
+    panel.group('Film', panel.choice('path', 'Path', paths),
+      panel.button('Save WebM', () => this.record('webm', recordWebm)), panel.button('Save GIF', () => this.record('gif', recordGif)));
     panel.root.append(panel.button('Reset', () => state.reset()));
+  }
+
+  private addDisparityControls(): void {
+    if (!this.disparity) return;
+    const bar = canvas('Colours from near to far', 'bar');
+    drawBar(bar);
+    const [near, far] = this.disparity.range;
+    this.context.panel.group('Disparity map',
+      this.context.panel.slider('overlay', 'Opacity', { low: 0, high: 1, step: 0.05 }), bar,
+      element('p', { class: 'figures ends' }, element('span', {}, `near ${near.toFixed(2)}`), element('span', {}, `far ${far.toFixed(2)} px per view`)));
   }
 
   private load(): void {
     const cycle = this.context.state.get('cycle');
+    if (this.disparity) {
+      const end = busy();
+      this.disparity.load(cycle).then(() => this.clock.ask(false, this.units())).catch((error) => this.context.fail(error)).finally(end);
+    }
     const all = this.comparison ? [this.first, this.second] : [this.first];
     for (const views of all) {
       const end = busy();
@@ -116,8 +140,16 @@ export class LightFieldScreen implements Screen {
   follow(key: Key): void {
     if (key === 'cycle' || key === 'tab') this.load();
     if (key === 'show' || key === 'compare' || key === 'tab') this.layout();
-    if (key === 'row' || key === 'column') this.epiClock.ask(false, 1);
+    if (this.isRecording) return; // each frame is painted when it is its turn
+    if (key === 'row' || key === 'column') this.point();
     else this.clock.ask(keysWhileMoving.includes(key), this.units());
+  }
+
+  private point(): void {
+    this.epiClock.ask(false, 1);
+    const { row, column } = this.panes[0]!.pane.cut();
+    const disparity = this.disparity?.at(column, row);
+    if (disparity != null) this.context.say(`x ${column}, y ${row} of the map: ${disparity.toFixed(3)} px per view`);
   }
 
   layout(): void {
@@ -176,7 +208,7 @@ export class LightFieldScreen implements Screen {
       if (pane.root.hidden) continue;
       const mode = this.comparison ? (modes[state.get('compare')] ?? Number(isSecond)) : 0;
       const split = state.get('split');
-      const values = { ...common, ...camera, mode, split, boost: state.get('boost') };
+      const values = { ...common, ...camera, ...this.overlay(camera), mode, split, boost: state.get('boost') };
       if (scale > 0) painter.paint(pane.picture, width, height, pictureShader, values);
       this.paintEpis(pane, common, mode);
       pane.drawLines(mode === swipeMode ? split : null);
@@ -186,6 +218,13 @@ export class LightFieldScreen implements Screen {
     this.showFigures();
     this.map.draw(this.camera.weights);
     return width * height * this.camera.numTaps;
+  }
+
+  /** A shader needs a texture even where nothing is laid over. */
+  private overlay(camera: Record<string, Uniform>): Record<string, Uniform> {
+    const { state } = this.context;
+    const viewpoint = { x: state.get('x'), y: state.get('y') };
+    return this.disparity?.uniforms(state.get('overlay'), viewpoint) ?? { disparities: camera['taps']!, overlay: 0 };
   }
 
   private paintEpis(pane: Pane, common: Record<string, Uniform>, mode: number): void {
@@ -224,6 +263,38 @@ export class LightFieldScreen implements Screen {
     this.context.state.set('tilty', 0);
     this.context.state.set('focus', disparity);
     this.context.say(`focus on x ${Math.floor(x)}, y ${Math.floor(y)}: disparity ${disparity.toFixed(2)} px per view`);
+  }
+
+  /** Goes along the path once, records the first picture and saves the film; then all is as before. */
+  private async record(ending: string, recorder: typeof recordGif): Promise<void> {
+    if (this.isRecording || !this.sheet.hidden) return;
+    const { state, say } = this.context;
+    const now: Place = { x: state.get('x'), y: state.get('y'), focus: state.get('focus') };
+    const go = ({ x, y, focus }: Place) => {
+      state.set('x', x);
+      state.set('y', y);
+      state.set('focus', focus);
+    };
+    const range = this.disparity?.range ?? [-2, 2];
+    const end = busy();
+    this.isRecording = true;
+    try {
+      const film = await recorder(this.panes[0]!.pane.picture, (i) => {
+        if (this.isClosed) throw new Error('The film ended with what it showed.');
+        go(placeOnPath(state.get('path'), i, this.item.views, now, range));
+        this.paint(1);
+        say(`recording, ${Math.round((100 * i) / numFrames)} %`);
+      });
+      saveBlob(this.item.name, `${state.get('path')}.${ending}`, film);
+      say(`film saved, ${(film.size / 1e6).toFixed(1)} MB`);
+    } catch (error) {
+      say(error instanceof Error ? error.message : String(error));
+    } finally {
+      this.isRecording = false;
+      end();
+      if (!this.isClosed) go(now);
+    }
+    this.clock.ask(false, this.units());
   }
 
   private choose(place: { x: number; y: number }): void {
@@ -265,5 +336,6 @@ export class LightFieldScreen implements Screen {
     this.isClosed = true;
     const { gl } = this.context.painter;
     for (const views of new Set([this.first, this.second])) gl.deleteTexture(views.texture);
+    this.disparity?.close();
   }
 }

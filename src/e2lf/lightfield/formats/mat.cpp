@@ -4,8 +4,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/mat5.h"
 #include "e2lf/lightfield/axes.h"
-#include "e2lf/lightfield/formats/mat5.h"
 #include "e2lf/lightfield/formats/readers.h"
 
 namespace e2lf::lightfield {
@@ -21,8 +21,9 @@ std::optional<SampleType> type_of_class(uint8_t array_class) {
       return SampleType::kFloat32;
     case MatClass::kDouble:
       return SampleType::kFloat64;
+    default:
+      return std::nullopt;
   }
-  return std::nullopt;
 }
 
 template <typename Stored>

@@ -62,4 +62,9 @@ std::string view_name(LightFieldKind kind, size_t row, size_t column) {
   return cat(padded(row, 2), "_", padded(column, 2), ".png");
 }
 
+std::string written_view_name(LightFieldKind kind, size_t row, size_t column) {
+  if (kind != LightFieldKind::kStanfordFolder) return view_name(kind, row, column);
+  return cat("out_", padded(row, 2), "_", padded(column, 2), "_-", row, ".000000_-", column, ".000000.png");
+}
+
 }  // namespace e2lf::lightfield

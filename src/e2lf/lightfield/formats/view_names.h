@@ -23,4 +23,7 @@ struct NumberedView {
 /// The PNG name of a view; the camera position in a Stanford name is not known here and stands as *.
 [[nodiscard]] std::string view_name(LightFieldKind kind, size_t row, size_t column);
 
+/// The same to write a view: the camera position is -row and -column, in view steps.
+[[nodiscard]] std::string written_view_name(LightFieldKind kind, size_t row, size_t column);
+
 }  // namespace e2lf::lightfield

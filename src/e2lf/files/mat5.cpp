@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/formats/mat5.h"
+#include "e2lf/files/mat5.h"
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <zlib.h>
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::lightfield {
+namespace e2lf {
 namespace {
 
 constexpr size_t kHeaderBytes = 128;
@@ -17,6 +18,8 @@ constexpr uint32_t kMatrix = 14;
 constexpr uint32_t kCompressed = 15;
 // Enough of a variable for its type, extents and a name of 63 letters.
 constexpr size_t kPreviewBytes = 1024;
+// More than anybody looks through for a name.
+constexpr size_t kMostElements = 1000;
 
 uint32_t load32(std::span<const uint8_t> bytes) {
   return bytes[0] | uint32_t{bytes[1]} << 8 | uint32_t{bytes[2]} << 16 | uint32_t{bytes[3]} << 24;
@@ -27,6 +30,7 @@ struct Element {
   uint32_t type = 0;
   size_t size = 0;                ///< as the tag says
   std::span<const uint8_t> data;  ///< shorter than `size` where the bytes end before
+  size_t stored_bytes = 0;        ///< of all of it: tag, data, padding
 };
 
 /// Takes the next element off the front; absent where not even a tag is left. A small element keeps its data, up to
@@ -36,14 +40,15 @@ std::optional<Element> take_element(std::span<const uint8_t>& rest) {
   const uint32_t word = load32(rest);
   if (word >> 16 != 0) {
     const size_t size = word >> 16;
-    const Element element{word & 0xFFFF, size, rest.subspan(4, std::min<size_t>(size, 4))};
+    const Element element{word & 0xFFFF, size, rest.subspan(4, std::min<size_t>(size, 4)), kTagBytes};
     rest = rest.subspan(kTagBytes);
     return element;
   }
-  Element element{word, load32(rest.subspan(4)), {}};
+  Element element{word, load32(rest.subspan(4)), {}, 0};
   rest = rest.subspan(kTagBytes);
   element.data = rest.first(std::min(element.size, rest.size()));
   const size_t padded = word == kCompressed ? element.size : (element.size + 7) / 8 * 8;
+  element.stored_bytes = kTagBytes + padded;
   rest = rest.subspan(std::min(padded, rest.size()));
   return element;
 }
@@ -102,6 +107,10 @@ Error truncated(const std::string& location) {
   return {ErrorCode::kTruncated, "the MATLAB file ends before its data does; copy it again", location};
 }
 
+Error big_endian(const std::string& location) {
+  return {ErrorCode::kUnsupported, "a big-endian MATLAB file; save it on a little-endian machine", location};
+}
+
 Error damaged(const std::string& location) {
   return {ErrorCode::kFormat, "the MATLAB file is damaged; copy or save it again", location};
 }
@@ -147,9 +156,7 @@ Result<MatArray> open_compressed(const Element& element, std::span<const uint8_t
 Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_bytes,
                                 const std::string& location) {
   if (bytes.size() < kHeaderBytes) return truncated(location);
-  if (bytes[kByteOrderAt] != 'I') {
-    return Error{ErrorCode::kUnsupported, "a big-endian MATLAB file; save it on a little-endian machine", location};
-  }
+  if (bytes[kByteOrderAt] != 'I') return big_endian(location);
   std::span<const uint8_t> rest = bytes.subspan(kHeaderBytes);
   while (!rest.empty()) {
     const auto element = take_element(rest);
@@ -169,8 +176,40 @@ Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::strin
     if (element->type == kCompressed) return open_compressed(*element, preview, max_bytes, location);
     return finish_array(std::move(head->array), inside, location);
   }
-  return Error{ErrorCode::kNotFound, cat("the MATLAB file has no variable ", name, "; save the light field under it"),
+  return Error{ErrorCode::kNotFound, cat("the MATLAB file has no variable ", name, "; save the array under that name"),
                location};
 }
 
-}  // namespace e2lf::lightfield
+Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const auto read_at = [&](size_t at, size_t most) {
+    std::vector<uint8_t> bytes(most);
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(at));
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(most));
+    bytes.resize(static_cast<size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+    return bytes;
+  };
+  const std::vector<uint8_t> header = read_at(0, kHeaderBytes);
+  if (header.size() < kHeaderBytes) return truncated(path.string());
+  if (header[kByteOrderAt] != 'I') return big_endian(path.string());
+  std::vector<std::string> names;
+  size_t at = kHeaderBytes;
+  for (size_t i = 0; i < kMostElements; ++i) {
+    const std::vector<uint8_t> bytes = read_at(at, kTagBytes + kPreviewBytes);
+    std::span<const uint8_t> rest = bytes;
+    const auto element = take_element(rest);
+    if (!element) break;
+    at += element->stored_bytes;
+    std::span<const uint8_t> inside = element->data;
+    std::vector<uint8_t> preview;
+    if (element->type == kCompressed) {
+      preview = inflate_preview(element->data);
+      inside = std::span(preview).subspan(std::min(preview.size(), kTagBytes));
+    }
+    if (const auto matrix = take_head(inside)) names.push_back(matrix->name);
+  }
+  return names;
+}
+
+}  // namespace e2lf

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,7 +10,7 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::lightfield {
+namespace e2lf {
 
 /// How a number is stored (MAT-File Format, version 5, table "Data Types").
 enum class MatStorage : uint32_t {
@@ -24,7 +25,16 @@ enum class MatStorage : uint32_t {
 };
 
 /// What a number is to MATLAB ("Array Types"); it may be stored as a smaller type where all values fit.
-enum class MatClass : uint8_t { kDouble = 6, kSingle = 7, kUint8 = 9, kUint16 = 11 };
+enum class MatClass : uint8_t {
+  kDouble = 6,
+  kSingle = 7,
+  kInt8 = 8,
+  kUint8 = 9,
+  kInt16 = 10,
+  kUint16 = 11,
+  kInt32 = 12,
+  kUint32 = 13,
+};
 
 /// A numeric array of a MATLAB file before version 7.3, column-major.
 struct MatArray {
@@ -41,4 +51,22 @@ struct MatArray {
 [[nodiscard]] Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name,
                                               uint64_t max_bytes, const std::string& location);
 
-}  // namespace e2lf::lightfield
+/// The names of the variables in a file, a thousand at most; data are not read. Fails with kTruncated (or no such file)
+/// and kUnsupported (big-endian).
+[[nodiscard]] Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path);
+
+/// An array to write, column-major. One of its class's own storage: kSingle for kSingle.
+struct MatVariable {
+  std::string name;
+  MatClass array_class = MatClass::kSingle;
+  std::vector<size_t> extents;    ///< two at least
+  std::span<const uint8_t> data;  ///< little-endian
+};
+
+/// A MATLAB file of version 6 (the format of version 5, nothing compressed), as `save -v6` makes it. Fails with
+/// kUnsupported where a variable has 2 GiB or more, which the format cannot hold. Extents that `data` does not fill
+/// break the contract.
+[[nodiscard]] Result<std::vector<uint8_t>> encode_mat(std::span<const MatVariable> variables,
+                                                      const std::string& location);
+
+}  // namespace e2lf

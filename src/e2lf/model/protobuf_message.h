@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace e2lf::model {
+
+/// Writes one message in protobuf's wire format (protobuf.dev/programming-guides/encoding), field after field, in the
+/// order of the calls. A field is known by its number, 1 to 2^29 - 1.
+class ProtobufMessage {
+ public:
+  /// int32, int64, an enumeration: a varint, ten bytes for negative numbers.
+  void add_integer(uint32_t field, int64_t value);
+
+  /// float: four bytes, little-endian.
+  void add_float(uint32_t field, float value);
+
+  /// string and bytes: their number, and they themselves.
+  void add_bytes(uint32_t field, std::string_view value);
+
+  /// A message inside this one.
+  void add_message(uint32_t field, const ProtobufMessage& message) { add_bytes(field, message.bytes_); }
+
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  void add_key(uint32_t field, uint32_t wire_type);
+  void add_varint(uint64_t value);
+  std::string bytes_;
+};
+
+}  // namespace e2lf::model
