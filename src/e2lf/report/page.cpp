@@ -62,15 +62,24 @@ Page& Page::table(const Table& table) {
   return *this;
 }
 
-Page& Page::pictures(const std::vector<Picture>& pictures) {
+Page& Page::begin_row() {
   body_ += "<div class=\"row\">\n";
+  return *this;
+}
+
+Page& Page::end_row() {
+  body_ += "</div>\n";
+  return *this;
+}
+
+Page& Page::pictures(const std::vector<Picture>& pictures) {
+  begin_row();
   for (const Picture& picture : pictures) {
     const std::string caption = escaped(picture.caption);
     body_ += cat("<figure><img alt=\"", caption, "\" src=\"data:image/png;base64,", base64(picture.png),
                  "\"><figcaption>", caption, "</figcaption></figure>\n");
   }
-  body_ += "</div>\n";
-  return *this;
+  return end_row();
 }
 
 Page& Page::drawing(std::string_view svg, std::string_view caption) {

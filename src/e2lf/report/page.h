@@ -26,7 +26,10 @@ class Page {
   Page& paragraph(std::string_view text);
   Page& code(std::string_view text);
   Page& table(const Table& table);
-  /// Side by side, as many as fit.
+  /// What is added between these stands side by side, as much as fits.
+  Page& begin_row();
+  Page& end_row();
+  /// A row of them.
   Page& pictures(const std::vector<Picture>& pictures);
   /// SVG as the charts make it, which is taken as it is.
   Page& drawing(std::string_view svg, std::string_view caption = "");
