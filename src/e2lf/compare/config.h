@@ -53,7 +53,7 @@ struct Config {
   bool pictures = true;
 };
 
-inline constexpr const char* kAlgorithms[] = {"network", "inversion"};
+inline constexpr const char* kAlgorithms[] = {"network", "inversion", "regularised"};
 
 /// Reads a configuration. Fails with kNotFound, kFormat and kInvalidValue (unknown keys with the nearest known one,
 /// values out of range, names given twice, nothing to compare), naming the place in it.

@@ -10,7 +10,8 @@ namespace e2lf::compare {
 template <typename Visitor>
 void visit_method(MethodConfig& method, Visitor& visit) {
   visit("name", method.name, "as the tables have it");
-  visit("algorithm", method.algorithm, "or `inversion`, which needs no model");
+  visit("algorithm", method.algorithm,
+        "or `inversion`, `regularised`, [which need no model](#methods-without-a-network)");
   visit("model", method.model, "a model file, or the folder of [the release](models.md#the-release)");
   visit("codes", method.codes,
         "patterns: a model file, a file of codes, the release's folder; empty: the model's, without a model the "

@@ -16,6 +16,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/recon/reconstruct.h"
+#include "e2lf/recon/regularised.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 
@@ -66,6 +67,13 @@ struct Algorithm {
 };
 
 Result<Algorithm> algorithm_of(const Method& method, const Sensor& sensor) {
+  if (method.config.algorithm == "regularised") {
+    return Algorithm{[&](const EventImages& images, size_t, const ProgressFn& progress) {
+                       return recon::reconstruct_regularised(images, method.codes, sensor.camera.constants, {},
+                                                             progress);
+                     },
+                     false};
+  }
   if (method.config.algorithm == "inversion") {
     return Algorithm{[&](const EventImages& images, size_t, const ProgressFn&) {
                        return recon::reconstruct_by_inversion(images, method.codes, sensor.camera.constants);
