@@ -175,6 +175,23 @@ TEST_F(PlanTest, TheStoreFindsWhatWasMadeOfTheSameAlone) {
   EXPECT_FALSE(store.find(job));
 }
 
+TEST_F(PlanTest, AResultThatWasChangedIsNoResult) {
+  const auto plan = make_plan(config(), surroundings_);
+  ASSERT_TRUE(plan);
+  const ResultStore store(folder_ / "out");
+  const Job& job = plan->jobs[0];
+  const fs::path file = folder_ / "out" / "results" / (job.key + ".json");
+  ASSERT_TRUE(store.keep(*plan, job, {{"psnr_db", 28.123456789012345}, {"views", {1.5, nullptr}}}, {}));
+  ASSERT_TRUE(store.find(job));
+  Json json = read_json(file).value();
+  json["method"] = "another name";
+  ASSERT_TRUE(write_file(file, json.dump()));
+  EXPECT_TRUE(store.find(job));
+  json["figures"]["psnr_db"] = 35.0;
+  ASSERT_TRUE(write_file(file, json.dump()));
+  EXPECT_FALSE(store.find(job));
+}
+
 // FIPS 180-2, appendix B.1.
 TEST(Sha256, IsThatOfTheStandard) {
   EXPECT_EQ(sha256_of_text("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

@@ -15,7 +15,8 @@ std::optional<Json> ResultStore::find(const Job& job) const {
   const auto json = read_json(file(job.key, ".json"));
   if (!json || !json->is_object() || json->value("inputs", Json()) != job.inputs) return std::nullopt;
   Json figures = json->value("figures", Json());
-  return figures.is_object() ? std::optional(std::move(figures)) : std::nullopt;
+  if (!figures.is_object() || json->value("sha256", Json()) != sha256_of_text(json_line(figures))) return std::nullopt;
+  return figures;
 }
 
 std::vector<uint8_t> ResultStore::picture(const std::string& key) const {
@@ -35,7 +36,8 @@ Result<void> ResultStore::keep(const Plan& plan, const Job& job, const Json& fig
                      {"scene", plan.scenes[job.scene].name},
                      {"sensor", plan.sensors[job.sensor].config.name},
                      {"inputs", job.inputs},
-                     {"figures", figures}};
+                     {"figures", figures},
+                     {"sha256", sha256_of_text(json_line(figures))}};
   return write_file(file(job.key, ".json"), json_text(json));
 }
 

@@ -17,7 +17,8 @@ class ResultStore {
  public:
   explicit ResultStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// The figures of a job; nothing where there are none that were made of the same.
+  /// The figures of a job; nothing where there are none that were made of the same, or where the
+  /// file was changed.
   [[nodiscard]] std::optional<Json> find(const Job& job) const;
 
   /// The PNG beside a result, or of a key of its own; empty where there is none.
