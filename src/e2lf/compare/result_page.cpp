@@ -13,6 +13,10 @@
 namespace e2lf::compare {
 namespace {
 
+std::string counted(size_t count, const char* what) {
+  return cat(count, " ", what, count == 1 ? "" : "s");
+}
+
 /// The result of a method on a scene with the first seed; null where there is none.
 const Json* first_result(const Plan& plan, const Results& results, size_t method, size_t scene, size_t sensor,
                          std::string* key = nullptr) {
@@ -176,9 +180,10 @@ std::string result_page(const Plan& plan, const Results& results, const ResultSt
   report::Page page(plan.name);
   const auto there = static_cast<size_t>(
       std::count_if(results.begin(), results.end(), [](const auto& result) { return result.has_value(); }));
-  page.paragraph(cat(plan.methods.size(), " methods, ", plan.scenes.size(), " scenes in ", plan.groups.size(),
-                     " groups, ", plan.sensors.size(), " sensors; ", there, " of ", results.size(),
-                     " results are there. The mean is that of the groups. The best of a column is marked."));
+  page.paragraph(cat(counted(plan.methods.size(), "method"), ", ", counted(plan.scenes.size(), "scene"), " in ",
+                     counted(plan.groups.size(), "group"), ", ", counted(plan.sensors.size(), "sensor"), "; ", there,
+                     " of ", counted(results.size(), "result"),
+                     " are there. The mean is that of the groups. The best of a column is marked."));
   page.code(command);
   for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
     page.heading(cat("Sensor ", plan.sensors[sensor].config.name));
