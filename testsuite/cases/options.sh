@@ -42,7 +42,7 @@ fails 1 "--no-triggers" "$E2LF" simulate demo/scene -m "$model" -o no.npz --no-t
 fails 1 "--v2e-preset" "$E2LF" simulate demo/scene -m "$model" -o no.npz --v2e-preset noisy
 fails 1 "--width" "$E2LF" simulate demo/scene -m "$model" -o no.raw --stream --width 50
 absent rec.csv hci no.npz no.raw
-fails 1 "the inversion makes one pass" "${reconstruct[@]}" --method inversion --passes 2
+fails 1 "the method inversion makes one pass" "${reconstruct[@]}" --method inversion --passes 2
 fails 2 "--passes: 65 is outside of the range; give 1 to 64" "${reconstruct[@]}" --passes 65
 absent out
 make release weights

@@ -14,6 +14,7 @@
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/eval/best_gain.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/crop.h"
@@ -75,13 +76,9 @@ Result<capture::EventImages> play(const CameraSetting& setting, const capture::C
 
 /// The brightness that fits best: a network that was made for another camera is not to lose by that alone.
 LightField fitted_to(const LightField& field, const LightField& truth) {
-  double products = 0, squares = 0;
-  for (size_t i = 0; i < field.data().size(); ++i) {
-    products += static_cast<double>(field.data()[i]) * static_cast<double>(truth.data()[i]);
-    squares += static_cast<double>(field.data()[i]) * static_cast<double>(field.data()[i]);
-  }
+  const float gain = eval::best_gain(truth, field);
   LightField fitted = field;
-  for (float& value : fitted.data()) value *= squares > 0 ? static_cast<float>(products / squares) : 0.0F;
+  for (float& value : fitted.data()) value *= gain;
   return fitted;
 }
 

@@ -23,6 +23,8 @@ std::vector<std::string> bundled_cameras() {
   return names;
 }
 
+}  // namespace
+
 Result<fs::path> find_camera(const std::string& name) {
   std::error_code error;
   if (fs::is_regular_file(name, error)) return fs::path(name);
@@ -31,8 +33,6 @@ Result<fs::path> find_camera(const std::string& name) {
   return Error{ErrorCode::kNotFound,
                cat("there is no such camera file; give one, or a bundled camera: ", join(bundled_cameras())), name};
 }
-
-}  // namespace
 
 void add_camera_option(CLI::App& app, std::string& camera, const std::string& help) {
   app.add_option("--camera", camera, cat("camera file (JSON) or one of ", join(bundled_cameras()), ": ", help));

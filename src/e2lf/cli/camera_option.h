@@ -10,6 +10,9 @@
 
 namespace e2lf::cli {
 
+/// Where a camera is: a file, or a bundled one by its name. Fails with kNotFound.
+[[nodiscard]] Result<std::filesystem::path> find_camera(const std::string& name);
+
 /// Declares --camera: a camera file, or the name of a bundled one.
 void add_camera_option(CLI::App& app, std::string& camera, const std::string& help);
 

@@ -14,6 +14,7 @@
 #include "e2lf/cli/run_record.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/is_stream.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/open/recording_place.h"
 
@@ -317,6 +318,42 @@ Result<void> OutputFile::commit() {
   if (!keeps_triggers && is_there(new_triggers)) E2LF_RETURN_IF_ERROR(move_into_place(new_triggers, triggers_));
   if (is_there(record_path())) return move_into_place(record_path(), record_path_beside(target_));
   return {};
+}
+
+Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules, Json record) {
+  if (is_standard_output(named)) {
+    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; name a folder", named.string()};
+  }
+  E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
+  E2LF_ASSIGN_OR_RETURN(path_, resolve(named));
+  std::error_code error;
+  if (is_there(path_) && !fs::is_directory(path_, error)) {
+    return exists(path_, "the output is a folder, and a file has this name; name another");
+  }
+  std::vector<std::string> listed;
+  if (is_there(path_) && !fs::is_empty(path_, error)) {
+    const auto earlier = is_our_record(path_ / "run.json") ? read_json(path_ / "run.json") : Json::object();
+    if (!earlier || earlier->value("verb", "") != verb_) {
+      return exists(path_,
+                    cat("this folder is not one of e2lf ", verb_, " (it holds no run.json of it); name another"));
+    }
+    if (earlier->contains("files")) listed = earlier->value("files", std::vector<std::string>());
+  }
+  for (const std::string& file : files_) {
+    const bool is_ours = std::find(listed.begin(), listed.end(), file) != listed.end();
+    if (is_there(path_ / file) && !is_ours) {
+      return exists(path_ / file, "e2lf did not write this file, so it is not replaced; move it away");
+    }
+  }
+  remove_dead_parts(path_);
+  remove_dead_parts(path_ / "results");
+  return write_record(std::move(record));
+}
+
+Result<void> GrowingFolder::write_record(Json record) const {
+  record["written_by"] = "e2lf";
+  record["files"] = files_;
+  return write_file(path_ / "run.json", json_text(record));
 }
 
 Result<ResultFolder> open_output_folder(const fs::path& named, const OutputRules& rules) {

@@ -71,6 +71,25 @@ class OutputFile {
 /// A folder of results; see ResultFolder for what it replaces. Fails as OutputFile::create().
 [[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const OutputRules& rules);
 
+/// A folder of results that grows over several runs of one verb: runs add results with names that no one else uses, and
+/// replace `files`, which tell of all of them. A folder that is there must be empty or of the same verb. Files of those
+/// names that its run.json does not list are not replaced.
+class GrowingFolder {
+ public:
+  GrowingFolder(std::string verb, std::vector<std::string> files) : verb_(std::move(verb)), files_(std::move(files)) {}
+
+  /// Makes the folder, clears what a killed run left half written there and in results/, and writes its run.json, so
+  /// that a run that is killed can go on. Fails as OutputFile::create().
+  [[nodiscard]] Result<void> open(const std::filesystem::path& named, const OutputRules& rules, Json record);
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] Result<void> write_record(Json record) const;
+
+ private:
+  std::string verb_;
+  std::vector<std::string> files_;
+  std::filesystem::path path_;
+};
+
 /// Fails with kInvalidValue when an output is, contains or lies in one of the inputs, through links or not.
 [[nodiscard]] Result<void> check_apart(const std::filesystem::path& output,
                                        const std::vector<std::filesystem::path>& inputs);

@@ -27,6 +27,7 @@
 #include "e2lf/model/model.h"
 #include "e2lf/recon/field_sequence.h"
 #include "e2lf/recon/linear_estimate.h"
+#include "e2lf/recon/regularised.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -101,13 +102,16 @@ Result<recon::Method> network_method(const ReconstructArguments& arguments, mode
   return recon::network_method(std::move(reconstructor), arguments.passes, arguments.cycles_per_field);
 }
 
-Result<recon::Method> inversion_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
+/// Those that need patterns alone.
+Result<recon::Method> classical_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
                                        const std::optional<capture::Camera>& camera, RunRecord& record) {
   if (arguments.passes > 1) {
-    return Error{ErrorCode::kInvalidValue, "the inversion makes one pass; leave the option out", "--passes"};
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the method ", arguments.method, " makes one pass; leave the option out"), "--passes"};
   }
   if (arguments.cycles_per_field > 1) {
-    return Error{ErrorCode::kInvalidValue, "the inversion takes one cycle for each light field; leave the option out",
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the method ", arguments.method, " takes one cycle for each light field; leave the option out"),
                  "--cycles-per-field"};
   }
   if (!known) {
@@ -117,8 +121,13 @@ Result<recon::Method> inversion_method(const ReconstructArguments& arguments, st
     warn_of_assumed_patterns(arguments.input, arguments.codes.model.string());
   }
   if (camera && camera->is_pixel()) {
-    log_warning(cat("the events are those of physical pixels (", camera->name,
-                    "); the inversion knows the paper's event model alone"));
+    log_warning(cat("the events are those of physical pixels (", camera->name, "); the method ", arguments.method,
+                    " knows the paper's event model alone"));
+  }
+  if (arguments.method == "regularised") {
+    return recon::Method([known = std::move(*known)](const capture::EventImages& images, const ProgressFn& progress) {
+      return recon::reconstruct_regularised(images, known.codes, known.constants, {}, progress);
+    });
   }
   return recon::Method([known = std::move(*known)](const capture::EventImages& images, const ProgressFn&) {
     return recon::reconstruct_by_inversion(images, known.codes, known.constants);
@@ -280,7 +289,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments.codes, model, setup.codes, record));
   E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
                                                   ? network_method(arguments, std::move(*model), codes, camera, record)
-                                                  : inversion_method(arguments, codes, camera, record));
+                                                  : classical_method(arguments, codes, camera, record));
   record.end_step("open");
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
@@ -327,8 +336,10 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->required();
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
   add_codes_options(app, reconstruction.codes);
-  app.add_option("--method", reconstruction.method, "network, or inversion (closed form, needs no model, only codes)")
-      ->check(CLI::IsMember({"network", "inversion"}))
+  app.add_option(
+         "--method", reconstruction.method,
+         "network; inversion (closed form) or regularised (slower, iterative), which need no model, only patterns")
+      ->check(CLI::IsMember({"network", "inversion", "regularised"}))
       ->capture_default_str();
   add_camera_option(app, reconstruction.camera,
                     "the camera that recorded, for networks that are told; default: the one that the events' file "

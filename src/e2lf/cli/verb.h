@@ -103,6 +103,7 @@ int run_bench(const std::vector<std::string>& arguments);
 int run_calibrate(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
 int run_codes_render(const std::vector<std::string>& arguments);
+int run_compare(const std::vector<std::string>& arguments);
 int run_convert(const std::vector<std::string>& arguments);
 int run_demo(const std::vector<std::string>& arguments);
 int run_depth(const std::vector<std::string>& arguments);

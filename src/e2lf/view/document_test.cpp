@@ -11,20 +11,6 @@
 namespace e2lf::view {
 namespace {
 
-std::string base64_of(const std::string& text) {
-  return base64(std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
-}
-
-// RFC 4648, section 10.
-TEST(Base64, IsThatOfTheStandard) {
-  EXPECT_EQ(base64_of(""), "");
-  EXPECT_EQ(base64_of("f"), "Zg==");
-  EXPECT_EQ(base64_of("fo"), "Zm8=");
-  EXPECT_EQ(base64_of("foo"), "Zm9v");
-  EXPECT_EQ(base64_of("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64_of("\xFF\xFE\xFD"), "//79");
-}
-
 TEST(Document, NamesCannotEndTheElementOfThePage) {
   Document document;
   document.add_item({{"name", "</script><script>alert(1)</script>"}});

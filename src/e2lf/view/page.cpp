@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "e2lf/base/text.h"
+#include "e2lf/report/base64.h"
 
 // In page_bytes.S.
 extern "C" {
@@ -22,19 +23,6 @@ std::string_view empty_page() {
   return {kPageBegin, kPageEnd};
 }
 
-std::string base64(std::span<const uint8_t> bytes) {
-  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const size_t count = std::min<size_t>(3, bytes.size() - i);
-    uint32_t word = 0;
-    for (size_t k = 0; k < 3; ++k) word = word << 8 | (k < count ? bytes[i + k] : 0U);
-    for (size_t k = 0; k < 4; ++k) text += k <= count ? kLetters[word >> (18 - 6 * k) & 63U] : '=';
-  }
-  return text;
-}
-
 Result<void> write_page(const std::filesystem::path& path, const Document& document, const ProgressFn& progress) {
   const std::string_view page = empty_page();
   const size_t place = page.find(kPlace);
@@ -44,7 +32,7 @@ Result<void> write_page(const std::filesystem::path& path, const Document& docum
       << "</script>\n";
   for (size_t number = 0; number < document.parts().size(); ++number) {
     E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, document.parts()[number]());
-    out << "<script type=\"text/plain\" id=\"e2lf-part-" << number << "\">" << base64(bytes) << "</script>\n";
+    out << "<script type=\"text/plain\" id=\"e2lf-part-" << number << "\">" << report::base64(bytes) << "</script>\n";
     if (progress) progress(number + 1, document.parts().size());
   }
   out << page.substr(place + kPlace.size());

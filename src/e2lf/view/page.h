@@ -19,7 +19,4 @@ namespace e2lf::view {
 [[nodiscard]] Result<void> write_page(const std::filesystem::path& path, const Document& document,
                                       const ProgressFn& progress = {});
 
-/// Bytes as base64 (RFC 4648), with padding.
-[[nodiscard]] std::string base64(std::span<const uint8_t> bytes);
-
 }  // namespace e2lf::view

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/compare/config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+
+#include "e2lf/compare/config_fields.h"
+#include "e2lf/compare/metrics.h"
+#include "e2lf/files/json_text.h"
+
+namespace e2lf::compare {
+namespace {
+
+Error invalid(const std::string& message, const std::string& location) {
+  return {ErrorCode::kInvalidValue, message, location};
+}
+
+/// Reads the fields of one object.
+class FieldReader {
+ public:
+  FieldReader(const Json& json, std::string location) : location_(location), reader_(json, std::move(location)) {}
+
+  template <typename Field>
+  void operator()(const char* key, Field& field, const char*) {
+    reader_.read(key, field);
+  }
+
+  template <typename Item, typename Fields>
+  void list(const char* key, std::vector<Item>& items, const Fields& fields) {
+    const Json& array = reader_.child(key);
+    if (array.is_null()) return;
+    const std::string place = cat(location_, ".", key);
+    if (!array.is_array()) return fail(invalid("expected a list; write [{ ... }, ...]", place));
+    items.clear();
+    for (size_t i = 0; i < array.size(); ++i) {
+      Item item;
+      FieldReader inner(array[i], cat(place, "[", i, "]"));
+      fields(item, inner);
+      if (const auto read = inner.finish(); !read) return fail(read.error());
+      items.push_back(std::move(item));
+    }
+  }
+
+  [[nodiscard]] Result<void> finish() const {
+    if (error_) return *error_;
+    return reader_.finish();
+  }
+
+ private:
+  void fail(Error error) {
+    if (!error_) error_ = std::move(error);
+  }
+  std::string location_;
+  OptionReader reader_;
+  std::optional<Error> error_;
+};
+
+/// Writes a row of a Markdown table for each field.
+class TableWriter {
+ public:
+  explicit TableWriter(std::string path = "") : path_(std::move(path)) {}
+
+  template <typename Field>
+  void operator()(const char* key, const Field& field, const char* meaning) {
+    rows += cat("| `", path_, key, "` | ", text_of(field), " | ", meaning, " |\n");
+  }
+  template <typename Item, typename Fields>
+  void list(const char* key, const std::vector<Item>&, const Fields& fields) {
+    Item item;
+    TableWriter inner(cat(path_, key, "[]."));
+    fields(item, inner);
+    rows += inner.rows;
+  }
+
+  std::string rows;
+
+ private:
+  template <typename Field>
+  static std::string text_of(const Field& field) {
+    return json_line(Json(field));
+  }
+  static std::string text_of(float field) { return json_line(json_number(field)); }
+  static std::string text_of(const std::optional<float>&) { return ""; }
+  std::string path_;
+};
+
+/// Every name is there, once.
+template <typename Item>
+Result<void> check_names(const std::vector<Item>& items, const std::string& location) {
+  if (items.empty()) return invalid("there is nothing in this list; add something", location);
+  std::set<std::string> names;
+  for (size_t i = 0; i < items.size(); ++i) {
+    const std::string place = cat(location, "[", i, "].name");
+    if (items[i].name.empty()) return invalid("it has no name; give it one", place);
+    if (!names.insert(items[i].name).second) {
+      return invalid(cat("the name \"", items[i].name, "\" is given twice; change one"), place);
+    }
+  }
+  return {};
+}
+
+Result<void> check_word(const std::string& word, const std::vector<std::string>& known, const std::string& location) {
+  if (std::find(known.begin(), known.end(), word) != known.end()) return {};
+  return invalid(cat("there is no \"", word, "\" here; ", suggestion(word, known)), location);
+}
+
+Result<void> check_positive(float value, const std::string& location) {
+  if (std::isfinite(value) && value > 0) return {};
+  return invalid(cat(value, " is out of range; give a positive number"), location);
+}
+
+Result<void> check_count(size_t value, const std::string& location) {
+  if (value >= 1 && value <= 64) return {};
+  return invalid(cat(value, " is out of range; give 1 to 64"), location);
+}
+
+Result<void> check_method(const MethodConfig& method, const std::string& location) {
+  const std::vector<std::string> algorithms(std::begin(kAlgorithms), std::end(kAlgorithms));
+  E2LF_RETURN_IF_ERROR(check_word(method.algorithm, algorithms, location + ".algorithm"));
+  E2LF_RETURN_IF_ERROR(check_word(method.precision, {"float32", "bfloat16", "auto"}, location + ".precision"));
+  E2LF_RETURN_IF_ERROR(check_positive(method.gain, location + ".gain"));
+  E2LF_RETURN_IF_ERROR(check_count(method.passes, location + ".passes"));
+  const bool is_network = method.algorithm == "network";
+  if (is_network && method.model.empty()) return invalid("a network needs a model; name its file", location + ".model");
+  if (!is_network && !method.model.empty()) {
+    return invalid(cat("the ", method.algorithm, " has no model; give its patterns as \"codes\""), location + ".model");
+  }
+  if (!is_network && (method.passes > 1 || !method.camera.empty())) {
+    return invalid("\"passes\" and \"camera\" are of networks; leave them out", location);
+  }
+  return {};
+}
+
+Result<void> check_sensor(const SensorConfig& sensor, const std::string& location) {
+  E2LF_RETURN_IF_ERROR(check_positive(sensor.gain, location + ".gain"));
+  E2LF_RETURN_IF_ERROR(check_positive(sensor.tau.value_or(1.0F), location + ".tau"));
+  return check_count(sensor.cycles, location + ".cycles");
+}
+
+template <typename Item, typename Check>
+Result<void> check_each(const std::vector<Item>& items, const std::string& location, const Check& check) {
+  for (size_t i = 0; i < items.size(); ++i) E2LF_RETURN_IF_ERROR(check(items[i], cat(location, "[", i, "]")));
+  return {};
+}
+
+Result<void> check(const Config& config, const std::string& location) {
+  E2LF_RETURN_IF_ERROR(check_names(config.methods, location + ".methods"));
+  E2LF_RETURN_IF_ERROR(check_names(config.scenes, location + ".scenes"));
+  E2LF_RETURN_IF_ERROR(check_names(config.sensors, location + ".sensors"));
+  E2LF_RETURN_IF_ERROR(check_each(config.methods, location + ".methods", check_method));
+  E2LF_RETURN_IF_ERROR(check_each(config.sensors, location + ".sensors", check_sensor));
+  for (const GroupConfig& group : config.scenes) {
+    if (group.scenes.empty() || group.step == 0) {
+      return invalid(cat("the group ", group.name, " needs scenes and a step of at least 1; give them"),
+                     location + ".scenes");
+    }
+  }
+  const std::set<uint64_t> seeds(config.seeds.begin(), config.seeds.end());
+  if (seeds.empty() || seeds.size() != config.seeds.size()) {
+    return invalid("there must be seeds, each once; write e.g. [1, 2, 3]", location + ".seeds");
+  }
+  std::vector<std::string> metrics;
+  for (const Metric& metric : all_metrics()) metrics.emplace_back(metric.name);
+  for (const std::string& name : config.metrics) {
+    E2LF_RETURN_IF_ERROR(check_word(name, metrics, location + ".metrics"));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Config> config_from_json(const Json& json, const std::string& location) {
+  if (!json.is_object())
+    return Error{ErrorCode::kFormat, "the configuration is not an object; write { ... }", location};
+  Config config;
+  const std::string root = location + ": $";
+  FieldReader reader(json, root);
+  visit_config(config, reader);
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  E2LF_RETURN_IF_ERROR(check(config, root));
+  return config;
+}
+
+Result<Config> read_config(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
+  return config_from_json(json, path.string());
+}
+
+std::string documented_keys() {
+  Config config;
+  TableWriter writer;
+  visit_config(config, writer);
+  return writer.rows;
+}
+
+}  // namespace e2lf::compare

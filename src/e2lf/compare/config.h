@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/files/options.h"
+
+namespace e2lf::compare {
+
+/// What a comparison is made of: each method on each scene before each sensor, with each seed.
+struct MethodConfig {
+  std::string name;
+  std::string algorithm = "network";                ///< one of kAlgorithms
+  std::string model = {}, codes = {}, camera = {};  ///< names of files
+  size_t passes = 1;
+  float gain = 1.0F;
+  bool fit_gain = false;
+  std::string precision = "float32";
+  bool optional = false;
+};
+
+struct GroupConfig {
+  std::string name;
+  std::vector<std::string> scenes, stand_in;
+  size_t width = 0, height = 0;  ///< px; 0: all
+  size_t step = 1;
+  bool reverse_rows = false;
+  bool optional = false;
+};
+
+struct SensorConfig {
+  std::string name;
+  std::string camera = "paper";
+  std::optional<float> tau = {}, sigma_w = {}, sigma_z = {};
+  float gain = 1.0F, residue = 0.0F;
+  size_t cycles = 1;
+  bool fit_gain = false;
+};
+
+struct Config {
+  std::string name;
+  std::vector<MethodConfig> methods;
+  std::vector<GroupConfig> scenes;
+  std::vector<SensorConfig> sensors = {SensorConfig{.name = "paper"}};
+  std::vector<uint64_t> seeds = {1};
+  std::vector<std::string> metrics = {"psnr_db",        "ssim",           "events_per_pixel",
+                                      "bits_per_pixel", "measurement_ms", "reconstruct_s"};
+  bool pictures = true;
+};
+
+inline constexpr const char* kAlgorithms[] = {"network", "inversion", "regularised"};
+
+/// Reads a configuration. Fails with kNotFound, kFormat and kInvalidValue (unknown keys with the nearest known one,
+/// values out of range, names given twice, nothing to compare), naming the place in it.
+[[nodiscard]] Result<Config> read_config(const std::filesystem::path& path);
+[[nodiscard]] Result<Config> config_from_json(const Json& json, const std::string& location);
+
+/// The table of all keys in docs/compare.md.
+[[nodiscard]] std::string documented_keys();
+
+}  // namespace e2lf::compare

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/compare/measure.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "e2lf/compare/pictures.h"
+#include "e2lf/eval/metrics.h"
+#include "e2lf/recon/linear_estimate.h"
+#include "e2lf/sensor/event_model.h"
+
+namespace e2lf::compare {
+namespace {
+
+using lightfield::LightField;
+
+/// The inversion on a small rendered scene before the paper's sensor.
+Plan inversion_plan(size_t cycles, float gain) {
+  Plan plan;
+  plan.methods.resize(1);
+  plan.methods[0].config.name = "inversion";
+  plan.methods[0].config.algorithm = "inversion";
+  plan.methods[0].codes = capture::default_codes();
+  plan.scenes.resize(1);
+  plan.scenes[0].name = "demo";
+  plan.scenes[0].rendered_seed = 1;
+  plan.scenes[0].group.width = 48;
+  plan.scenes[0].group.height = 32;
+  plan.sensors.resize(1);
+  plan.sensors[0].config.name = "paper";
+  plan.sensors[0].config.cycles = cycles;
+  plan.sensors[0].config.gain = gain;
+  plan.jobs.push_back({0, 0, 0, 7, {}, {}});
+  return plan;
+}
+
+TEST(Measure, IsWhatSimulationInversionAndComparisonGive) {
+  const Plan plan = inversion_plan(1, 1.0F);
+  const LightField truth = load_scene(plan.scenes[0]).value();
+  const Measurement measured = measure(plan, plan.jobs[0], truth).value();
+
+  sensor::EventModelOptions options;
+  options.seed = 7;
+  const auto images = sensor::simulate_events(plan.methods[0].codes, truth, options).value();
+  const LightField field = recon::reconstruct_by_inversion(images, plan.methods[0].codes, {}).value();
+  const auto quality = eval::compare(truth, field).value();
+  EXPECT_EQ(measured.figures["psnr_db"], quality.mean.psnr_db);
+  EXPECT_EQ(measured.figures["ssim"], quality.mean.ssim_uniform7);
+  EXPECT_EQ(measured.figures["views_psnr_db"].size(), 64U);
+  EXPECT_EQ(measured.figures["num_patterns"], 4);
+  // Three patterns of 10 ms and 0.592 ms between; the paper's cycle.
+  EXPECT_NEAR(measured.figures["measurement_ms"].get<double>(), 31.8, 0.1);
+  EXPECT_NEAR(measured.figures["cycle_ms"].get<double>(), 94.7, 0.1);
+}
+
+TEST(Measure, SeveralCyclesAreBetterAndCostMore) {
+  const Plan one = inversion_plan(1, 1.0F), four = inversion_plan(4, 1.0F);
+  const LightField truth = load_scene(one.scenes[0]).value();
+  const Json of_one = measure(one, one.jobs[0], truth).value().figures;
+  const Json of_four = measure(four, four.jobs[0], truth).value().figures;
+  EXPECT_GT(of_four["psnr_db"].get<double>(), of_one["psnr_db"].get<double>());
+  EXPECT_NEAR(of_four["events_per_pixel"].get<double>() / of_one["events_per_pixel"].get<double>(), 4, 0.2);
+  EXPECT_DOUBLE_EQ(of_four["measurement_ms"].get<double>(), 4 * of_one["measurement_ms"].get<double>());
+}
+
+TEST(Measure, TheGainIsThatOfTheSceneUndoneOrFitted) {
+  Plan plan = inversion_plan(1, 0.25F);
+  const LightField truth = load_scene(plan.scenes[0]).value();
+  EXPECT_EQ(measure(plan, plan.jobs[0], truth).value().figures["gain"], 4.0);
+  const double undone = measure(plan, plan.jobs[0], truth).value().figures["psnr_db"].get<double>();
+  plan.methods[0].config.fit_gain = true;
+  EXPECT_GT(measure(plan, plan.jobs[0], truth).value().figures["psnr_db"].get<double>(), undone);
+}
+
+TEST(Measure, ErrorsNameMethodSceneAndSensor) {
+  Plan plan = inversion_plan(1, 1.0F);
+  for (float& value : plan.methods[0].codes.values) value = 1.0F;
+  const LightField truth = load_scene(plan.scenes[0]).value();
+  const auto failed = measure(plan, plan.jobs[0], truth);
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().location, "inversion on demo, sensor paper");
+}
+
+TEST(Look, HasViewInsetEpiAndError) {
+  LightField truth({8, 8, 32, 48, 1}), field = truth;
+  for (float& value : field.data()) value = 0.1F;
+  const lightfield::Image alone = look(field, nullptr), compared = look(field, &truth);
+  EXPECT_EQ(alone.width, 48U);
+  EXPECT_EQ(alone.height, 32U + 4U + 8U * 5U);
+  EXPECT_EQ(compared.width, 2U * 48U + 4U);
+  EXPECT_FLOAT_EQ(alone.pixels[0], 0.1F);
+  // Half of the error that is white.
+  EXPECT_FLOAT_EQ(compared.pixels[48 + 4], 0.5F);
+  // The frame of the inset in the lower right corner.
+  EXPECT_FLOAT_EQ(alone.pixels[31 * 48 + 47], 1.0F);
+}
+
+}  // namespace
+}  // namespace e2lf::compare

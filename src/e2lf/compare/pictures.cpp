@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/compare/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/epi.h"
+
+namespace e2lf::compare {
+namespace {
+
+using lightfield::Image;
+using lightfield::LightField;
+
+constexpr size_t kMostWidth = 320, kGap = 4, kRowsPerView = 5;
+constexpr float kWhiteError = 0.2F;
+
+Image fitted(const Image& image) {
+  if (image.width <= kMostWidth) return image;
+  return lightfield::shrink(image, kMostWidth, std::max<size_t>(1, image.height * kMostWidth / image.width));
+}
+
+void paste(const Image& image, size_t top, size_t left, Image& canvas) {
+  for (size_t y = 0; y < image.height; ++y) {
+    std::copy_n(image.pixels.data() + y * image.width, image.width,
+                canvas.pixels.data() + (top + y) * canvas.width + left);
+  }
+}
+
+/// Each pixel so many times.
+Image enlarged(const Image& image, size_t times_y, size_t times_x) {
+  Image large(image.width * times_x, image.height * times_y, 1);
+  for (size_t y = 0; y < large.height; ++y) {
+    for (size_t x = 0; x < large.width; ++x) {
+      large.pixels[y * large.width + x] = image.pixels[y / times_y * image.width + x / times_x];
+    }
+  }
+  return large;
+}
+
+/// The middle of a picture, enlarged and in a white frame: a third of the view's sides at most.
+Image inset_of(const Image& view, const Image& shown) {
+  const size_t times = 3;
+  const size_t side = std::max<size_t>(1, std::min(shown.width, shown.height) / 3 / times);
+  Image part(side, side, 1);
+  for (size_t y = 0; y < side; ++y) {
+    std::copy_n(view.pixels.data() + ((view.height - side) / 2 + y) * view.width + (view.width - side) / 2, side,
+                part.pixels.data() + y * side);
+  }
+  Image framed(side * times + 2, side * times + 2, 1);
+  std::fill(framed.pixels.begin(), framed.pixels.end(), 1.0F);
+  paste(enlarged(part, times, times), 1, 1, framed);
+  return framed;
+}
+
+}  // namespace
+
+Image look(const LightField& field, const LightField* truth) {
+  E2LF_REQUIRE(truth == nullptr || truth->shape() == field.shape(), "a light field is compared with one of its shape");
+  const Image view = lightfield::view_image(field, 0, 0);
+  const Image shown = fitted(view);
+  const Image epi = lightfield::horizontal_epi(field, 0, field.shape().height / 2);
+  const Image strip =
+      enlarged(epi.width > shown.width ? lightfield::shrink(epi, shown.width, epi.height) : epi, kRowsPerView, 1);
+  const size_t columns = truth == nullptr ? 1 : 2;
+  Image canvas(columns * (shown.width + kGap) - kGap, shown.height + kGap + strip.height, 1);
+  std::fill(canvas.pixels.begin(), canvas.pixels.end(), 0.5F);
+  paste(shown, 0, 0, canvas);
+  const Image inset = inset_of(view, shown);
+  if (inset.width <= shown.width && inset.height <= shown.height) {
+    paste(inset, shown.height - inset.height, shown.width - inset.width, canvas);
+  }
+  paste(strip, shown.height + kGap, 0, canvas);
+  if (truth == nullptr) return canvas;
+  Image error = lightfield::view_image(*truth, 0, 0);
+  for (size_t i = 0; i < error.pixels.size(); ++i) {
+    error.pixels[i] = std::abs(std::clamp(view.pixels[i], 0.0F, 1.0F) - error.pixels[i]) / kWhiteError;
+  }
+  paste(fitted(error), 0, shown.width + kGap, canvas);
+  return canvas;
+}
+
+}  // namespace e2lf::compare

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/compare/plan.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fnmatch.h>
+#include <map>
+#include <openssl/evp.h>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/model/model.h"
+
+namespace e2lf::compare {
+namespace fs = std::filesystem;
+namespace {
+
+/// To be raised when the arithmetic behind a result changes within a version.
+constexpr int kComputation = 1;
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+Result<model::Model> read_any_model(const fs::path& path) {
+  return is_folder(path) ? model::import_release(path) : model::read_model(path);
+}
+
+/// Patterns of a model file, of a file of codes, or of the release's folder.
+Result<capture::Codes> read_any_codes(const fs::path& path) {
+  if (!is_folder(path) && path.extension() != ".safetensors") return capture::read_codes(path);
+  E2LF_ASSIGN_OR_RETURN(model::Model model, read_any_model(path));
+  if (model.codes) return std::move(*model.codes);
+  return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera as \"codes\"",
+               path.string()};
+}
+
+/// Hashes each file once.
+class Hashes {
+ public:
+  explicit Hashes(const Surroundings& surroundings) : surroundings_(surroundings) {}
+  Result<std::string> of(const fs::path& path) {
+    const auto known = known_.find(path);
+    if (known != known_.end()) return known->second;
+    E2LF_ASSIGN_OR_RETURN(const std::string hash, surroundings_.hash(path));
+    known_[path] = hash;
+    return hash;
+  }
+
+ private:
+  const Surroundings& surroundings_;
+  std::map<fs::path, std::string> known_;
+};
+
+/// Puts a plan together.
+class Planner {
+ public:
+  Planner(const Config& config, const Surroundings& surroundings)
+      : config_(config), surroundings_(surroundings), hashes_(surroundings) {}
+
+  Result<Plan> make() {
+    plan_.name = config_.name.empty() ? "comparison" : config_.name;
+    plan_.metrics = config_.metrics;
+    plan_.pictures = config_.pictures;
+    for (const MethodConfig& method : config_.methods) {
+      if (const auto added = add_method(method); !added && !is_left_out(method, added.error())) return added.error();
+    }
+    for (const GroupConfig& group : config_.scenes) E2LF_RETURN_IF_ERROR(add_group(group));
+    for (const SensorConfig& sensor : config_.sensors) E2LF_RETURN_IF_ERROR(add_sensor(sensor));
+    if (plan_.methods.empty() || plan_.scenes.empty()) {
+      return Error{ErrorCode::kNotFound,
+                   "nothing is left to compare: no method, or no scene, is there; name files that are, or the folder "
+                   "they are in with --data",
+                   ""};
+    }
+    add_jobs();
+    return std::move(plan_);
+  }
+
+ private:
+  static bool is_left_out(const MethodConfig& method, const Error& error) {
+    if (!method.optional || error.code != ErrorCode::kNotFound) return false;
+    log_warning(cat("the method ", method.name, " is left out: ", error.text()));
+    return true;
+  }
+
+  Result<fs::path> locate(const std::string& name) {
+    E2LF_ASSIGN_OR_RETURN(const fs::path path, surroundings_.locate(name));
+    plan_.files.push_back(path);
+    return path;
+  }
+
+  Result<capture::Camera> read_camera(const std::string& name) {
+    E2LF_ASSIGN_OR_RETURN(const fs::path path, surroundings_.locate_camera(name));
+    plan_.files.push_back(path);
+    return capture::read_camera(path);
+  }
+
+  Result<void> add_method(const MethodConfig& config) {
+    Method method;
+    method.config = config;
+    std::optional<capture::Codes> codes;
+    Json model_hash;
+    bool is_told = false;
+    if (!config.model.empty()) {
+      E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
+      E2LF_ASSIGN_OR_RETURN(model::Model model, read_any_model(method.model));
+      E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
+      codes = std::move(model.codes);
+      is_told = model::is_told_the_camera(model);
+    }
+    if (!config.codes.empty()) {
+      E2LF_ASSIGN_OR_RETURN(const fs::path path, locate(config.codes));
+      E2LF_ASSIGN_OR_RETURN(codes, read_any_codes(path));
+    }
+    if (!codes && !method.model.empty()) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("the model of ", config.name, " holds no patterns; give those of its camera as \"codes\""),
+                   method.model.string()};
+    }
+    method.codes = codes ? std::move(*codes) : capture::default_codes();
+    if (!config.camera.empty()) {
+      if (!is_told) {
+        return Error{ErrorCode::kInvalidValue,
+                     cat("the network of ", config.name, " works for one camera alone; leave \"camera\" out"), ""};
+      }
+      E2LF_ASSIGN_OR_RETURN(method.told, read_camera(config.camera));
+    }
+    method.identity = {{"algorithm", config.algorithm},
+                       {"model", model_hash},
+                       {"codes", sha256_of_text(json_line(capture::codes_to_json(method.codes)))},
+                       {"told", method.told ? capture::to_json(*method.told) : Json()},
+                       {"passes", config.passes},
+                       {"gain", config.fit_gain ? Json("fitted") : json_number(config.gain)},
+                       {"precision", config.precision}};
+    plan_.methods.push_back(std::move(method));
+    return {};
+  }
+
+  /// The scenes that a name stands for: one, or those that a pattern fits. kNotFound where there are none.
+  Result<std::vector<Scene>> find_scenes(const std::string& name, const GroupConfig& group) {
+    std::vector<Scene> scenes;
+    if (name == "demo" || name.starts_with("demo:")) {
+      uint64_t seed = 0;
+      const std::string number = name == "demo" ? "1" : name.substr(5);
+      const auto read = std::from_chars(number.data(), number.data() + number.size(), seed);
+      if (read.ec != std::errc() || read.ptr != number.data() + number.size()) {
+        return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" has no number; write e.g. demo:2"), group.name};
+      }
+      scenes.push_back({name, {}, seed, group, {}});
+      return scenes;
+    }
+    const fs::path path = name;
+    const std::string last = path.filename().string();
+    if (last.find('*') == std::string::npos) {
+      E2LF_ASSIGN_OR_RETURN(const fs::path found, locate(name));
+      const std::string stem = is_folder(found) ? found.filename().string() : found.stem().string();
+      scenes.push_back({stem, found, {}, group, {}});
+      return scenes;
+    }
+    E2LF_ASSIGN_OR_RETURN(const fs::path folder, surroundings_.locate(path.parent_path().string()));
+    std::vector<fs::path> found;
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+      const std::string file = entry->path().filename().string();
+      if (!file.starts_with('.') && ::fnmatch(last.c_str(), file.c_str(), 0) == 0) found.push_back(entry->path());
+    }
+    std::sort(found.begin(), found.end());
+    if (found.empty()) return Error{ErrorCode::kNotFound, "no scene fits this; name some that are there", name};
+    for (const fs::path& each : found) {
+      plan_.files.push_back(each);
+      scenes.push_back({is_folder(each) ? each.filename().string() : each.stem().string(), each, {}, group, {}});
+    }
+    return scenes;
+  }
+
+  /// Those of the list that are there.
+  Result<std::vector<Scene>> find_all(const std::vector<std::string>& names, const GroupConfig& group,
+                                      std::optional<Error>& missing) {
+    std::vector<Scene> scenes;
+    for (const std::string& name : names) {
+      auto found = find_scenes(name, group);
+      if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
+      if (!found && !missing) missing = found.error();
+      if (!found) continue;
+      std::move(found->begin(), found->end(), std::back_inserter(scenes));
+    }
+    return scenes;
+  }
+
+  Result<void> add_group(const GroupConfig& group) {
+    std::optional<Error> missing;
+    E2LF_ASSIGN_OR_RETURN(std::vector<Scene> scenes, find_all(group.scenes, group, missing));
+    if (missing && !scenes.empty()) return *missing;
+    if (missing) {
+      std::optional<Error> none_stands_in;
+      E2LF_ASSIGN_OR_RETURN(scenes, find_all(group.stand_in, group, none_stands_in));
+      if (scenes.empty() && !group.optional) return *missing;
+      log_warning(scenes.empty() ? cat("the group ", group.name, " is left out: ", missing->text())
+                                 : cat("of the group ", group.name, " no scene is there: ", scenes.size(),
+                                       scenes.size() == 1 ? " other stands" : " others stand", " in for it"));
+    }
+    if (!scenes.empty()) plan_.groups.push_back(group.name);
+    for (Scene& scene : scenes) {
+      Json content = scene.rendered_seed ? Json(cat("demo:", *scene.rendered_seed)) : Json();
+      if (!scene.rendered_seed) {
+        E2LF_ASSIGN_OR_RETURN(content, hashes_.of(scene.path));
+      }
+      scene.identity = {{"content", content},
+                        {"width", group.width},
+                        {"height", group.height},
+                        {"step", group.step},
+                        {"reverse_rows", group.reverse_rows}};
+      plan_.scenes.push_back(std::move(scene));
+    }
+    return {};
+  }
+
+  Result<void> add_sensor(const SensorConfig& config) {
+    Sensor sensor;
+    sensor.config = config;
+    E2LF_ASSIGN_OR_RETURN(sensor.camera, read_camera(config.camera));
+    const bool has_constants = config.tau || config.sigma_w || config.sigma_z || config.residue != 0.0F;
+    if (sensor.camera.is_pixel() && has_constants) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("tau, sigma_w, sigma_z and residue are of the paper's model; leave them out of the sensor ",
+                       config.name, ", or write a camera file"),
+                   config.camera};
+    }
+    capture::SensorConstants& constants = sensor.camera.constants;
+    constants.tau = config.tau.value_or(constants.tau);
+    constants.sigma_w = config.sigma_w.value_or(constants.sigma_w);
+    constants.sigma_z = config.sigma_z.value_or(constants.sigma_z);
+    // A name is no constant.
+    capture::Camera nameless = sensor.camera;
+    nameless.name = "camera";
+    sensor.identity = {{"camera", capture::to_json(nameless)},
+                       {"gain", json_number(config.gain)},
+                       {"residue", json_number(config.residue)},
+                       {"cycles", config.cycles},
+                       {"fit_gain", config.fit_gain}};
+    plan_.sensors.push_back(std::move(sensor));
+    return {};
+  }
+
+  void add_jobs() {
+    for (size_t scene = 0; scene < plan_.scenes.size(); ++scene) {
+      for (size_t sensor = 0; sensor < plan_.sensors.size(); ++sensor) {
+        for (size_t method = 0; method < plan_.methods.size(); ++method) {
+          for (const uint64_t seed : config_.seeds) {
+            Job job{method, scene, sensor, seed, {}, {}};
+            job.inputs = {{"computation", kComputation},
+                          {"version", surroundings_.version},
+                          {"method", plan_.methods[method].identity},
+                          {"scene", plan_.scenes[scene].identity},
+                          {"sensor", plan_.sensors[sensor].identity},
+                          {"seed", seed}};
+            job.key = sha256_of_text(json_line(job.inputs));
+            plan_.jobs.push_back(std::move(job));
+          }
+        }
+      }
+    }
+  }
+
+  const Config& config_;
+  const Surroundings& surroundings_;
+  Hashes hashes_;
+  Plan plan_;
+};
+
+}  // namespace
+
+std::string sha256_of_text(const std::string& text) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int length = 0;
+  EVP_Digest(text.data(), text.size(), digest, &length, EVP_sha256(), nullptr);
+  std::string hex;
+  for (unsigned int i = 0; i < length; ++i) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    hex += kDigits[digest[i] >> 4];
+    hex += kDigits[digest[i] & 15];
+  }
+  return hex;
+}
+
+Result<Plan> make_plan(const Config& config, const Surroundings& surroundings) {
+  return Planner(config, surroundings).make();
+}
+
+}  // namespace e2lf::compare

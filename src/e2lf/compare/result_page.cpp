@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/compare/result_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "e2lf/base/text.h"
+#include "e2lf/report/axis.h"
+#include "e2lf/report/chart.h"
+#include "e2lf/report/page.h"
+
+namespace e2lf::compare {
+namespace {
+
+std::string counted(size_t count, const char* what) {
+  return cat(count, " ", what, count == 1 ? "" : "s");
+}
+
+/// The result of a method on a scene with the first seed; null where there is none.
+const Json* first_result(const Plan& plan, const Results& results, size_t method, size_t scene, size_t sensor,
+                         std::string* key = nullptr) {
+  for (size_t i = 0; i < plan.jobs.size(); ++i) {
+    const Job& job = plan.jobs[i];
+    if (job.method != method || job.scene != scene || job.sensor != sensor) continue;
+    if (key != nullptr) *key = job.key;
+    return results[i] ? &*results[i] : nullptr;
+  }
+  return nullptr;
+}
+
+void add_bars(const Plan& plan, const Results& results, size_t sensor, report::Page& page) {
+  for (const Metric& metric : metrics_of(plan.metrics)) {
+    if (!metric.is_quality) continue;
+    report::BarChart chart;
+    chart.y_label = cat(metric.heading, std::string(metric.name) == "psnr_db" ? ", dB" : "");
+    chart.from_zero = std::string(metric.name) != "psnr_db";
+    chart.decimals = metric.decimals;
+    for (const Scene& scene : plan.scenes) chart.groups.push_back(scene.name);
+    for (size_t method = 0; method < plan.methods.size(); ++method) {
+      report::BarChart::Series series{plan.methods[method].config.name, {}};
+      for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
+        series.values.push_back(scene_mean(plan, results, {method, scene, sensor, 0, {}, {}}, metric.name));
+      }
+      chart.series.push_back(std::move(series));
+    }
+    page.drawing(report::chart_svg(chart));
+  }
+}
+
+/// The mean over the results of each view's PSNR; empty where none has one.
+std::vector<double> view_means(const Plan& plan, const Results& results, size_t method, size_t sensor) {
+  std::vector<double> sums;
+  size_t count = 0;
+  for (size_t i = 0; i < plan.jobs.size(); ++i) {
+    if (!results[i] || plan.jobs[i].method != method || plan.jobs[i].sensor != sensor) continue;
+    const Json views = results[i]->value("views_psnr_db", Json::array());
+    if (!views.is_array() || (count > 0 && views.size() != sums.size())) continue;
+    sums.resize(views.size());
+    for (size_t v = 0; v < sums.size(); ++v) sums[v] += views[v].is_number() ? views[v].get<double>() : NAN;
+    ++count;
+  }
+  for (double& sum : sums) sum /= static_cast<double>(count);
+  return sums;
+}
+
+void add_views(const Plan& plan, const Results& results, size_t sensor, report::Page& page) {
+  std::vector<std::vector<double>> grids;
+  double low = INFINITY, high = -INFINITY;
+  for (size_t method = 0; method < plan.methods.size(); ++method) {
+    grids.push_back(view_means(plan, results, method, sensor));
+    for (const double value : grids.back()) {
+      if (!std::isfinite(value)) continue;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  if (low > high) return;
+  page.heading("PSNR of the views, dB", 3).paragraph("Means over all scenes, in the order of the aperture.");
+  page.begin_row();
+  for (size_t method = 0; method < plan.methods.size(); ++method) {
+    if (grids[method].empty()) continue;
+    const auto columns = static_cast<size_t>(std::lround(std::sqrt(static_cast<double>(grids[method].size()))));
+    page.drawing(report::grid_svg({columns, grids[method], low, high, 1, 36}), plan.methods[method].config.name);
+  }
+  page.end_row();
+}
+
+/// Cells of a pattern as codes_to_json() writes it: rows of 0 and 1, or of numbers.
+std::vector<double> cells_of(const Json& pattern, size_t& columns) {
+  std::vector<double> cells;
+  for (const Json& row : pattern) {
+    columns = row.is_string() ? row.get<std::string>().size() : row.size();
+    if (row.is_string()) {
+      for (const char c : row.get<std::string>()) cells.push_back(c == '1' ? 1 : 0);
+    } else {
+      for (const Json& value : row) cells.push_back(value.get<double>());
+    }
+  }
+  return cells;
+}
+
+/// The names of the methods that have the same patterns; empty where an earlier method has them, too.
+std::string names_with_patterns_of(const Plan& plan, size_t method) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < plan.methods.size(); ++i) {
+    if (plan.methods[i].codes != plan.methods[method].codes) continue;
+    if (i < method) return {};
+    names.push_back(plan.methods[i].config.name);
+  }
+  return join(names, "; ");
+}
+
+/// The patterns of the methods, under each the events per pixel of the change to it.
+void add_patterns(const Plan& plan, const Results& results, size_t sensor, report::Page& page) {
+  page.heading("Patterns", 3)
+      .paragraph("Under each pattern: events per pixel of the change to it, mean over all scenes.");
+  for (size_t method = 0; method < plan.methods.size(); ++method) {
+    const std::string names = names_with_patterns_of(plan, method);
+    if (names.empty()) continue;
+    std::vector<double> events;
+    const Json* shown = nullptr;
+    size_t count = 0;
+    for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
+      const Json* result = first_result(plan, results, method, scene, sensor);
+      if (result == nullptr) continue;
+      shown = result;
+      const auto each = result->value("events_per_transition", std::vector<double>());
+      events.resize(std::max(events.size(), each.size()));
+      for (size_t k = 0; k < each.size(); ++k) events[k] += each[k];
+      ++count;
+    }
+    if (shown == nullptr) continue;
+    page.heading(names, 4).begin_row();
+    size_t number = 0;
+    for (const Json& pattern : shown->at("patterns")) {
+      size_t columns = 1;
+      const std::vector<double> cells = cells_of(pattern, columns);
+      const std::string caption =
+          number == 0 ? "" : report::tick_text(events.at(number - 1) / static_cast<double>(count), 3);
+      page.drawing(report::grid_svg({columns, cells}), cat("a", number + 1, caption.empty() ? "" : ": ", caption));
+      ++number;
+    }
+    page.end_row();
+  }
+}
+
+void add_pictures(const Plan& plan, const Results& results, const ResultStore& store, size_t sensor,
+                  report::Page& page) {
+  page.heading("Pictures", 3)
+      .paragraph(
+          "The upper left view, its middle enlarged; the EPI of the middle row below; its error beside it: black is "
+          "none, "
+          "white 0.2 and more.");
+  for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
+    const std::vector<uint8_t> truth = store.picture(truth_key(plan.scenes[scene]));
+    if (truth.empty()) continue;
+    std::vector<std::vector<uint8_t>> kept = {truth};
+    std::vector<std::string> captions = {"truth"};
+    for (size_t method = 0; method < plan.methods.size(); ++method) {
+      std::string key;
+      const Json* result = first_result(plan, results, method, scene, sensor, &key);
+      std::vector<uint8_t> png = store.picture(key);
+      if (result == nullptr || png.empty()) continue;
+      const Json psnr = result->value("psnr_db", Json());
+      kept.push_back(std::move(png));
+      captions.push_back(cat(plan.methods[method].config.name,
+                             psnr.is_number() ? cat(", ", report::tick_text(psnr.get<double>(), 2), " dB") : ""));
+    }
+    std::vector<report::Picture> pictures;
+    for (size_t i = 0; i < kept.size(); ++i) pictures.push_back({kept[i], captions[i]});
+    page.heading(cat(plan.scenes[scene].group.name, ": ", plan.scenes[scene].name), 4).pictures(pictures);
+  }
+}
+
+}  // namespace
+
+std::string result_page(const Plan& plan, const Results& results, const ResultStore& store,
+                        const std::string& command) {
+  report::Page page(plan.name);
+  const auto there = static_cast<size_t>(
+      std::count_if(results.begin(), results.end(), [](const auto& result) { return result.has_value(); }));
+  page.paragraph(cat(counted(plan.methods.size(), "method"), ", ", counted(plan.scenes.size(), "scene"), " in ",
+                     counted(plan.groups.size(), "group"), ", ", counted(plan.sensors.size(), "sensor"), "; ", there,
+                     " of ", counted(results.size(), "result"),
+                     " are there. The mean is that of the groups. The best of a column is marked."));
+  page.code(command);
+  for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
+    page.heading(cat("Sensor ", plan.sensors[sensor].config.name));
+    page.table(quality_table(plan, results, sensor));
+    const report::Table cost = cost_table(plan, results, sensor);
+    if (cost.columns.size() > 1) page.table(cost);
+    page.heading("Scenes", 3);
+    add_bars(plan, results, sensor, page);
+    add_views(plan, results, sensor, page);
+    add_patterns(plan, results, sensor, page);
+    if (plan.pictures) add_pictures(plan, results, store, sensor, page);
+  }
+  return page.html();
+}
+
+}  // namespace e2lf::compare

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/report/axis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf::report {
+namespace {
+
+/// Multiples of a step in a range; a billionth of a step outside counts as inside, as decimal steps are no doubles.
+struct Multiples {
+  double first, last;
+  Multiples(double low, double high, double step)
+      : first(std::ceil(low / step - 1e-9)), last(std::floor(high / step + 1e-9)) {}
+  [[nodiscard]] double count() const { return std::max(last - first + 1, 0.0); }
+};
+
+}  // namespace
+
+Ticks round_ticks(double low, double high, size_t most) {
+  E2LF_REQUIRE(std::isfinite(low) && std::isfinite(high) && low < high && most >= 2, "an axis needs a range");
+  // With a step of a tenth of this there are more than `most` in any case.
+  int exponent = static_cast<int>(std::floor(std::log10((high - low) / static_cast<double>(most)))) - 1;
+  for (;; ++exponent) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      Ticks ticks;
+      ticks.step = factor * std::pow(10.0, exponent);
+      const Multiples multiples(low, high, ticks.step);
+      if (multiples.count() > static_cast<double>(most)) continue;
+      ticks.decimals = std::max(-exponent, 0);
+      for (double i = multiples.first; i <= multiples.last; ++i) ticks.values.push_back(i * ticks.step);
+      return ticks;
+    }
+  }
+}
+
+std::string tick_text(double value, int decimals) {
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(decimals) << value;
+  std::string text = std::move(out).str();
+  if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with('-')) text.erase(0, 1);
+  return text;
+}
+
+}  // namespace e2lf::report

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace e2lf::report {
+
+/// The bytes as text of the letters of RFC 4648, padded with "=".
+[[nodiscard]] std::string base64(std::span<const uint8_t> bytes);
+
+}  // namespace e2lf::report

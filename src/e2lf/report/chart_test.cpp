@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/report/chart.h"
+
+#include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <regex>
+
+#include "e2lf/report/axis.h"
+
+namespace e2lf::report {
+namespace {
+
+using testing::DoubleNear;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::Pointwise;
+
+/// The numbers of an attribute over the whole drawing.
+std::vector<double> numbers(const std::string& svg, const std::string& attribute) {
+  std::vector<double> found;
+  const std::regex pattern(" " + attribute + "=\"(-?[0-9.e+-]+)\"");
+  for (std::sregex_iterator at(svg.begin(), svg.end(), pattern), end; at != end; ++at) {
+    found.push_back(std::stod((*at)[1]));
+  }
+  return found;
+}
+
+TEST(RoundTicks, AreTheFinestThatAreFewEnough) {
+  EXPECT_THAT(round_ticks(0, 10, 11).values, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
+  EXPECT_THAT(round_ticks(0, 10, 10).values, ElementsAre(0, 2, 4, 6, 8, 10));
+  EXPECT_THAT(round_ticks(0, 10, 5).values, ElementsAre(0, 5, 10));
+  EXPECT_THAT(round_ticks(-7, 12, 4).values, ElementsAre(-5, 0, 5, 10));
+}
+
+TEST(RoundTicks, DecimalStepsHitTheirEnds) {
+  const Ticks ticks = round_ticks(0.1, 0.3, 3);
+  EXPECT_THAT(ticks.values, Pointwise(DoubleNear(1e-12), {0.1, 0.2, 0.3}));
+  EXPECT_EQ(ticks.decimals, 1);
+  EXPECT_EQ(tick_text(ticks.values[2], ticks.decimals), "0.3");
+}
+
+TEST(RoundTicks, LieInTheRangeAndAreMultiplesForAnyRange) {
+  for (const double low : {-3e6, -17.3, 0.0, 1e-7, 28.41}) {
+    for (const double length : {1e-6, 0.07, 1.0, 33.0, 9e5}) {
+      const Ticks ticks = round_ticks(low, low + length, 8);
+      ASSERT_THAT(ticks.values.size(), testing::AllOf(testing::Ge(2U), testing::Le(8U))) << low << " " << length;
+      for (const double value : ticks.values) {
+        EXPECT_GE(value, low - 1e-8 * ticks.step - 1e-9);
+        EXPECT_LE(value, low + length + 1e-8 * ticks.step + 1e-9);
+      }
+    }
+  }
+}
+
+TEST(TickText, HasNoNegativeZero) {
+  EXPECT_EQ(tick_text(-0.0001, 2), "0.00");
+  EXPECT_EQ(tick_text(-0.5, 1), "-0.5");
+}
+
+TEST(BarChart, HeightsAreProportional) {
+  BarChart chart;
+  chart.groups = {"a", "b"};
+  chart.series = {{"one", {10.0, 5.0}}, {"two", {std::nullopt, 2.5}}};
+  const std::string svg = chart_svg(chart);
+  // After two marks of the legend, three bars.
+  const auto heights = numbers(svg.substr(svg.find("<svg") + 4), "height");
+  ASSERT_EQ(heights.size(), 6U);
+  EXPECT_NEAR(heights[3] / heights[4], 2, 1e-4);
+  EXPECT_NEAR(heights[3] / heights[5], 4, 1e-4);
+  EXPECT_THAT(svg, HasSubstr("<title>b, two: 2.50</title>"));
+}
+
+TEST(BarChart, BarsOfDecibelsBeginAtTheFootOfTheAxis) {
+  BarChart chart;
+  chart.from_zero = false;
+  chart.groups = {"scene"};
+  chart.series = {{"a", {28.0}}, {"b", {29.0}}};
+  const std::string svg = chart_svg(chart);
+  const auto y = numbers(svg, "y"), height = numbers(svg, "height");
+  const size_t last = height.size() - 1;
+  EXPECT_GT(height[last], height[last - 1]);
+  EXPECT_THAT(svg, Not(HasSubstr(">0.0<")));
+}
+
+TEST(BarChart, LongNamesAreTiltedAndInside) {
+  BarChart chart;
+  for (int i = 0; i < 12; ++i) chart.groups.push_back("a scene with quite a long name " + std::to_string(i));
+  chart.series = {{"one", std::vector<std::optional<double>>(12, 1.0)}};
+  const std::string svg = chart_svg(chart);
+  EXPECT_THAT(svg, HasSubstr("rotate(-"));
+  const double drawn_height = numbers(svg, "height").front();
+  const double length = 0.62 * 13 * static_cast<double>(chart.groups.back().size());
+  const std::regex place("rotate\\(-[0-9.]+ ([0-9.]+) ([0-9.]+)\\)");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(svg, match, place));
+  EXPECT_GE(std::stod(match[1]) - length * std::cos(0.6), 0);
+  EXPECT_LE(std::stod(match[2]) + length * std::sin(0.6), drawn_height);
+}
+
+TEST(BarChart, TheLegendWraps) {
+  BarChart chart;
+  chart.groups = {"g"};
+  for (int i = 0; i < 9; ++i) chart.series.push_back({"a method with a long name", {1.0}});
+  EXPECT_GT(numbers(chart_svg(chart), "height").front(), 260 + 3 * 20);
+  const auto x = numbers(chart_svg(chart), "x");
+  for (const double value : x) EXPECT_LT(value, 900);
+}
+
+TEST(LineChart, PointsLieWhereTheTicksSay) {
+  LineChart chart{"time", "dB", {{"a", {{0, 0}, {10, 10}}}}};
+  const std::string svg = chart_svg(chart);
+  const std::regex points("points=\"([0-9.]+),([0-9.]+) ([0-9.]+),([0-9.]+) \"");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(svg, match, points));
+  EXPECT_NEAR(std::stod(match[2]) - std::stod(match[4]), 260, 1e-3);
+  EXPECT_NEAR(std::stod(match[3]), 870, 1e-3);
+}
+
+TEST(LineChart, WhatIsNotFiniteIsLeftOut) {
+  const LineChart chart{"x", "y", {{"a", {{0, 1}, {1, INFINITY}, {2, NAN}, {3, 2}}}}};
+  const std::string svg = chart_svg(chart);
+  EXPECT_THAT(svg, Not(HasSubstr("inf")));
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+}
+
+TEST(Charts, DrawNothingAndOneValue) {
+  EXPECT_THAT(chart_svg(LineChart{}), HasSubstr("</svg>"));
+  EXPECT_THAT(chart_svg(BarChart{}), HasSubstr("</svg>"));
+  EXPECT_THAT(chart_svg(LineChart{"x", "y", {{"a", {{3, 28}}}}}), HasSubstr(">3.0<"));
+}
+
+TEST(Charts, EscapeNames) {
+  BarChart chart;
+  chart.groups = {"<script>"};
+  chart.series = {{"a & b", {1.0}}};
+  const std::string svg = chart_svg(chart);
+  EXPECT_THAT(svg, Not(HasSubstr("<script>")));
+  EXPECT_THAT(svg, HasSubstr("a &amp; b"));
+}
+
+TEST(CellGrid, BrightnessFollowsTheValueAndTextIsReadable) {
+  const std::string svg = grid_svg({.columns = 2, .values = {20, 30}, .low = 20, .high = 30, .decimals = 1});
+  EXPECT_THAT(svg, HasSubstr("rgb(0,0,0)"));
+  EXPECT_THAT(svg, HasSubstr("rgb(255,255,255)"));
+  EXPECT_THAT(svg, HasSubstr("fill=\"#fff\">20.0<"));
+  EXPECT_THAT(svg, HasSubstr("fill=\"#000\">30.0<"));
+}
+
+}  // namespace
+}  // namespace e2lf::report

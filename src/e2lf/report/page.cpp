@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/report/page.h"
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+#include "e2lf/report/base64.h"
+#include "e2lf/report/markup.h"
+
+namespace e2lf::report {
+namespace {
+
+constexpr const char* kStyle =
+    ":root{color-scheme:light dark;--line:#ccc;--quiet:#666;--best:#e6f2e6}"
+    "@media(prefers-color-scheme:dark){:root{--line:#444;--quiet:#aaa;--best:#1d3a1d}"
+    "body{background:#16181c;color:#e4e4e4}}"
+    "body{font-family:sans-serif;line-height:1.45;max-width:76em;margin:2em auto;padding:0 1em}"
+    "table{border-collapse:collapse;margin:1em 0}.wide{overflow-x:auto}"
+    "caption{caption-side:bottom;text-align:left;color:var(--quiet);padding-top:.4em}"
+    "th,td{padding:.25em .8em;border-bottom:1px solid var(--line);text-align:left;white-space:nowrap}"
+    ".number{text-align:right;font-variant-numeric:tabular-nums}.best{background:var(--best);font-weight:bold}"
+    ".row{display:flex;flex-wrap:wrap;gap:1em}figure{margin:.5em 0}figcaption{color:var(--quiet)}"
+    "img,svg{max-width:100%;height:auto}pre{overflow-x:auto;border:1px solid var(--line);padding:.6em}";
+
+}  // namespace
+
+Page::Page(std::string title) : title_(std::move(title)) {}
+
+Page& Page::heading(std::string_view text, int level) {
+  E2LF_REQUIRE(level >= 2 && level <= 4, "headings of a page have levels 2 to 4");
+  body_ += cat("<h", level, ">", escaped(text), "</h", level, ">\n");
+  return *this;
+}
+
+Page& Page::paragraph(std::string_view text) {
+  body_ += cat("<p>", escaped(text), "</p>\n");
+  return *this;
+}
+
+Page& Page::code(std::string_view text) {
+  body_ += cat("<pre>", escaped(text), "</pre>\n");
+  return *this;
+}
+
+Page& Page::table(const Table& table) {
+  body_ += "<div class=\"wide\"><table>\n";
+  if (!table.caption.empty()) body_ += cat("<caption>", escaped(table.caption), "</caption>\n");
+  body_ += "<thead><tr>";
+  for (const Column& column : table.columns) {
+    body_ += cat("<th", column.is_number ? " class=\"number\"" : "", ">", escaped(column.name), "</th>");
+  }
+  body_ += "</tr></thead>\n<tbody>\n";
+  for (const auto& row : table.rows) {
+    E2LF_REQUIRE(row.size() == table.columns.size(), "a row of a table must have a cell for each column");
+    body_ += "<tr>";
+    for (size_t i = 0; i < row.size(); ++i) {
+      const std::string kinds = cat(table.columns[i].is_number ? "number" : "", row[i].is_best ? " best" : "");
+      body_ += cat("<td class=\"", kinds, "\">", escaped(row[i].text), "</td>");
+    }
+    body_ += "</tr>\n";
+  }
+  body_ += "</tbody></table></div>\n";
+  return *this;
+}
+
+Page& Page::begin_row() {
+  body_ += "<div class=\"row\">\n";
+  return *this;
+}
+
+Page& Page::end_row() {
+  body_ += "</div>\n";
+  return *this;
+}
+
+Page& Page::pictures(const std::vector<Picture>& pictures) {
+  begin_row();
+  for (const Picture& picture : pictures) {
+    const std::string caption = escaped(picture.caption);
+    body_ += cat("<figure><img alt=\"", caption, "\" src=\"data:image/png;base64,", base64(picture.png),
+                 "\"><figcaption>", caption, "</figcaption></figure>\n");
+  }
+  return end_row();
+}
+
+Page& Page::drawing(std::string_view svg, std::string_view caption) {
+  body_ += cat("<figure>", svg);
+  if (!caption.empty()) body_ += cat("<figcaption>", escaped(caption), "</figcaption>");
+  body_ += "</figure>\n";
+  return *this;
+}
+
+std::string Page::html() const {
+  const std::string title = escaped(title_);
+  return cat(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width\"><title>",
+      title, "</title><style>", kStyle, "</style></head><body>\n<h1>", title, "</h1>\n", body_, "</body></html>\n");
+}
+
+}  // namespace e2lf::report

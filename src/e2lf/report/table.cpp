@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/report/table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/report/markup.h"
+
+namespace e2lf::report {
+namespace {
+
+void check(const Table& table) {
+  for (const auto& row : table.rows) {
+    E2LF_REQUIRE(row.size() == table.columns.size(), "a row of a table must have a cell for each column");
+  }
+}
+
+bool has_best(const Table& table, size_t column) {
+  return std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return row[column].is_best; });
+}
+
+std::string padded(const std::string& text, size_t width, bool is_right) {
+  const std::string space(width - std::min(width, num_characters(text)), ' ');
+  return is_right ? space + text : text + space;
+}
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+std::string csv_value(const Json& value) {
+  if (value.is_null()) return {};
+  return csv_cell(value.is_string() ? value.get<std::string>() : json_line(value));
+}
+
+/// The keys of the objects in a column; empty where it holds none.
+std::vector<std::string> keys_of(const Table& table, size_t column) {
+  std::vector<std::string> keys;
+  for (const auto& row : table.rows) {
+    if (!row[column].value.is_object()) continue;
+    for (const auto& [key, value] : row[column].value.items()) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
+  }
+  return keys;
+}
+
+std::string csv_line(const std::vector<std::string>& cells) {
+  return join(cells, ",") + "\r\n";
+}
+
+std::string latex_cell(const Cell& cell) {
+  if (cell.text.empty()) return "--";
+  const std::string text = latex_escaped(cell.text);
+  return cell.is_best ? "\\textbf{" + text + "}" : text;
+}
+
+/// What a cell is compared by: its number, or the first one of its object.
+std::optional<double> rank_of(const Cell& cell) {
+  const Json& value = cell.value.is_object() && !cell.value.empty() ? *cell.value.begin() : cell.value;
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+}  // namespace
+
+Cell text_cell(std::string text) {
+  Json value = text;
+  return {std::move(text), std::move(value)};
+}
+
+Cell number_cell(std::optional<double> value, int decimals) {
+  if (!value || !std::isfinite(*value)) return {};
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(decimals) << *value;
+  return {std::move(text).str(), *value};
+}
+
+void mark_best(Table& table, size_t column, bool is_least) {
+  std::optional<double> best;
+  std::string text;
+  for (const auto& row : table.rows) {
+    const auto rank = rank_of(row.at(column));
+    if (!rank || (best && (is_least ? *rank >= *best : *rank <= *best))) continue;
+    best = rank;
+    text = row[column].text;
+  }
+  for (auto& row : table.rows) row[column].is_best = best && row[column].text == text;
+}
+
+std::string table_text(const Table& table) {
+  check(table);
+  std::vector<std::vector<std::string>> lines(1);
+  for (const Column& column : table.columns) lines[0].push_back(column.name);
+  for (const auto& row : table.rows) {
+    lines.emplace_back();
+    for (size_t i = 0; i < row.size(); ++i) {
+      const char* const mark = row[i].is_best ? "*" : has_best(table, i) ? " " : "";
+      lines.back().push_back(row[i].text.empty() ? "-" : row[i].text + mark);
+    }
+  }
+  std::vector<size_t> widths(table.columns.size());
+  for (const auto& line : lines) {
+    for (size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], num_characters(line[i]));
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    std::string written;
+    for (size_t i = 0; i < line.size(); ++i) {
+      written += (i > 0 ? "  " : "") + padded(line[i], widths[i], table.columns[i].is_number);
+    }
+    written.erase(written.find_last_not_of(' ') + 1);
+    text += written + "\n";
+  }
+  return text;
+}
+
+std::string table_csv(const Table& table) {
+  check(table);
+  std::vector<std::string> heading;
+  std::vector<std::vector<std::string>> keys;
+  for (size_t i = 0; i < table.columns.size(); ++i) {
+    keys.push_back(keys_of(table, i));
+    if (keys[i].empty()) heading.push_back(csv_cell(table.columns[i].name));
+    for (const std::string& key : keys[i]) heading.push_back(csv_cell(cat(table.columns[i].name, ' ', key)));
+  }
+  std::string text = csv_line(heading);
+  for (const auto& row : table.rows) {
+    std::vector<std::string> cells;
+    for (size_t i = 0; i < row.size(); ++i) {
+      const Json& value = row[i].value;
+      if (keys[i].empty()) cells.push_back(csv_value(value));
+      for (const std::string& key : keys[i]) {
+        cells.push_back(value.is_object() && value.contains(key) ? csv_value(value[key]) : std::string());
+      }
+    }
+    text += csv_line(cells);
+  }
+  return text;
+}
+
+Json table_json(const Table& table) {
+  check(table);
+  Json rows = Json::array();
+  for (const auto& row : table.rows) {
+    Json object = Json::object();
+    for (size_t i = 0; i < row.size(); ++i) object[table.columns[i].name] = row[i].value;
+    rows.push_back(std::move(object));
+  }
+  return {{"caption", table.caption}, {"rows", std::move(rows)}};
+}
+
+std::string table_latex(const Table& table) {
+  check(table);
+  std::string format, heading;
+  for (const Column& column : table.columns) {
+    if (column.begins_part) format += "|";
+    format += column.is_number ? "r" : "l";
+    heading += (heading.empty() ? "" : " & ") + latex_escaped(column.name);
+  }
+  std::string text = "% needs \\usepackage{booktabs}\n\\begin{table}[t]\n\\centering\n";
+  text += cat("\\caption{", latex_escaped(table.caption), "}\n\\begin{tabular}{", format, "}\n\\toprule\n", heading,
+              " \\\\\n\\midrule\n");
+  for (const auto& row : table.rows) {
+    std::vector<std::string> cells;
+    for (const Cell& cell : row) cells.push_back(latex_cell(cell));
+    text += join(cells, " & ") + " \\\\\n";
+  }
+  return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
+}
+
+}  // namespace e2lf::report
