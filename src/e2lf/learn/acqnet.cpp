@@ -76,7 +76,7 @@ void Patterns::start_at(const torch::Tensor& codes) {
   torch::NoGradGuard no_grad;
   const bool skips_black = tie_ == PatternTie::kBlackFirst, skips_inverses = tie_ == PatternTie::kComplementary;
   const auto free = codes.slice(0, skips_black ? 1 : 0, codes.size(0), skips_inverses ? 2 : 1);
-  parameters_.copy_((free - 0.5) * (2.0 * kStartAmplitude));
+  parameters_.slice(0, 0, free.size(0)).copy_((free - 0.5) * (2.0 * kStartAmplitude));
 }
 
 void Patterns::start_at_noise(double width) {

@@ -44,7 +44,7 @@ class Patterns {
   /// number.
   Patterns(size_t num_patterns, PatternTie tie, torch::Device device);
 
-  /// Starts from binary codes [N, views] instead, each cell softened alike.
+  /// Starts from binary codes [n, views] instead, each cell softened alike; patterns beyond these start as before.
   void start_at(const torch::Tensor& codes);
 
   /// Starts from white noise of a given standard deviation instead.

@@ -182,6 +182,10 @@ TEST(Patterns, StartAtCodes) {
     Patterns patterns(4, tie, torch::kCPU);
     patterns.start_at(wanted);
     EXPECT_TRUE(torch::equal(patterns.binary_codes(), wanted));
+    Patterns more(6, tie, torch::kCPU);
+    const auto discs = more.binary_codes().slice(0, 4).clone();
+    more.start_at(wanted);
+    EXPECT_TRUE(torch::equal(more.binary_codes(), torch::cat({wanted, discs})));
   }
 }
 

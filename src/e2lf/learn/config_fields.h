@@ -55,7 +55,7 @@ auto pattern_fields(Patterns& patterns) {
     visit("codes", patterns.codes,
           "patterns to use as they are: a model file, or [JSON](recordings.md#the-patterns) (`e2lf codes show -o "
           "codes.json` makes it of other files)");
-    visit("start", patterns.start, "likewise, patterns that learning starts from");
+    visit("start", patterns.start, "likewise, patterns that learning starts from; may be fewer than num_patterns");
     visit("noise_start", patterns.noise_start,
           "without any given: start from white noise of this width, in place of soft discs");
     visit("in_model", patterns.in_model,

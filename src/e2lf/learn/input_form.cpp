@@ -46,4 +46,22 @@ torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::
   return torch::cat(channels, 1);
 }
 
+std::vector<InputOrigin> input_origins(const model::Model& start, const std::vector<model::InputGroup>& groups,
+                                       size_t num_patterns) {
+  std::vector<InputOrigin> origins;
+  for (const model::InputGroup& group : groups) {
+    size_t first = 0;
+    auto source = start.input.begin();
+    for (; source != start.input.end() && source->kind != group.kind; ++source) {
+      first += model::num_input_channels({*source}, start.num_patterns);
+    }
+    const bool found = source != start.input.end();
+    const size_t known = found ? model::num_input_channels({*source}, start.num_patterns) : 0;
+    for (size_t k = 0; k < model::num_input_channels({group}, num_patterns); ++k) {
+      origins.push_back(k < known ? InputOrigin{first + k, source->scale / group.scale} : InputOrigin{});
+    }
+  }
+  return origins;
+}
+
 }  // namespace e2lf::learn

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/network_module.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/learn/convolve.h"
 
 namespace e2lf::learn {
@@ -167,22 +169,27 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
   return x.to(input.scalar_type());
 }
 
-model::Weights widen_inputs(const model::Network& network, model::Weights weights, const model::Network& wider) {
-  if (network.layers != wider.layers || network.input_channels >= wider.input_channels) return weights;
-  const auto shapes = model::infer_shapes(network), wider_shapes = model::infer_shapes(wider);
-  if (!shapes || !wider_shapes) return weights;
+model::Weights widen_inputs(const model::Network& network, model::Weights weights, const model::Network& wider,
+                            const std::vector<InputOrigin>& origins) {
+  E2LF_REQUIRE(origins.size() == wider.input_channels, "one origin for each input channel");
+  if (network.layers != wider.layers || network.input_channels == wider.input_channels) return weights;
   const auto narrow = model::weight_shapes(network), wide = model::weight_shapes(wider);
   for (size_t i = 0; i < narrow.size(); ++i) {
     if (narrow[i].shape == wide[i].shape) continue;
-    // [out, in, kernel, kernel]: each output's block grows by zeros at its end.
+    // [out, in, kernel, kernel], where `in` is each input channel, or each followed by the pixels unshuffled from it.
     const auto found = weights.find(narrow[i].name);
-    if (found == weights.end() || narrow[i].shape[0] == 0) continue;
-    const size_t outputs = narrow[i].shape[0], block = found->second.size() / outputs;
-    const size_t wider_block = wide[i].shape[1] * wide[i].shape[2] * wide[i].shape[3];
-    std::vector<float> values(outputs * wider_block);
+    const size_t outputs = narrow[i].shape[0];
+    if (found == weights.end() || outputs == 0) continue;
+    const size_t block = found->second.size() / outputs / network.input_channels;
+    std::vector<float> values(outputs * wider.input_channels * block);
     for (size_t out = 0; out < outputs; ++out) {
-      std::copy_n(found->second.begin() + static_cast<ptrdiff_t>(out * block), block,
-                  values.begin() + static_cast<ptrdiff_t>(out * wider_block));
+      for (size_t channel = 0; channel < wider.input_channels; ++channel) {
+        const InputOrigin& origin = origins[channel];
+        if (!origin.channel) continue;
+        const float* from = &found->second[(out * network.input_channels + *origin.channel) * block];
+        float* to = &values[(out * wider.input_channels + channel) * block];
+        std::transform(from, from + block, to, [&](float weight) { return weight * origin.factor; });
+      }
     }
     found->second = std::move(values);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <torch/types.h>
 #include <vector>
@@ -52,11 +53,18 @@ class NetworkModule {
   NamedTensors parameters_;
 };
 
-/// The weights of a network for another that differs in having more input channels, behind those it has: the layers
-/// that read the input, or its pixels unshuffled, get zeros for them. Weights of other networks are returned as they
-/// are.
+/// Which channel of a network's input another network's channel continues, if any, and by what its weights are
+/// multiplied.
+struct InputOrigin {
+  std::optional<size_t> channel = std::nullopt;
+  float factor = 1.0F;
+};
+
+/// The weights of a network for another that differs in its input channels alone: the layers that read the input, or
+/// its pixels unshuffled, get the weights of each channel's origin, zeros where it has none. Weights of networks with
+/// other layers are returned as they are.
 [[nodiscard]] model::Weights widen_inputs(const model::Network& network, model::Weights weights,
-                                          const model::Network& wider);
+                                          const model::Network& wider, const std::vector<InputOrigin>& origins);
 
 /// Copies values into tensors of the same names. Fails with kNotFound and kShape, naming the tensor in `location`.
 [[nodiscard]] Result<void> load_weights(const NamedTensors& parameters, const model::Weights& weights,

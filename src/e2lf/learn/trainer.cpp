@@ -34,9 +34,9 @@ NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
   return tensors;
 }
 
-/// The codes [N, views] of a model file or a JSON file of codes. (Other files would need libraries that a machine with
-/// torch alone may lack.)
-Result<torch::Tensor> read_codes(const std::filesystem::path& path, const PatternConfig& patterns,
+/// The codes [n, views] of a model file or a JSON file of codes, n between `fewest` and patterns.num_patterns. (Other
+/// files would need libraries that a machine with torch alone may lack.)
+Result<torch::Tensor> read_codes(const std::filesystem::path& path, size_t fewest, const PatternConfig& patterns,
                                  torch::Device device) {
   std::optional<capture::Codes> codes;
   if (path.extension() == ".safetensors") {
@@ -46,10 +46,11 @@ Result<torch::Tensor> read_codes(const std::filesystem::path& path, const Patter
     E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
     E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_json(json, path.string()));
   }
-  if (!codes || codes->num_patterns != patterns.num_patterns || codes->views_y != 8 || codes->views_x != 8) {
+  if (!codes || codes->num_patterns < fewest || codes->num_patterns > patterns.num_patterns || codes->views_y != 8 ||
+      codes->views_x != 8) {
     return Error{ErrorCode::kShape,
-                 cat("no codes of patterns.num_patterns (", patterns.num_patterns,
-                     ") patterns of 8x8 cells in this file; name another"),
+                 cat("no codes of ", fewest < patterns.num_patterns ? "at most " : "", "patterns.num_patterns (",
+                     patterns.num_patterns, ") patterns of 8x8 cells in this file; name another"),
                  path.string()};
   }
   return to_tensor(*codes, device);
@@ -125,16 +126,18 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   torch::manual_seed(mix_seed(config.seed, 0, kInitialSeed));
   Trainer trainer(config, std::move(batches), NetworkModule(make_network(config), device), device, peers);
   if (!config.patterns.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(trainer.fixed_codes_, read_codes(config.patterns.codes, config.patterns, device));
+    const size_t all = config.patterns.num_patterns;
+    E2LF_ASSIGN_OR_RETURN(trainer.fixed_codes_, read_codes(config.patterns.codes, all, config.patterns, device));
   } else if (!config.patterns.start.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, config.patterns, device));
+    E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, 2, config.patterns, device));
     trainer.patterns_.start_at(codes);
   } else if (config.patterns.noise_start > 0.0) {
     trainer.patterns_.start_at_noise(config.patterns.noise_start);
   }
   if (!config.start.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(config.start));
-    const auto widened = widen_inputs(model.network, model.weights, trainer.network_.network());
+    const auto origins = input_origins(model, config.input, config.patterns.num_patterns);
+    const auto widened = widen_inputs(model.network, model.weights, trainer.network_.network(), origins);
     E2LF_RETURN_IF_ERROR(load_weights(trainer.network_.parameters(), widened, config.start));
     trainer.average_ = clone(trainer.network_.parameters());
   }

@@ -6,6 +6,8 @@
 
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/learn/commands.h"
+#include "e2lf/learn/input_form.h"
+#include "e2lf/model/unet.h"
 #include "testing/test_training_data.h"
 
 namespace e2lf::learn {
@@ -68,6 +70,37 @@ TEST(Trainer, TakesPatternsFromAFileOfPatterns) {
   EXPECT_EQ(trainer->to_model().codes, codes);
   config.patterns.num_patterns = 5;
   EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kShape);
+}
+
+/// The network of a model of N = 4 with two input groups, before the same with other groups and two patterns more: it
+/// computes the same where the new transitions hold nothing.
+TEST(Trainer, ContinuesANetworkWithMorePatternsAndOtherInputs) {
+  torch::manual_seed(3);
+  model::Model start;
+  start.num_patterns = 4;
+  start.input = {{model::InputKind::kCounts, 0.125F}, {model::InputKind::kIntensity, 4.0F}};
+  const std::vector<model::InputGroup> groups = {
+      {model::InputKind::kIntensity, 2.0F}, {model::InputKind::kCumulative, 1.0F}, {model::InputKind::kCounts, 0.125F}};
+  model::UnetOptions options{.input_channels = 6, .widths = {8}, .blocks = {1}, .head_width = 4};
+  options.head_blocks = 1;
+  const NetworkModule narrow(model::unet(options), torch::kCPU);
+  {
+    torch::NoGradGuard no_grad;  // residual convolutions begin at zero, which would hide the layers before them
+    for (auto [name, tensor] : narrow.parameters()) tensor.normal_(0.0, 0.2);
+  }
+  options.input_channels = 15;
+  const NetworkModule wide(model::unet(options), torch::kCPU);
+  const auto origins = input_origins(start, groups, 6);
+  const auto weights = widen_inputs(narrow.network(), to_weights(narrow.parameters()), wide.network(), origins);
+  ASSERT_TRUE(load_weights(wide.parameters(), weights, "start"));
+
+  torch::NoGradGuard no_grad;
+  const auto counts = torch::randn({1, 3, 8, 8}), intensities = torch::randn({1, 3, 8, 8});
+  const auto unknown = torch::randn({1, 5, 8, 8}), later = torch::randn({1, 2, 8, 8});
+  const auto before = narrow.forward(torch::cat({counts, intensities}, 1), torch::kFloat);
+  const auto after = wide.forward(torch::cat({intensities * 0.5, later, unknown, counts, later}, 1), torch::kFloat);
+  EXPECT_GT(before.abs().max().item<float>(), 0.1F);
+  EXPECT_LT((before - after).abs().max().item<float>(), 1e-4F);
 }
 
 TEST(Trainer, RefusesDevicesThatAreNotThere) {
