@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/network_choice.h"
 
+#include <vector>
+
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/bundled_files.h"
@@ -12,17 +14,21 @@ namespace fs = std::filesystem;
 Result<std::optional<model::Model>> bundled_network(const capture::Codes& codes,
                                                     const std::optional<capture::Camera>& camera, RunRecord& record) {
   const bool has_physical_pixels = camera && camera->is_pixel();
-  const auto path =
-      bundled_file(has_physical_pixels ? "models/e2lf-n4-camera.safetensors" : "models/e2lf-n4.safetensors");
-  if (!path) return std::optional<model::Model>();
-  RunRecord unused("");
-  E2LF_ASSIGN_OR_RETURN(auto model, read_named_model({.model = *path, .codes = {}}, unused));
-  if (!model->codes || *model->codes != codes) return std::optional<model::Model>();
-  record.add_input(*path);
-  record.resolve("model", path->string());
-  log_info(cat("no model named: taking ", model->name, ", which was trained for these patterns and ",
-               has_physical_pixels ? "physical pixels" : "the paper's event model"));
-  return model;
+  const std::vector<const char*> names =
+      has_physical_pixels ? std::vector{"e2lf-n4-camera"} : std::vector{"e2lf-n4", "e2lf-n8"};
+  for (const char* name : names) {
+    const auto path = bundled_file(cat("models/", name, ".safetensors"));
+    if (!path) continue;
+    RunRecord unused("");
+    E2LF_ASSIGN_OR_RETURN(auto model, read_named_model({.model = *path, .codes = {}}, unused));
+    if (!model->codes || *model->codes != codes) continue;
+    record.add_input(*path);
+    record.resolve("model", path->string());
+    log_info(cat("no model named: taking ", model->name, ", which was trained for these patterns and ",
+                 has_physical_pixels ? "physical pixels" : "the paper's event model"));
+    return model;
+  }
+  return std::optional<model::Model>();
 }
 
 bool are_patterns_told(const std::optional<KnownCodes>& known) {

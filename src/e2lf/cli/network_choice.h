@@ -12,9 +12,9 @@
 
 namespace e2lf::cli {
 
-/// The bundled network for events of such patterns: e2lf-n4-camera where the camera has physical pixels, e2lf-n4
-/// otherwise. Says which was taken. Nothing where the patterns are not those that they were trained for, or no network
-/// is bundled. Fails as read_model does.
+/// The bundled network for events of such patterns: e2lf-n4-camera where the camera has physical pixels, e2lf-n4 or
+/// e2lf-n8 otherwise. Says which was taken. Nothing where the patterns are not those that they were trained for, or no
+/// network is bundled. Fails as read_model does.
 [[nodiscard]] Result<std::optional<model::Model>> bundled_network(const capture::Codes& codes,
                                                                   const std::optional<capture::Camera>& camera,
                                                                   RunRecord& record);
