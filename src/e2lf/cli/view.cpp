@@ -59,6 +59,10 @@ class DocumentMaker {
         return add_model(path);
       case FileKind::kEventImages:
         return add_event_images(path);
+      case FileKind::kImages:
+        return Error{ErrorCode::kUnsupported,
+                     cat("the viewer shows no ", kind_text(kind) + 2, "; reconstruct a light field of it"),
+                     path.string()};
       case FileKind::kLightField:
       case FileKind::kCycles:
         return add_light_field(path);

@@ -9,6 +9,7 @@
 
 #include "e2lf/capture/camera.h"
 #include "e2lf/capture/codes.h"
+#include "e2lf/capture/measurement.h"
 #include "e2lf/compare/config.h"
 
 namespace e2lf::compare {
@@ -17,7 +18,8 @@ namespace e2lf::compare {
 struct Method {
   MethodConfig config;
   std::filesystem::path model;  ///< a file or the release's folder; empty: none
-  capture::Codes codes;
+  capture::Codes codes;         ///< of a scan of views: one open cell in each
+  capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
   std::optional<capture::Camera> told;  ///< where not the sensor's
   Json identity;                        ///< all that its results depend on
 };
@@ -35,6 +37,11 @@ struct Sensor {
   capture::Camera camera;  ///< with what the configuration changes
   Json identity;
 };
+
+/// Whether a method scans the views for a network that makes frames.
+[[nodiscard]] inline bool is_scan(const Method& method) {
+  return method.config.algorithm == "event-video";
+}
 
 /// One result: numbers of method, scene and sensor in the plan, and a seed.
 struct Job {
