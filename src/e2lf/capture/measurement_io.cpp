@@ -18,9 +18,8 @@ constexpr const char* kLensArray = "lens_array";
 Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
   if (shape.size() != 4 || array.num_elements() == 0) {
-    return Error{ErrorCode::kShape, cat("intensity images have shape ", shape_text(shape),
-                                        "; expected [cycles, image, y, x]"),
-                 location};
+    return Error{ErrorCode::kShape,
+                 cat("intensity images have shape ", shape_text(shape), "; expected [cycles, image, y, x]"), location};
   }
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
   if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
@@ -36,12 +35,12 @@ Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, c
 
 Result<void> check_hybrid(const EventImages& events, const CodedIntensities& images, const std::string& location) {
   if (images.num_patterns == 1 && images.height == events.height && images.width == events.width) return {};
-  return Error{ErrorCode::kShape,
-               cat("the intensity images of a cycle have shape ",
-                   shape_text({images.num_patterns, images.height, images.width}), ", the event images ",
-                   shape_text({events.transitions, events.height, events.width}),
-                   "; beside events there is one image of their size"),
-               location};
+  return Error{
+      ErrorCode::kShape,
+      cat("the intensity images of a cycle have shape ", shape_text({images.num_patterns, images.height, images.width}),
+          ", the event images ", shape_text({events.transitions, events.height, events.width}),
+          "; beside events there is one image of their size"),
+      location};
 }
 
 Result<MeasurementFile> from_arrays(NpzArrays arrays, const fs::path& path) {
@@ -60,8 +59,9 @@ Result<MeasurementFile> from_arrays(NpzArrays arrays, const fs::path& path) {
   if (arrays.contains("events")) {
     E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));
     if (events.cycles.size() != file.cycles.size()) {
-      return Error{ErrorCode::kShape, cat(file.cycles.size(), " cycles of images beside ", events.cycles.size(),
-                                          " of events; give both of each cycle"),
+      return Error{ErrorCode::kShape,
+                   cat(file.cycles.size(), " cycles of images beside ", events.cycles.size(),
+                       " of events; give both of each cycle"),
                    location};
     }
     for (size_t i = 0; i < file.cycles.size(); ++i) {

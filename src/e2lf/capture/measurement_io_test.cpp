@@ -54,7 +54,8 @@ TEST(MeasurementFile, EveryKindComesBackAsItWasWritten) {
 TEST(MeasurementFile, EventImagesAreReadByTheirOwnReader) {
   const TestFolder folder;
   ASSERT_TRUE(write_measurements(folder / "m.npz", two_cycles(MeasurementKind::kEventImages)));
-  EXPECT_EQ(read_event_images(folder / "m.npz").value().cycles[1], two_cycles(MeasurementKind::kEventImages).cycles[1].events);
+  EXPECT_EQ(read_event_images(folder / "m.npz").value().cycles[1],
+            two_cycles(MeasurementKind::kEventImages).cycles[1].events);
 }
 
 TEST(MeasurementFile, RefusesArraysThatDoNotFit) {
@@ -80,9 +81,8 @@ TEST(MeasurementFile, RefusesArraysThatDoNotFit) {
               HasSubstr("beside 2 of events"));
   std::vector<float> bad = values;
   bad[3] = std::numeric_limits<float>::infinity();
-  EXPECT_THAT(
-      error_of({{"lens_array", make_npy(std::vector<size_t>{1, 8, 8}, std::span<const float>(bad))}}).message,
-      HasSubstr("not finite"));
+  EXPECT_THAT(error_of({{"lens_array", make_npy(std::vector<size_t>{1, 8, 8}, std::span<const float>(bad))}}).message,
+              HasSubstr("not finite"));
 }
 
 TEST(MeasurementKind, NamesGoBothWays) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // e2lf equivalence: how far the paper's findings on event images hold, over thresholds and noise
+#include "e2lf/recon/equivalence.h"
+
 #include <cstdio>
 
 #include "e2lf/base/log.h"
@@ -11,7 +13,6 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
-#include "e2lf/recon/equivalence.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
 
@@ -81,17 +82,16 @@ Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const Kn
 
 report::Table table_of(const std::vector<Row>& rows) {
   report::Table table;
-  table.columns = {{"event model"},           {"noise", true},           {"tau", true},
-                   {"Eq. 7 error", true},     {"centred", true},         {"Eq. 11 error", true},
-                   {"repeated", true},        {"events/px", true},       {"events/px, other order", true}};
+  table.columns = {{"event model"},       {"noise", true},     {"tau", true},
+                   {"Eq. 7 error", true}, {"centred", true},   {"Eq. 11 error", true},
+                   {"repeated", true},    {"events/px", true}, {"events/px, other order", true}};
   for (const Row& row : rows) {
-    table.rows.push_back({report::text_cell(row.event_model), report::number_cell(row.noise, 2),
-                          report::number_cell(row.tau, 2), report::number_cell(row.found.intensity_error, 3),
-                          report::number_cell(row.found.centred_error, 3),
-                          report::number_cell(row.found.permuted_error, 3),
-                          report::number_cell(row.found.repeated_error, 3),
-                          report::number_cell(row.found.events_per_pixel, 3),
-                          report::number_cell(row.found.permuted_events_per_pixel, 3)});
+    table.rows.push_back(
+        {report::text_cell(row.event_model), report::number_cell(row.noise, 2), report::number_cell(row.tau, 2),
+         report::number_cell(row.found.intensity_error, 3), report::number_cell(row.found.centred_error, 3),
+         report::number_cell(row.found.permuted_error, 3), report::number_cell(row.found.repeated_error, 3),
+         report::number_cell(row.found.events_per_pixel, 3),
+         report::number_cell(row.found.permuted_events_per_pixel, 3)});
   }
   return table;
 }
@@ -109,8 +109,8 @@ std::string chart(const std::vector<Row>& rows, const std::string& y_label, doub
 
 std::string page_of(const EquivalenceArguments& arguments, const std::vector<Row>& rows) {
   report::Page page("Events for intensities, and other orders of patterns");
-  page.paragraph(cat("Scene: ", arguments.input.string(),
-                     ". Noise is a share of the sensor's: 1 is as stated, 0 none."));
+  page.paragraph(
+      cat("Scene: ", arguments.input.string(), ". Noise is a share of the sensor's: 1 is as stated, 0 none."));
   page.heading("Equivalence (Eq. 7)")
       .paragraph(
           "Coded intensities computed from event counts after black, against the true ones: root of the mean squared "

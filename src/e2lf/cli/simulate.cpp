@@ -289,9 +289,10 @@ Result<capture::Measurement> run_images(const SimulateArguments& arguments, cons
       E2LF_ASSIGN_OR_RETURN(measured.events, events_of(cycle));
     }
     const float sigma = constants_of(arguments, setup.known).sigma_i;
-    E2LF_ASSIGN_OR_RETURN(measured.images,
-                          sensor::measure_images(kind, setup.known.codes, scene,
-                                                 {.sigma = sigma, .gain = arguments.scene_gain, .seed = common.seed + cycle}));
+    E2LF_ASSIGN_OR_RETURN(
+        measured.images,
+        sensor::measure_images(kind, setup.known.codes, scene,
+                               {.sigma = sigma, .gain = arguments.scene_gain, .seed = common.seed + cycle}));
     file.cycles.push_back(std::move(measured));
   }
   E2LF_RETURN_IF_ERROR(capture::write_measurements(place, file));

@@ -10,10 +10,13 @@ namespace e2lf::compare {
 template <typename Visitor>
 void visit_method(MethodConfig& method, Visitor& visit) {
   visit("name", method.name, "as the tables have it");
-  visit("algorithm", method.algorithm,
-        "or `inversion`, `regularised`, [which need no model](#methods-without-a-network), or `event-video`, [a scan of "
-        "views](#a-scan-of-views)");
-  visit("model", method.model, "a model file, or the folder of [the release](models.md#the-release); it says what is measured. Of `event-video` a "
+  visit(
+      "algorithm", method.algorithm,
+      "or `inversion`, `regularised`, [which need no model](#methods-without-a-network), or `event-video`, [a scan of "
+      "views](#a-scan-of-views)");
+  visit("model", method.model,
+        "a model file, or the folder of [the release](models.md#the-release); it says what is measured. Of "
+        "`event-video` a "
         "[model of frames](video.md#networks)");
   visit("codes", method.codes,
         "patterns: a model file, a file of codes, the release's folder; empty: the model's, without a model the "

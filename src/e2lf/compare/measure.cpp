@@ -68,7 +68,8 @@ capture::Measurement sum_of(const std::vector<capture::Measurement>& cycles) {
   EventImages sum = cycles.front().events;
   for (size_t i = 1; i < cycles.size(); ++i) {
     for (size_t k = 0; k < sum.counts.size(); ++k) {
-      sum.counts[k] = static_cast<int16_t>(std::clamp(sum.counts[k] + cycles[i].events.counts[k], INT16_MIN, INT16_MAX));
+      sum.counts[k] =
+          static_cast<int16_t>(std::clamp(sum.counts[k] + cycles[i].events.counts[k], INT16_MIN, INT16_MAX));
     }
   }
   return sum;

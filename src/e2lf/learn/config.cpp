@@ -29,7 +29,8 @@ Result<void> read_input(const Json& json, const std::string& location, std::vect
     const auto* const found = std::find(std::begin(kInputKindNames), std::end(kInputKindNames), kind);
     if (found == std::end(kInputKindNames)) {
       return invalid(cat("unknown kind \"", kind, "\"; use one of ",
-                         join({std::begin(kInputKindNames), std::end(kInputKindNames)})), location);
+                         join({std::begin(kInputKindNames), std::end(kInputKindNames)})),
+                     location);
     }
     group.kind = static_cast<model::InputKind>(found - std::begin(kInputKindNames));
     input.push_back(group);
@@ -166,9 +167,11 @@ Result<void> check_patterns(const PatternConfig& patterns, capture::MeasurementK
         location);
   }
   const size_t least = patterns.black_first || capture::has_events(measurement) ? 2 : 1;
-  if (patterns.num_patterns < least) return invalid(cat("num_patterns must be at least ", least, "; raise it"), location);
+  if (patterns.num_patterns < least)
+    return invalid(cat("num_patterns must be at least ", least, "; raise it"), location);
   if (measurement == capture::MeasurementKind::kLensArray && patterns.num_patterns != 1) {
-    return invalid("behind a lens array the aperture is open; set num_patterns to 1 and black_first to false", location);
+    return invalid("behind a lens array the aperture is open; set num_patterns to 1 and black_first to false",
+                   location);
   }
   return {};
 }

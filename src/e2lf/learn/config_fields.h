@@ -13,8 +13,8 @@
 namespace e2lf::learn {
 
 inline constexpr const char* kEventModelNames[] = {"quantised", "reference-aware"};
-inline constexpr const char* kInputKindNames[] = {"counts",    "cumulative", "intensity", "camera",
-                                                  "images",    "image-sum",  "lens-array"};
+inline constexpr const char* kInputKindNames[] = {"counts", "cumulative", "intensity", "camera",
+                                                  "images", "image-sum",  "lens-array"};
 
 template <typename Options>
 auto synthesiser_fields(Options& options) {
@@ -145,7 +145,8 @@ void visit_fields(AnyConfig& config, Visitor& visit) {
   visit.section("data", data_fields(config.data));
   visit.section("patterns", pattern_fields(config.patterns));
   visit.section("sensor", sensor_fields(config.sensor));
-  visit.inputs("input", config.input, "see [inputs](#inputs), which say what is measured; the intensity only with `black_first`");
+  visit.inputs("input", config.input,
+               "see [inputs](#inputs), which say what is measured; the intensity only with `black_first`");
   visit.section("network", network_fields(config.network));
   visit.section("train", train_fields(config.train));
 }

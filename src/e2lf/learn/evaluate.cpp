@@ -27,8 +27,7 @@ SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const Sa
   constexpr int64_t kMultiple = 16;
   const auto height = scene.views.size(1) / kMultiple * kMultiple, width = scene.views.size(2) / kMultiple * kMultiple;
   const auto truth = scene.views.slice(1, 0, height).slice(2, 0, width).to(torch::kFloat).div(255.0).unsqueeze(0);
-  const auto noise =
-      draw_noise(pipeline.measurement(), 1, pipeline.codes.size(0), height, width, truth.device());
+  const auto noise = draw_noise(pipeline.measurement(), 1, pipeline.codes.size(0), height, width, truth.device());
   const auto result = reconstruct(pipeline, truth, constants, noise);
   const auto error = (result.light_field.clamp(0.0, 1.0) - truth).square_().mean({2, 3});
   return {scene.name, (-10.0 * error.log10()).mean().item<double>(),

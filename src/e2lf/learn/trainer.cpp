@@ -247,9 +247,14 @@ Result<StepReport> Trainer::train_step() {
 Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes, const capture::Camera& camera,
                                                   size_t cycles) const {
   const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
-  const Pipeline pipeline{
-      &network_,     &average_,     fixed_codes_.defined() ? fixed_codes_ : codes, config_.patterns.event_model,
-      config_.input, compute_type(), nullptr,                                      config_.sensor.nominal.sigma_i};
+  const Pipeline pipeline{&network_,
+                          &average_,
+                          fixed_codes_.defined() ? fixed_codes_ : codes,
+                          config_.patterns.event_model,
+                          config_.input,
+                          compute_type(),
+                          nullptr,
+                          config_.sensor.nominal.sigma_i};
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
     E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));

@@ -9,13 +9,10 @@
 namespace e2lf::model {
 namespace {
 
-constexpr std::pair<InputKind, const char*> kInputKinds[] = {{InputKind::kCounts, "counts"},
-                                                             {InputKind::kCumulative, "cumulative"},
-                                                             {InputKind::kIntensity, "intensity"},
-                                                             {InputKind::kCamera, "camera"},
-                                                             {InputKind::kImages, "images"},
-                                                             {InputKind::kImageSum, "image-sum"},
-                                                             {InputKind::kLensArray, "lens-array"}};
+constexpr std::pair<InputKind, const char*> kInputKinds[] = {
+    {InputKind::kCounts, "counts"},       {InputKind::kCumulative, "cumulative"}, {InputKind::kIntensity, "intensity"},
+    {InputKind::kCamera, "camera"},       {InputKind::kImages, "images"},         {InputKind::kImageSum, "image-sum"},
+    {InputKind::kLensArray, "lens-array"}};
 
 constexpr const char* kMeasurement = "measurement";
 
@@ -138,18 +135,19 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
   const auto has = [&](InputKind kind) {
     return std::any_of(groups.begin(), groups.end(), [kind](const InputGroup& group) { return group.kind == kind; });
   };
-  const bool has_events = has(InputKind::kCounts) || has(InputKind::kCumulative) || has(InputKind::kIntensity) ||
-                          has(InputKind::kCamera);
+  const bool has_events =
+      has(InputKind::kCounts) || has(InputKind::kCumulative) || has(InputKind::kIntensity) || has(InputKind::kCamera);
   const bool has_images = has(InputKind::kImages), has_sum = has(InputKind::kImageSum),
              has_lenses = has(InputKind::kLensArray);
   using capture::MeasurementKind;
   if (!has_images && !has_lenses) return has_sum ? MeasurementKind::kHybrid : MeasurementKind::kEventImages;
   if (has_images && !has_events && !has_sum && !has_lenses) return MeasurementKind::kCodedImages;
   if (has_lenses && !has_events && !has_sum && !has_images) return MeasurementKind::kLensArray;
-  return Error{ErrorCode::kInvalidValue,
-               "no camera measures all of these; take images alone, lens-array alone, or what is made of events with or "
-               "without image-sum",
-               "input"};
+  return Error{
+      ErrorCode::kInvalidValue,
+      "no camera measures all of these; take images alone, lens-array alone, or what is made of events with or "
+      "without image-sum",
+      "input"};
 }
 
 bool is_told_the_camera(const Model& model) {

@@ -61,9 +61,8 @@ class ModelCheck {
     const auto positive = [](float value) { return std::isfinite(value) && value > 0.0F; };
     if (!positive(constants.eps)) return refuse("constants.eps", cat(constants.eps, " is not above zero; correct it"));
     if (!positive(constants.tau)) return refuse("constants.tau", cat(constants.tau, " is not above zero; correct it"));
-    for (const auto& [field, sigma] :
-         {std::pair("sigma_w", constants.sigma_w), std::pair("sigma_z", constants.sigma_z),
-          std::pair("sigma_i", constants.sigma_i)}) {
+    for (const auto& [field, sigma] : {std::pair("sigma_w", constants.sigma_w), std::pair("sigma_z", constants.sigma_z),
+                                       std::pair("sigma_i", constants.sigma_i)}) {
       if (!std::isfinite(sigma) || sigma < 0.0F) {
         return refuse(cat("constants.", field), cat(sigma, " is no standard deviation; use zero or more"));
       }

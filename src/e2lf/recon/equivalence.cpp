@@ -52,8 +52,7 @@ double events_per_pixel(const capture::EventImages& images) {
 }  // namespace
 
 Result<Equivalence> measure_equivalence(const capture::Codes& codes, const std::vector<size_t>& order,
-                                        const lightfield::LightField& scene,
-                                        const sensor::EventModelOptions& options) {
+                                        const lightfield::LightField& scene, const sensor::EventModelOptions& options) {
   const std::optional<size_t> black = find_black(codes);
   if (!black) {
     return Error{ErrorCode::kInvalidValue, "no pattern is black, so events tell no intensity; give patterns with one",
@@ -61,8 +60,10 @@ Result<Equivalence> measure_equivalence(const capture::Codes& codes, const std::
   }
   E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities truth, sensor::coded_intensities(codes, scene));
   E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, sensor::simulate_events(truth, options));
-  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities plain, invert_events(images, {*black, options.constants, false}));
-  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities centred, invert_events(images, {*black, options.constants, true}));
+  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities plain,
+                        invert_events(images, {*black, options.constants, false}));
+  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities centred,
+                        invert_events(images, {*black, options.constants, true}));
   Equivalence result;
   result.intensity_error = relative_error(plain, truth, *black, options.gain);
   result.centred_error = relative_error(centred, truth, *black, options.gain);

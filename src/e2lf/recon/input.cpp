@@ -114,8 +114,7 @@ struct LensPlace {
 };
 
 LensPlace lens_place(size_t pixel, size_t lenses) {
-  const float place =
-      (static_cast<float>(pixel) + 0.5F) / static_cast<float>(capture::kLensPixels) - 0.5F;
+  const float place = (static_cast<float>(pixel) + 0.5F) / static_cast<float>(capture::kLensPixels) - 0.5F;
   const float clamped = std::clamp(place, 0.0F, static_cast<float>(lenses - 1));
   const auto before = static_cast<size_t>(clamped);
   return {before, std::min(before + 1, lenses - 1), clamped - static_cast<float>(before)};
@@ -153,8 +152,8 @@ Result<InputPlanes> network_input(const capture::Measurement& measurement, std::
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
     E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
-  const std::vector<size_t> first_channels = group_begins(
-      groups, measurement.events.transitions, conditions.traits.size(), measurement.images.num_patterns);
+  const std::vector<size_t> first_channels =
+      group_begins(groups, measurement.events.transitions, conditions.traits.size(), measurement.images.num_patterns);
   InputPlanes planes{first_channels.back(),
                      round_up(measurement.height(), size_multiple),
                      round_up(measurement.width(), size_multiple),

@@ -71,7 +71,8 @@ TEST(NetworkInput, LensesAreJoinedInStraightLines) {
     const size_t y = i / 32, x = i % 32;
     measured.images.values[i] = static_cast<float>(y % 8 * 8 + x % 8) / 64 + 0.5F * static_cast<float>(x / 8);
   }
-  const auto planes = network_input(measured, std::vector<model::InputGroup>{{InputKind::kLensArray, 2.0F}}, {}).value();
+  const auto planes =
+      network_input(measured, std::vector<model::InputGroup>{{InputKind::kLensArray, 2.0F}}, {}).value();
   ASSERT_EQ(planes.channels, 64U);
   const auto at = [&](size_t view, size_t y, size_t x) { return planes.values[(view * 16 + y) * 32 + x]; };
   EXPECT_NEAR(at(9, 5, 0), 2 * 9 / 64.0, 1e-6);  // before the first centre

@@ -68,10 +68,11 @@ size_t Reconstructor::num_passes(size_t wanted) const {
 Result<void> Reconstructor::check(const capture::Measurement& measurement) const {
   const capture::MeasurementKind wanted = model_.measurement();
   if (measurement.kind != wanted) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("this is the measurement ", capture::measurement_name(measurement.kind), ", the model ",
-                     model_.name, " takes ", capture::measurement_name(wanted), "; use a model that was trained for it"),
-                 ""};
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("this is the measurement ", capture::measurement_name(measurement.kind), ", the model ", model_.name,
+            " takes ", capture::measurement_name(wanted), "; use a model that was trained for it"),
+        ""};
   }
   const capture::EventImages& events = measurement.events;
   if (capture::has_events(wanted) && (events.transitions + 1 != model_.num_patterns || events.image_size() == 0)) {

@@ -31,8 +31,8 @@ class Reconstructor {
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;
 
-  /// How many passes are made when `wanted` are: at least one, at most model::size_multiple() squared; one behind a lens
-  /// array.
+  /// How many passes are made when `wanted` are: at least one, at most model::size_multiple() squared; one behind a
+  /// lens array.
   [[nodiscard]] size_t num_passes(size_t wanted) const;
 
   [[nodiscard]] const model::Model& model() const { return model_; }

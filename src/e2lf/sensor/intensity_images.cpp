@@ -68,8 +68,8 @@ Result<CodedIntensities> measure_images(capture::MeasurementKind kind, const cap
                                         const lightfield::LightField& light_field, const ImageOptions& options) {
   for (const auto& [name, value] : {std::pair("gain", options.gain), std::pair("noise", options.sigma)}) {
     if (std::isfinite(value) && value >= 0.0F) continue;
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the ", name, " of intensity images is ", value, "; give zero or more"), ""};
+    return Error{ErrorCode::kInvalidValue, cat("the ", name, " of intensity images is ", value, "; give zero or more"),
+                 ""};
   }
   CodedIntensities images;
   if (kind == capture::MeasurementKind::kEventImages) return images;

@@ -63,9 +63,8 @@ TEST(IntensityImages, NoiseHasItsWidthAndDiffersFromImageToImage) {
   EXPECT_NEAR(sum / count, 0, 5 * 0.02 / std::sqrt(count));
   EXPECT_NEAR(std::sqrt(squares / count), 0.02, 0.0005);
   EXPECT_NEAR(product / static_cast<double>(noise.image_size()) / (0.02 * 0.02), 0, 0.1);
-  EXPECT_EQ(noise.values, measure_images(MeasurementKind::kCodedImages, codes, field, {.sigma = 0.02F, .seed = 3})
-                              .value()
-                              .values);
+  EXPECT_EQ(noise.values,
+            measure_images(MeasurementKind::kCodedImages, codes, field, {.sigma = 0.02F, .seed = 3}).value().values);
 }
 
 TEST(IntensityImages, RefusesWhatIsNoImage) {
