@@ -89,8 +89,9 @@ class Planner {
   }
 
  private:
-  static bool is_left_out(const MethodConfig& method, const Error& error) {
+  bool is_left_out(const MethodConfig& method, const Error& error) {
     if (!method.optional || error.code != ErrorCode::kNotFound) return false;
+    plan_.left_out.push_back(method.name);
     log_warning(cat("the method ", method.name, " is left out: ", error.text()));
     return true;
   }

@@ -54,8 +54,9 @@ struct Job {
 struct Plan {
   std::string name;
   std::vector<Method> methods;
-  std::vector<Scene> scenes;        ///< group by group
-  std::vector<std::string> groups;  ///< names of those that are there
+  std::vector<std::string> left_out;  ///< names of optional methods whose files are not there
+  std::vector<Scene> scenes;          ///< group by group
+  std::vector<std::string> groups;    ///< names of those that are there
   std::vector<Sensor> sensors;
   std::vector<std::string> metrics;
   bool pictures = true;
