@@ -2,6 +2,7 @@
 // e2lf equivalence: how far the paper's findings on event images hold, over thresholds and noise
 #include "e2lf/recon/equivalence.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "e2lf/base/log.h"

@@ -61,7 +61,7 @@ class DocumentMaker {
         return add_event_images(path);
       case FileKind::kImages:
         return Error{ErrorCode::kUnsupported,
-                     cat("the viewer shows no ", kind_text(kind) + 2, "; reconstruct a light field of it"),
+                     "the viewer shows no measurement with intensity images; reconstruct a light field of it",
                      path.string()};
       case FileKind::kLightField:
       case FileKind::kCycles:
