@@ -199,7 +199,8 @@ Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint6
   // Lenses at the edge reach beyond the scene.
   const lightfield::Shape &shape = truth.shape(), &found = measurement.light_field.shape();
   if (found.height != shape.height || found.width != shape.width) {
-    measurement.light_field = lightfield::crop(measurement.light_field, {0, 0, shape.height, shape.width});
+    E2LF_ASSIGN_OR_RETURN(measurement.light_field,
+                          lightfield::crop(measurement.light_field, {0, 0, shape.height, shape.width}));
   }
   return measurement;
 }
