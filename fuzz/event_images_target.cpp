@@ -1,8 +1,34 @@
 // SPDX-License-Identifier: MIT
 // The target of event images: the first byte chooses .npz, .npy, .mat or a folder's first image, the rest is the file.
+// An .npz may hold another measurement.
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement_io.h"
 #include "require.h"
 #include "scratch.h"
+
+namespace {
+
+/// What is read as a measurement has all its pixels, and comes back as written.
+void check_measurements(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  using namespace e2lf;
+  using fuzz::require;
+  const auto file = capture::read_measurements(path);
+  if (!file) return;
+  for (const capture::Measurement& cycle : file->cycles) {
+    require(cycle.kind == file->cycles[0].kind && cycle.height() > 0 && cycle.width() > 0, "cycles are of one kind");
+    require(cycle.images.values.size() == cycle.images.num_patterns * cycle.images.image_size(),
+            "all pixels are there");
+  }
+  require(capture::write_measurements(folder / "measured.npz", *file).ok(), "they can be written");
+  const auto back = capture::read_measurements(folder / "measured.npz");
+  require(back.ok() && back->cycles.size() == file->cycles.size(), "they come back");
+  for (size_t i = 0; i < file->cycles.size(); ++i) {
+    require(back->cycles[i].events == file->cycles[i].events, "with their events");
+    require(back->cycles[i].images.values == file->cycles[i].images.values, "with their images");
+  }
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace e2lf;
@@ -13,6 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::span<const uint8_t> input(data, size);
   const size_t choice = fuzz::take_choice(input, std::size(kNames));
   const auto path = folder.put(kNames[choice], input);
+  if (choice == 0) check_measurements(path, folder.path());
   const auto file = capture::read_event_images(choice == 2 ? folder.path() : path);
   if (!file) return 0;
   for (const capture::EventImages& images : file->cycles) {

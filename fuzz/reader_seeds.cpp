@@ -169,6 +169,11 @@ Result<void> write_event_images(const fs::path& folder) {
   const fs::path out = folder / "event_images";
   E2LF_RETURN_IF_ERROR(write_choice(out / "npz", 0, encode_npz({{"events", cycles}, {"codes", codes}})));
   E2LF_RETURN_IF_ERROR(write_choice(out / "npy", 1, encode_npy(cycles)));
+  const NpyArray sums = make_npy<float>({2, 1, 4, 5}, std::vector<float>(40, 0.25F));
+  E2LF_RETURN_IF_ERROR(
+      write_choice(out / "hybrid", 0, encode_npz({{"events", cycles}, {"images", sums}, {"codes", codes}})));
+  const NpyArray lenses = make_npy<float>({1, 8, 16}, std::vector<float>(128, 0.5F));
+  E2LF_RETURN_IF_ERROR(write_choice(out / "lenses", 0, encode_npz({{"lens_array", lenses}})));
   capture::EventImageFile matlab{{capture::EventImages(3, 4, 5)}, codes, {}};
   const fs::path mat = folder / "event_images.mat";
   E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(mat, matlab));

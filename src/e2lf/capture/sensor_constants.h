@@ -10,6 +10,7 @@ struct SensorConstants {
   float tau = 0.30F;       ///< contrast threshold, natural logarithm
   float sigma_w = 0.175F;  ///< standard deviation of the log-intensity noise
   float sigma_z = 0.04F;   ///< standard deviation of the threshold
+  float sigma_i = 0.005F;  ///< standard deviation of the noise of intensity images, where they are measured
 
   bool operator==(const SensorConstants&) const = default;
 };

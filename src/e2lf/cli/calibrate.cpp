@@ -39,13 +39,19 @@ struct Source {
 
 Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const Verb& verb, RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1, verb));
+  if (input.measurement() != capture::MeasurementKind::kEventImages) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("constants come from event images; this is the measurement ",
+                     capture::measurement_name(input.measurement()), "; give a recording or event images"),
+                 path.string()};
+  }
   Source source;
   E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, input.setup(path));
   source.codes = std::move(setup.codes);
   while (true) {
     E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> cycle, input.next());
     if (!cycle) break;
-    source.scene.cycles.push_back(std::move(cycle->images));
+    source.scene.cycles.push_back(std::move(cycle->images.events));
   }
   if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, input.report());
   record.add_input(path);

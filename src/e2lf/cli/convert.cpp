@@ -203,6 +203,10 @@ Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
       E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
       E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
       return convert_event_images(arguments, verb);
+    case FileKind::kImages:
+      return Error{ErrorCode::kUnsupported,
+                   cat("there is no other format for ", kind_text(kind), "; other programs read .npz"),
+                   arguments.input.string()};
     case FileKind::kCycles:
       return lightfield::detect_kind(arguments.input).error();
     case FileKind::kModel:

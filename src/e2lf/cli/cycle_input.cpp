@@ -55,7 +55,7 @@ Result<std::optional<CycleImages>> CycleInput::next() {
   for (size_t cycle = 1; sum && cycle < cycles_per_field_; ++cycle) {
     E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> more, next_cycle());
     if (!more) return std::optional<CycleImages>();
-    const uint64_t saturated = add(more->images, sum->images);
+    const uint64_t saturated = add(more->images.events, sum->images.events);
     saturated_ += saturated;
     if (saturated > 0 && is_strict_) return recordings::saturation_error(saturated, "--cycles-per-field");
     more->images = std::move(sum->images);
@@ -71,7 +71,7 @@ Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const Cy
     E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, flags));
     return CycleInput(std::move(reader), flags, cycles_per_field);
   }
-  if (kind != FileKind::kEventImages) {
+  if (kind != FileKind::kEventImages && kind != FileKind::kImages) {
     return Error{ErrorCode::kUnsupported,
                  cat("this is ", kind_text(kind),
                      "; give a recording or event images (`e2lf simulate` makes them of a "
@@ -79,7 +79,14 @@ Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const Cy
                  input.string()};
   }
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kCycleOptions, kind_text(kind)));
-  E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(input));
+  E2LF_ASSIGN_OR_RETURN(capture::MeasurementFile file, capture::read_measurements(input));
+  const capture::MeasurementKind measured = file.cycles.front().kind;
+  if (cycles_per_field > 1 && measured != capture::MeasurementKind::kEventImages) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("sums are of event images; this is the measurement ", capture::measurement_name(measured),
+                     "; leave the option out"),
+                 "--cycles-per-field"};
+  }
   if (file.cycles.size() < cycles_per_field) {
     return Error{ErrorCode::kInvalidValue,
                  cat("there are ", file.cycles.size(), " cycles, fewer than the ", cycles_per_field,

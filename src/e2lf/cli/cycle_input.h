@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement_io.h"
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/verb.h"
@@ -16,9 +16,9 @@ namespace e2lf::cli {
 
 using CycleClock = std::chrono::steady_clock;
 
-/// The event images of a light field, and what is known of them.
+/// What was measured of a light field, and what is known of it.
 struct CycleImages {
-  capture::EventImages images;  ///< of one cycle, or sums over several
+  capture::Measurement images;  ///< of one cycle; of event images also sums over several
   Json about = Json::object();  ///< for the record: of a recording, times and confidence of the last cycle
   CycleClock::time_point ready = CycleClock::now();  ///< when they were there: of a live recording, the last bytes
   double behind_s = 0;   ///< from the end of the last pattern until then; live recordings only
@@ -28,7 +28,7 @@ struct CycleImages {
 /// The event images of one light field after the other, from a file of them or cut from a recording as it is read.
 class CycleInput {
  public:
-  CycleInput(capture::EventImageFile file, const CycleFlags& flags, size_t cycles_per_field)
+  CycleInput(capture::MeasurementFile file, const CycleFlags& flags, size_t cycles_per_field)
       : file_(std::move(file)), cycles_per_field_(cycles_per_field), is_strict_(flags.recording.is_strict) {
     if (flags.max_cycles != 0 && flags.max_cycles < file_.cycles.size()) file_.cycles.resize(flags.max_cycles);
   }
@@ -45,6 +45,9 @@ class CycleInput {
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
   /// Of a recording nobody knows.
   [[nodiscard]] bool has_one_field() const { return !reader_ && file_.cycles.size() / cycles_per_field_ == 1; }
+  [[nodiscard]] capture::MeasurementKind measurement() const {
+    return reader_ ? capture::MeasurementKind::kEventImages : file_.cycles.front().kind;
+  }
   /// What the events were made with; `input` as it was opened. Fails as recorded_setup() does.
   [[nodiscard]] Result<RecordedSetup> setup(const std::filesystem::path& input) const {
     return reader_ ? recorded_setup(input, reader_->recording().info()) : recorded_setup(file_, input);
@@ -58,7 +61,7 @@ class CycleInput {
  private:
   [[nodiscard]] Result<std::optional<CycleImages>> next_cycle();
 
-  capture::EventImageFile file_;
+  capture::MeasurementFile file_;
   std::optional<cycles::CycleReader> reader_;
   uint64_t max_cycles_ = 0;
   size_t cycles_per_field_ = 1;
@@ -68,8 +71,8 @@ class CycleInput {
   uint64_t saturated_ = 0;  ///< of sums
 };
 
-/// Opens event images or a recording. Fails with kInvalidValue where flags of recordings are given for event images,
-/// and where a file holds fewer cycles than one light field needs.
+/// Opens event images, another measurement or a recording. Fails with kInvalidValue where flags of recordings are given
+/// for a measurement, and where a file holds fewer cycles than one light field needs.
 [[nodiscard]] Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
                                                   size_t cycles_per_field, const Verb& verb);
 

@@ -5,6 +5,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement_io.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/safetensors.h"
@@ -72,6 +73,35 @@ Result<Description> describe_event_images(const fs::path& path) {
   return Description{std::move(text), std::move(json)};
 }
 
+/// A measurement with intensity images.
+Result<Description> describe_images(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const capture::MeasurementFile file, capture::read_measurements(path));
+  const capture::Measurement& first = file.cycles.front();
+  const auto [low, high] = std::minmax_element(first.images.values.begin(), first.images.values.end());
+  Json json = {{"kind", "measurement"},
+               {"measurement", capture::measurement_name(first.kind)},
+               {"cycles", file.cycles.size()},
+               {"transitions", first.events.transitions},
+               {"images", first.images.num_patterns},
+               {"height", first.height()},
+               {"width", first.width()},
+               {"codes", file.codes.has_value()},
+               {"min", *low},
+               {"max", *high}};
+  std::string text = cat("measurement (", capture::measurement_name(first.kind), "): ", file.cycles.size(), " cycle",
+                         file.cycles.size() == 1 ? "" : "s", " of ", first.images.num_patterns, " intensity image",
+                         first.images.num_patterns == 1 ? "" : "s");
+  if (first.events.transitions > 0) text += cat(" and ", first.events.transitions, " event images");
+  text += cat(", ", first.width(), "x", first.height(), " px, intensities ", *low, "..", *high, ", codes ",
+              file.codes ? "included" : "not included", "\n");
+  if (first.events.transitions > 0) {
+    const eval::EventStatistics statistics = eval::event_statistics(first.events);
+    json["first_cycle"] = eval::to_json(statistics);
+    text += cat("events per pixel in the first cycle: ", statistics.total_events_per_pixel, "\n");
+  }
+  return Description{std::move(text), std::move(json)};
+}
+
 Result<Description> describe_light_field(const fs::path& path, const LightFieldFlags& flags) {
   E2LF_ASSIGN_OR_RETURN(const auto kind, lightfield::detect_kind(path));
   lightfield::ReadOptions options = read_options(flags);
@@ -111,6 +141,8 @@ Result<Description> describe(FileKind kind, const fs::path& path, const Describe
       return describe_safetensors(path);
     case FileKind::kEventImages:
       return describe_event_images(path);
+    case FileKind::kImages:
+      return describe_images(path);
     case FileKind::kCycles:
       return describe_cycles(path, options.light_field);
     case FileKind::kRecording:

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/measurement_io.h"
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
@@ -49,6 +50,7 @@ Result<FileKind> array_kind(const fs::path& path) {
 
 Result<FileKind> archive_kind(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, peek_npz(path));
+  if (capture::holds_images(arrays)) return FileKind::kImages;
   const auto events = arrays.find("events");
   if (events != arrays.end()) {
     return is_event_list(events->second) ? FileKind::kRecording : FileKind::kEventImages;
@@ -70,6 +72,8 @@ const char* kind_text(FileKind kind) {
       return "a recording";
     case FileKind::kEventImages:
       return "event images";
+    case FileKind::kImages:
+      return "a measurement with intensity images";
     case FileKind::kLightField:
       return "a light field";
     case FileKind::kCycles:

@@ -11,6 +11,7 @@ namespace e2lf::cli {
 enum class FileKind {
   kRecording,    ///< events: a file, or what is read as it arrives
   kEventImages,  ///< counts of each pattern transition: .npz, .npy, .mat, folder of event_image_00000.npy ...
+  kImages,       ///< a measurement with intensity images (.npz): see capture/measurement_io.h
   kLightField,   ///< a light field of any format
   kCycles,       ///< a folder of cycle_00000 ..., a light field in each
   kModel,        ///< a .safetensors: a model, or data to train on

@@ -33,6 +33,7 @@ Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const st
   if (model) {
     known.constants = model->constants;
     known.event_model = model->event_model;
+    known.measurement = model->measurement();
     codes = model->codes;
     known.origin = CodesOrigin::kModel;
   }

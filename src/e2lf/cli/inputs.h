@@ -35,6 +35,7 @@ struct KnownCodes {
   CodesOrigin origin = CodesOrigin::kBuiltIn;
   capture::SensorConstants constants;
   std::string event_model = "reference-aware";
+  capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;  ///< what the model takes
 };
 
 /// Declares -m/--model and --codes.

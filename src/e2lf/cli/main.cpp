@@ -34,6 +34,7 @@ const std::vector<VerbEntry>& verbs() {
       {"calibrate", "event images of still scenes -> the constants of a camera", run_calibrate},
       {"eval", "compare a reconstruction with the truth", run_eval},
       {"compare", "methods over scenes, sensors and seeds -> tables and a page", run_compare},
+      {"equivalence", "how well events stand for intensities, over thresholds and noise", run_equivalence},
       {"depth", "light field -> disparity map", run_depth},
       {"refocus", "light field -> pictures of a camera with a wide aperture", run_refocus},
       {"epi", "light field -> picture of a cut through its views", run_epi},

@@ -102,6 +102,16 @@ Result<recon::Method> network_method(const ReconstructArguments& arguments, mode
   return recon::network_method(std::move(reconstructor), arguments.passes, arguments.cycles_per_field);
 }
 
+/// The classical methods know events alone, the bundled networks too.
+Result<void> check_measurement(const ReconstructArguments& arguments, capture::MeasurementKind measurement) {
+  const bool has_model = arguments.method == "network" && !arguments.codes.model.empty();
+  if (measurement == capture::MeasurementKind::kEventImages || has_model) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("this is the measurement ", capture::measurement_name(measurement),
+                   "; give a network that was trained for it with -m"),
+               arguments.input.string()};
+}
+
 /// Those that need patterns alone.
 Result<recon::Method> classical_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
                                        const std::optional<capture::Camera>& camera, RunRecord& record) {
@@ -125,12 +135,12 @@ Result<recon::Method> classical_method(const ReconstructArguments& arguments, st
                     " knows the paper's event model alone"));
   }
   if (arguments.method == "regularised") {
-    return recon::Method([known = std::move(*known)](const capture::EventImages& images, const ProgressFn& progress) {
-      return recon::reconstruct_regularised(images, known.codes, known.constants, {}, progress);
+    return recon::Method([known = std::move(*known)](const capture::Measurement& measured, const ProgressFn& progress) {
+      return recon::reconstruct_regularised(measured.events, known.codes, known.constants, {}, progress);
     });
   }
-  return recon::Method([known = std::move(*known)](const capture::EventImages& images, const ProgressFn&) {
-    return recon::reconstruct_by_inversion(images, known.codes, known.constants);
+  return recon::Method([known = std::move(*known)](const capture::Measurement& measured, const ProgressFn&) {
+    return recon::reconstruct_by_inversion(measured.events, known.codes, known.constants);
   });
 }
 
@@ -283,6 +293,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(CycleInput input,
                         open_cycle_input(arguments.input, arguments.cycles, arguments.cycles_per_field, verb));
+  E2LF_RETURN_IF_ERROR(check_measurement(arguments, input.measurement()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
   E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, find_model(arguments, setup, camera, record));

@@ -77,7 +77,7 @@ Result<RecordedSetup> recorded_setup(const fs::path& recording, const recordings
   return setup;
 }
 
-Result<RecordedSetup> recorded_setup(const capture::EventImageFile& file, const fs::path& path) {
+Result<RecordedSetup> recorded_setup(const capture::MeasurementFile& file, const fs::path& path) {
   RecordedSetup setup;
   if (file.codes) {
     E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_npy(*file.codes, path.string()));

@@ -9,6 +9,7 @@
 #include "e2lf/capture/codes.h"
 #include "e2lf/capture/codes_header.h"
 #include "e2lf/capture/event_image_writer.h"
+#include "e2lf/capture/measurement_io.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/recordings/recording.h"
 
@@ -35,7 +36,7 @@ void note_setup(RunRecord& record, const RecordedSetup& setup, const std::filesy
                                                    const recordings::RecordingInfo& info);
 
 /// The same of event images. Fails as codes_from_npy() and camera_from_npy() do.
-[[nodiscard]] Result<RecordedSetup> recorded_setup(const capture::EventImageFile& file,
+[[nodiscard]] Result<RecordedSetup> recorded_setup(const capture::MeasurementFile& file,
                                                    const std::filesystem::path& path);
 
 }  // namespace e2lf::cli

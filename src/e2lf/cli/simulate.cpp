@@ -8,8 +8,11 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/camera_record.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement_io.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
@@ -24,6 +27,7 @@
 #include "e2lf/files/json_text.h"
 #include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/sensor/event_model.h"
+#include "e2lf/sensor/intensity_images.h"
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::cli {
@@ -33,8 +37,8 @@ namespace {
 struct SimulateArguments {
   fs::path input, output;
   CodesSource codes;
-  std::string event_model, camera;
-  std::optional<float> eps, tau, sigma_w, sigma_z;
+  std::string event_model, camera, measurement;
+  std::optional<float> eps, tau, sigma_w, sigma_z, sigma_i;
   float scene_gain = 1.0F, residue = 0.0F;
   size_t cycles = 1;
   bool no_triggers = false;
@@ -47,10 +51,28 @@ capture::SensorConstants constants_of(const SimulateArguments& arguments, const 
   return {.eps = arguments.eps.value_or(known.constants.eps),
           .tau = arguments.tau.value_or(known.constants.tau),
           .sigma_w = arguments.sigma_w.value_or(known.constants.sigma_w),
-          .sigma_z = arguments.sigma_z.value_or(known.constants.sigma_z)};
+          .sigma_z = arguments.sigma_z.value_or(known.constants.sigma_z),
+          .sigma_i = arguments.sigma_i.value_or(known.constants.sigma_i)};
+}
+
+/// Of intensity images.
+void print_images(const capture::Measurement& measured, const CommonOptions& common) {
+  const capture::CodedIntensities& images = measured.images;
+  if (images.num_patterns == 0) return;
+  if (common.json && measured.events.transitions == 0) {
+    const Json json = {{"measurement", capture::measurement_name(measured.kind)},
+                       {"images", images.num_patterns},
+                       {"height", images.height},
+                       {"width", images.width}};
+    std::printf("%s", json_text(json).c_str());
+  } else if (!common.json && !common.quiet) {
+    std::printf("%s: %zu intensity image%s of %zux%zu px\n", capture::measurement_name(measured.kind),
+                images.num_patterns, images.num_patterns == 1 ? "" : "s", images.width, images.height);
+  }
 }
 
 void print_statistics(const capture::EventImages& images, const CommonOptions& common) {
+  if (images.transitions == 0) return;
   const eval::EventStatistics statistics = eval::event_statistics(images);
   if (common.json) {
     std::printf("%s", json_text(eval::to_json(statistics)).c_str());
@@ -167,6 +189,10 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
     if (!setup.is_pixel()) setup.known.event_model = setup.camera->event_model;
   }
   if (!arguments.event_model.empty()) setup.known.event_model = arguments.event_model;
+  if (!arguments.measurement.empty()) {
+    E2LF_ASSIGN_OR_RETURN(setup.known.measurement, capture::measurement_from_name(arguments.measurement));
+  }
+  record.resolve("measurement", capture::measurement_name(setup.known.measurement));
   if (!setup.is_pixel()) record_constants(constants_of(arguments, setup.known), setup.known.event_model, record);
   return setup;
 }
@@ -213,6 +239,12 @@ Result<capture::EventImages> run_stream(const SimulateArguments& arguments, cons
   return simulate_stream(run, place, arguments.output, record);
 }
 
+ImagesOf events_by_count(const SimulateArguments& arguments, const Setup& setup, const lightfield::LightField& scene,
+                         sensor::EventModel model, uint64_t seed) {
+  return setup.is_pixel() ? physical_pixels(arguments, setup.known.codes, scene, *setup.camera, seed)
+                          : paper_pixels(arguments, setup.known, scene, model, seed);
+}
+
 /// A count for each pattern, spread over its time in a recording.
 Result<capture::EventImages> run_counts(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
                                         const CommonOptions& common, RunRecord& record) {
@@ -220,9 +252,7 @@ Result<capture::EventImages> run_counts(const SimulateArguments& arguments, cons
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene,
                         load_scene(arguments.input, arguments.light_field, common.quiet));
   record.end_step("read");
-  const ImagesOf plain_images_of =
-      setup.is_pixel() ? physical_pixels(arguments, setup.known.codes, scene, *setup.camera, common.seed)
-                       : paper_pixels(arguments, setup.known, scene, model, common.seed);
+  const ImagesOf plain_images_of = events_by_count(arguments, setup, scene, model, common.seed);
   ProgressBar bar("simulate", common.quiet);
   capture::EventImages first;
   const ImagesOf images_of = [&](uint64_t cycle) {
@@ -239,9 +269,49 @@ Result<capture::EventImages> run_counts(const SimulateArguments& arguments, cons
   return first;
 }
 
+/// Events, where there are any, and intensity images.
+Result<capture::Measurement> run_images(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
+                                        const CommonOptions& common, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(setup.known.event_model));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene,
+                        load_scene(arguments.input, arguments.light_field, common.quiet));
+  record.end_step("read");
+  const RecordedSetup recorded = recorded_setup(arguments, setup);
+  const capture::MeasurementKind kind = setup.known.measurement;
+  const ImagesOf events_of = events_by_count(arguments, setup, scene, model, common.seed);
+  capture::MeasurementFile file;
+  file.codes = capture::codes_to_npy(setup.known.codes);
+  if (recorded.camera) file.camera = capture::camera_to_npy(*recorded.camera);
+  for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
+    capture::Measurement measured;
+    measured.kind = kind;
+    if (capture::has_events(kind)) {
+      E2LF_ASSIGN_OR_RETURN(measured.events, events_of(cycle));
+    }
+    const float sigma = constants_of(arguments, setup.known).sigma_i;
+    E2LF_ASSIGN_OR_RETURN(
+        measured.images,
+        sensor::measure_images(kind, setup.known.codes, scene,
+                               {.sigma = sigma, .gain = arguments.scene_gain, .seed = common.seed + cycle}));
+    file.cycles.push_back(std::move(measured));
+  }
+  E2LF_RETURN_IF_ERROR(capture::write_measurements(place, file));
+  return std::move(file.cycles.front());
+}
+
 /// Refuses what would change nothing.
 Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, bool as_images, bool is_stream,
                        const Verb& verb) {
+  const bool has_intensities = setup.known.measurement != capture::MeasurementKind::kEventImages;
+  if (has_intensities && (!as_images || is_stream)) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the measurement ", capture::measurement_name(setup.known.measurement),
+                     " is no stream of events; write an .npz, without options of streams"),
+                 arguments.output.string()};
+  }
+  if (!has_intensities && arguments.sigma_i) {
+    return Error{ErrorCode::kInvalidValue, "event images have no noise of intensity images; leave it out", "--sigma-i"};
+  }
   const auto useless = [](const char* flag, const char* why) {
     return Error{ErrorCode::kInvalidValue, cat(why, "; leave it out"), flag};
   };
@@ -267,14 +337,20 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const Setup setup, read_setup(arguments, record));
   const bool by_events = is_stream(arguments, setup, as_images);
   E2LF_RETURN_IF_ERROR(check_use(arguments, setup, as_images, by_events, verb));
-  const auto run = by_events ? run_stream : run_counts;
-  E2LF_ASSIGN_OR_RETURN(const capture::EventImages first, run(arguments, setup, output.path(), verb.common(), record));
+  capture::Measurement first;
+  if (setup.known.measurement != capture::MeasurementKind::kEventImages) {
+    E2LF_ASSIGN_OR_RETURN(first, run_images(arguments, setup, output.path(), verb.common(), record));
+  } else {
+    const auto run = by_events ? run_stream : run_counts;
+    E2LF_ASSIGN_OR_RETURN(first, run(arguments, setup, output.path(), verb.common(), record));
+  }
   hide_progress();
   if (!as_images && !output.is_stream()) note_setup(record, recorded_setup(arguments, setup), output.path());
   record.end_step("simulate");
   if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
-  print_statistics(first, verb.common());
+  print_images(first, verb.common());
+  print_statistics(first.events, verb.common());
   return {};
 }
 
@@ -297,6 +373,9 @@ int run_simulate(const std::vector<std::string>& arguments) {
   app.add_option("--tau", simulation.tau, "contrast threshold; default: the model's, or 0.30");
   app.add_option("--sigma-w", simulation.sigma_w, "noise of the log intensity; default: the model's, or 0.175");
   app.add_option("--sigma-z", simulation.sigma_z, "noise of the threshold; default: the model's, or 0.04");
+  app.add_option("--measurement", simulation.measurement,
+                 "event-images, coded-images, hybrid or lens-array; default: what the model takes, or event-images");
+  app.add_option("--sigma-i", simulation.sigma_i, "noise of intensity images; default: the model's, or 0.005");
   app.add_option(
          "--residue", simulation.residue,
          "start each pixel's reference at random up to this many thresholds (0 to 1) too high, as a real sensor "

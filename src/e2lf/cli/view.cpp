@@ -59,6 +59,10 @@ class DocumentMaker {
         return add_model(path);
       case FileKind::kEventImages:
         return add_event_images(path);
+      case FileKind::kImages:
+        return Error{ErrorCode::kUnsupported,
+                     "the viewer shows no measurement with intensity images; reconstruct a light field of it",
+                     path.string()};
       case FileKind::kLightField:
       case FileKind::kCycles:
         return add_light_field(path);

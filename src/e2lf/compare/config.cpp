@@ -122,9 +122,13 @@ Result<void> check_method(const MethodConfig& method, const std::string& locatio
   E2LF_RETURN_IF_ERROR(check_word(method.precision, {"float32", "bfloat16", "auto"}, location + ".precision"));
   E2LF_RETURN_IF_ERROR(check_positive(method.gain, location + ".gain"));
   E2LF_RETURN_IF_ERROR(check_count(method.passes, location + ".passes"));
-  const bool is_network = method.algorithm == "network";
-  if (is_network && method.model.empty()) return invalid("a network needs a model; name its file", location + ".model");
-  if (!is_network && !method.model.empty()) {
+  const bool is_network = method.algorithm == "network", is_video = method.algorithm == "event-video";
+  if ((is_network || is_video) && method.model.empty())
+    return invalid("a network needs a model; name its file", location + ".model");
+  if (is_video && !method.codes.empty()) {
+    return invalid("a scan opens one cell after another; leave the patterns out", location + ".codes");
+  }
+  if (!is_network && !is_video && !method.model.empty()) {
     return invalid(cat("the ", method.algorithm, " has no model; give its patterns as \"codes\""), location + ".model");
   }
   if (!is_network && (method.passes > 1 || !method.camera.empty())) {
@@ -136,6 +140,9 @@ Result<void> check_method(const MethodConfig& method, const std::string& locatio
 Result<void> check_sensor(const SensorConfig& sensor, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_positive(sensor.gain, location + ".gain"));
   E2LF_RETURN_IF_ERROR(check_positive(sensor.tau.value_or(1.0F), location + ".tau"));
+  if (sensor.sigma_i.value_or(0.0F) < 0.0F) {
+    return invalid("noise is zero or more; give a standard deviation", location + ".sigma_i");
+  }
   return check_count(sensor.cycles, location + ".cycles");
 }
 

@@ -36,7 +36,7 @@ struct GroupConfig {
 struct SensorConfig {
   std::string name;
   std::string camera = "paper";
-  std::optional<float> tau = {}, sigma_w = {}, sigma_z = {};
+  std::optional<float> tau = {}, sigma_w = {}, sigma_z = {}, sigma_i = {};
   float gain = 1.0F, residue = 0.0F;
   size_t cycles = 1;
   bool fit_gain = false;
@@ -53,7 +53,7 @@ struct Config {
   bool pictures = true;
 };
 
-inline constexpr const char* kAlgorithms[] = {"network", "inversion", "regularised"};
+inline constexpr const char* kAlgorithms[] = {"network", "inversion", "regularised", "event-video"};
 
 /// Reads a configuration. Fails with kNotFound, kFormat and kInvalidValue (unknown keys with the nearest known one,
 /// values out of range, names given twice, nothing to compare), naming the place in it.

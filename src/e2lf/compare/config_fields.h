@@ -10,9 +10,14 @@ namespace e2lf::compare {
 template <typename Visitor>
 void visit_method(MethodConfig& method, Visitor& visit) {
   visit("name", method.name, "as the tables have it");
-  visit("algorithm", method.algorithm,
-        "or `inversion`, `regularised`, [which need no model](#methods-without-a-network)");
-  visit("model", method.model, "a model file, or the folder of [the release](models.md#the-release)");
+  visit(
+      "algorithm", method.algorithm,
+      "or `inversion`, `regularised`, [which need no model](#methods-without-a-network), or `event-video`, [a scan of "
+      "views](#a-scan-of-views)");
+  visit("model", method.model,
+        "a model file, or the folder of [the release](models.md#the-release); it says what is measured. Of "
+        "`event-video` a "
+        "[model of frames](video.md#networks)");
   visit("codes", method.codes,
         "patterns: a model file, a file of codes, the release's folder; empty: the model's, without a model the "
         "built-in ones");
@@ -44,6 +49,7 @@ void visit_sensor(SensorConfig& sensor, Visitor& visit) {
   visit("tau", sensor.tau, "contrast threshold in place of the camera's; not for physical pixels");
   visit("sigma_w", sensor.sigma_w, "noise of the log intensity, likewise");
   visit("sigma_z", sensor.sigma_z, "noise of the threshold, likewise");
+  visit("sigma_i", sensor.sigma_i, "noise of intensity images; not given: 0.005");
   visit("gain", sensor.gain, "brightness of the scenes; results are divided by it");
   visit("residue", sensor.residue, "as `e2lf simulate --residue`; not for physical pixels");
   visit("cycles", sensor.cycles, "of which one light field is made");

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
+#include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/eval/best_gain.h"
 #include "e2lf/eval/event_statistics.h"
@@ -18,6 +19,7 @@
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/regularised.h"
 #include "e2lf/sensor/event_model.h"
+#include "e2lf/sensor/intensity_images.h"
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::compare {
@@ -26,13 +28,14 @@ namespace {
 using capture::EventImages;
 using lightfield::LightField;
 
+constexpr double kViews = 64;
+
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-Result<EventImages> simulate(const Method& method, const Sensor& sensor, const LightField& scene, uint64_t seed,
-                             size_t cycle) {
-  const uint64_t cycle_seed = seed + 1000 * cycle;
+Result<EventImages> simulate_events(const Method& method, const Sensor& sensor, const LightField& scene, uint64_t seed,
+                                    uint64_t cycle_seed) {
   const SensorConfig& config = sensor.config;
   if (sensor.camera.is_pixel()) {
     return sensor::simulate_pixel_events(method.codes, scene, sensor.camera,
@@ -47,19 +50,34 @@ Result<EventImages> simulate(const Method& method, const Sensor& sensor, const L
   return sensor::simulate_events(method.codes, scene, options);
 }
 
-EventImages sum_of(const std::vector<EventImages>& cycles) {
-  EventImages sum = cycles.front();
+Result<capture::Measurement> simulate(const Method& method, const Sensor& sensor, const LightField& scene,
+                                      uint64_t seed, size_t cycle) {
+  const uint64_t cycle_seed = seed + 1000 * cycle;
+  capture::Measurement measured;
+  measured.kind = method.measurement;
+  if (capture::has_events(method.measurement)) {
+    E2LF_ASSIGN_OR_RETURN(measured.events, simulate_events(method, sensor, scene, seed, cycle_seed));
+  }
+  const sensor::ImageOptions options{sensor.camera.constants.sigma_i, sensor.config.gain, cycle_seed};
+  E2LF_ASSIGN_OR_RETURN(measured.images, sensor::measure_images(method.measurement, method.codes, scene, options));
+  return measured;
+}
+
+/// Of event images.
+capture::Measurement sum_of(const std::vector<capture::Measurement>& cycles) {
+  EventImages sum = cycles.front().events;
   for (size_t i = 1; i < cycles.size(); ++i) {
     for (size_t k = 0; k < sum.counts.size(); ++k) {
-      sum.counts[k] = static_cast<int16_t>(std::clamp(sum.counts[k] + cycles[i].counts[k], INT16_MIN, INT16_MAX));
+      sum.counts[k] =
+          static_cast<int16_t>(std::clamp(sum.counts[k] + cycles[i].events.counts[k], INT16_MIN, INT16_MAX));
     }
   }
   return sum;
 }
 
-/// Makes a light field of the event images of a cycle, or of the sum of several.
+/// Makes a light field of the measurement of a cycle, or of the sum of several.
 using Reconstruct =
-    std::function<Result<LightField>(const EventImages& images, size_t cycles, const ProgressFn& progress)>;
+    std::function<Result<LightField>(const capture::Measurement& measured, size_t cycles, const ProgressFn& progress)>;
 
 struct Algorithm {
   Reconstruct reconstruct;
@@ -68,15 +86,15 @@ struct Algorithm {
 
 Result<Algorithm> algorithm_of(const Method& method, const Sensor& sensor) {
   if (method.config.algorithm == "regularised") {
-    return Algorithm{[&](const EventImages& images, size_t, const ProgressFn& progress) {
-                       return recon::reconstruct_regularised(images, method.codes, sensor.camera.constants, {},
+    return Algorithm{[&](const capture::Measurement& measured, size_t, const ProgressFn& progress) {
+                       return recon::reconstruct_regularised(measured.events, method.codes, sensor.camera.constants, {},
                                                              progress);
                      },
                      false};
   }
   if (method.config.algorithm == "inversion") {
-    return Algorithm{[&](const EventImages& images, size_t, const ProgressFn&) {
-                       return recon::reconstruct_by_inversion(images, method.codes, sensor.camera.constants);
+    return Algorithm{[&](const capture::Measurement& measured, size_t, const ProgressFn&) {
+                       return recon::reconstruct_by_inversion(measured.events, method.codes, sensor.camera.constants);
                      },
                      false};
   }
@@ -90,13 +108,13 @@ Result<Algorithm> algorithm_of(const Method& method, const Sensor& sensor) {
   E2LF_ASSIGN_OR_RETURN(auto network, recon::Reconstructor::create(std::move(model), {.precision = precision}));
   const auto shared = std::make_shared<recon::Reconstructor>(std::move(network));
   const size_t passes = method.config.passes;
-  return Algorithm{[shared, passes](const EventImages& images, size_t cycles, const ProgressFn& progress) {
-                     return shared->reconstruct(images, progress, passes, cycles);
+  return Algorithm{[shared, passes](const capture::Measurement& measured, size_t cycles, const ProgressFn& progress) {
+                     return shared->reconstruct(measured, progress, passes, cycles);
                    },
                    is_told};
 }
 
-Result<LightField> reconstruct(const Algorithm& algorithm, const std::vector<EventImages>& cycles,
+Result<LightField> reconstruct(const Algorithm& algorithm, const std::vector<capture::Measurement>& cycles,
                                const ProgressFn& progress) {
   if (algorithm.takes_sums) return algorithm.reconstruct(sum_of(cycles), cycles.size(), progress);
   LightField mean;
@@ -117,28 +135,40 @@ Result<LightField> reconstruct(const Algorithm& algorithm, const std::vector<Eve
   return mean;
 }
 
-/// Means over the cycles of the events of each transition, and what all cycles together cost.
-void add_costs(const std::vector<EventImages>& cycles, Json& figures) {
-  const size_t num_patterns = cycles.front().transitions + 1;
-  std::vector<double> per_transition(cycles.front().transitions);
-  double total = 0;
-  for (const EventImages& images : cycles) {
-    const eval::EventStatistics statistics = eval::event_statistics(images);
-    total += statistics.total_events_per_pixel;
-    for (size_t k = 0; k < per_transition.size(); ++k) {
-      per_transition[k] += statistics.events_per_pixel[k] / static_cast<double>(cycles.size());
-    }
-  }
-  const cycles::Schedule schedule = cycles::paper_schedule(num_patterns);
-  double measured_us = 0;
+/// Bits of each pixel of an intensity image, as the paper counts them.
+constexpr double kBitsPerIntensity = 8;
+
+/// How long patterns are shown whose light is measured: the paper's camera takes events after the first pattern; what
+/// takes images exposes all of them.
+double measured_us(const Method& method, const cycles::Schedule& schedule) {
+  double events_us = 0, pattern_us = 0;
   for (const cycles::ScheduledPattern& pattern : schedule.patterns) {
-    if (pattern.image) measured_us += static_cast<double>(pattern.interval_us());
+    if (!pattern.image) continue;
+    pattern_us = static_cast<double>(pattern.interval_us());
+    events_us += pattern_us;
   }
+  if (method.measurement == capture::MeasurementKind::kEventImages) return events_us;
+  return pattern_us * static_cast<double>(method.codes.num_patterns);
+}
+
+/// Means over the cycles of the events of each transition, and what all cycles together cost.
+void add_costs(const Method& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
   const auto count = static_cast<double>(cycles.size());
+  std::vector<double> per_transition(cycles.front().events.transitions);
+  double total = 0;
+  for (const capture::Measurement& measured : cycles) {
+    if (per_transition.empty()) break;
+    const eval::EventStatistics statistics = eval::event_statistics(measured.events);
+    total += statistics.total_events_per_pixel;
+    for (size_t k = 0; k < per_transition.size(); ++k) per_transition[k] += statistics.events_per_pixel[k] / count;
+  }
+  const cycles::Schedule schedule = cycles::paper_schedule(std::max<size_t>(method.codes.num_patterns, 2));
+  const double image_bits =
+      count * kBitsPerIntensity * static_cast<double>(cycles.front().images.num_patterns) / kViews;
   figures["events_per_pixel"] = total;
-  figures["bits_per_pixel"] = eval::event_cost(total).bits_per_light_field_pixel;
-  figures["measurement_ms"] = count * measured_us / 1000;
-  figures["cycle_ms"] = count * static_cast<double>(schedule.cycle_us()) / 1000;
+  figures["bits_per_pixel"] = eval::event_cost(total).bits_per_light_field_pixel + image_bits;
+  figures["measurement_ms"] = count * measured_us(method, schedule) / 1000;
+  if (!per_transition.empty()) figures["cycle_ms"] = count * static_cast<double>(schedule.cycle_us()) / 1000;
   figures["events_per_transition"] = per_transition;
 }
 
@@ -151,29 +181,65 @@ void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
   for (const auto& view : quality.views) figures["views_psnr_db"].push_back(number(view.metrics.psnr_db));
 }
 
-Result<Measurement> measure_unnamed(const Plan& plan, const Job& job, const LightField& truth,
-                                    const ProgressFn& progress) {
+/// A reconstruction and what it took, without what depends on its gain.
+Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
+                               const ProgressFn& progress) {
   using Clock = std::chrono::steady_clock;
-  const Method& method = plan.methods[job.method];
-  const Sensor& sensor = plan.sensors[job.sensor];
-  std::vector<EventImages> cycles;
+  std::vector<capture::Measurement> cycles;
   for (size_t cycle = 0; cycle < sensor.config.cycles; ++cycle) {
-    E2LF_ASSIGN_OR_RETURN(EventImages images, simulate(method, sensor, truth, job.seed, cycle));
-    cycles.push_back(std::move(images));
+    E2LF_ASSIGN_OR_RETURN(capture::Measurement measured, simulate(method, sensor, truth, seed, cycle));
+    cycles.push_back(std::move(measured));
   }
   E2LF_ASSIGN_OR_RETURN(const Algorithm algorithm, algorithm_of(method, sensor));
   Measurement measurement;
   const Clock::time_point begin = Clock::now();
   E2LF_ASSIGN_OR_RETURN(measurement.light_field, reconstruct(algorithm, cycles, progress));
-  const double reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  measurement.figures["reconstruct_s"] = std::chrono::duration<double>(Clock::now() - begin).count();
+  add_costs(method, cycles, measurement.figures);
+  // Lenses at the edge reach beyond the scene.
+  const lightfield::Shape &shape = truth.shape(), &found = measurement.light_field.shape();
+  if (found.height != shape.height || found.width != shape.width) {
+    E2LF_ASSIGN_OR_RETURN(measurement.light_field,
+                          lightfield::crop(measurement.light_field, {0, 0, shape.height, shape.width}));
+  }
+  return measurement;
+}
+
+/// The same of a network that makes frames while the views are scanned.
+Result<Measurement> run_scan(const Method& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
+                             const ProgressFn& progress) {
+  if (sensor.camera.is_pixel() || sensor.config.cycles > 1) {
+    return Error{ErrorCode::kUnsupported,
+                 "a scan is simulated once, by pixels of v2e with the sensor's tau; leave this method out for sensors "
+                 "with physical pixels or several cycles",
+                 ""};
+  }
+  E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(method.model));
+  const ScanOptions options{.tau = sensor.camera.constants.tau, .gain = sensor.config.gain, .seed = seed};
+  E2LF_ASSIGN_OR_RETURN(ScanResult scan, scan_to_light_field(model, truth, options, progress));
+  Measurement measurement;
+  measurement.light_field = std::move(scan.light_field);
+  measurement.figures = {{"reconstruct_s", scan.reconstruct_s},
+                         {"events_per_pixel", scan.events_per_pixel},
+                         {"bits_per_pixel", eval::event_cost(scan.events_per_pixel).bits_per_light_field_pixel},
+                         {"measurement_ms", scan.measurement_ms},
+                         {"cycle_ms", scan.measurement_ms}};
+  return measurement;
+}
+
+Result<Measurement> measure_unnamed(const Plan& plan, const Job& job, const LightField& truth,
+                                    const ProgressFn& progress) {
+  const Method& method = plan.methods[job.method];
+  const Sensor& sensor = plan.sensors[job.sensor];
+  const auto run = is_scan(method) ? run_scan : run_method;
+  E2LF_ASSIGN_OR_RETURN(Measurement measurement, run(method, sensor, job.seed, truth, progress));
   LightField& field = measurement.light_field;
-  const bool is_fitted = method.config.fit_gain || sensor.config.fit_gain;
+  // Frames have no scale of their own.
+  const bool is_fitted = method.config.fit_gain || sensor.config.fit_gain || is_scan(method);
   const float gain = is_fitted ? eval::best_gain(truth, field) : method.config.gain / sensor.config.gain;
   for (float& value : field.data()) value *= gain;
   E2LF_ASSIGN_OR_RETURN(const eval::LightFieldMetrics quality, eval::compare(truth, field));
   add_quality(quality, measurement.figures);
-  add_costs(cycles, measurement.figures);
-  measurement.figures["reconstruct_s"] = reconstruct_s;
   measurement.figures["gain"] = json_number(gain);
   measurement.figures["num_patterns"] = method.codes.num_patterns;
   measurement.figures["patterns"] = capture::codes_to_json(method.codes)["patterns"];

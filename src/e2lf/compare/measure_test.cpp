@@ -8,6 +8,7 @@
 #include "e2lf/eval/metrics.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/sensor/event_model.h"
+#include "testing/test_files.h"
 
 namespace e2lf::compare {
 namespace {
@@ -51,6 +52,47 @@ TEST(Measure, IsWhatSimulationInversionAndComparisonGive) {
   // Three patterns of 10 ms and 0.592 ms between; the paper's cycle.
   EXPECT_NEAR(measured.figures["measurement_ms"].get<double>(), 31.8, 0.1);
   EXPECT_NEAR(measured.figures["cycle_ms"].get<double>(), 94.7, 0.1);
+}
+
+/// A model of four coded images that shows the second one in every view.
+model::Model coded_images_model() {
+  model::Model model;
+  model.name = "coded";
+  model.num_patterns = 4;
+  model.codes = capture::default_codes();
+  model.input = {{model::InputKind::kImages, 1.0F}};
+  model::Layer layer;
+  layer.name = "a";
+  layer.inputs = {"input"};
+  layer.out_channels = 64;
+  model.network = {4, {layer}};
+  model.weights["a.bias"].resize(64);
+  for (size_t view = 0; view < 64; ++view) {
+    for (const float weight : {0.0F, 1.0F, 0.0F, 0.0F}) model.weights["a.weight"].push_back(weight);
+  }
+  return model;
+}
+
+TEST(Measure, IntensityImagesCostNoEvents) {
+  const TestFolder folder;
+  Plan plan = inversion_plan(1, 0.5F);
+  Method& method = plan.methods[0];
+  method.config.algorithm = "network";
+  method.model = folder / "m.safetensors";
+  method.measurement = capture::MeasurementKind::kCodedImages;
+  ASSERT_TRUE(model::write_model(method.model, coded_images_model()));
+  plan.sensors[0].camera.constants.sigma_i = 0;
+  const LightField truth = load_scene(plan.scenes[0]).value();
+  const Measurement measured = measure(plan, plan.jobs[0], truth).value();
+  EXPECT_EQ(measured.figures["events_per_pixel"], 0);
+  EXPECT_EQ(measured.figures["bits_per_pixel"], 8 * 4 / 64.0);
+  EXPECT_NEAR(measured.figures["measurement_ms"].get<double>(), 4 * 10.592, 1e-9);
+  EXPECT_FALSE(measured.figures.contains("cycle_ms"));
+  // The scene's gain is undone, and the image is that of Eq. 1.
+  const auto intensities = sensor::coded_intensities(method.codes, truth).value();
+  for (size_t i = 0; i < intensities.image_size(); ++i) {
+    ASSERT_NEAR(measured.light_field.data()[i], intensities.image(1)[i], 1e-5);
+  }
 }
 
 TEST(Measure, SeveralCyclesAreBetterAndCostMore) {

@@ -12,6 +12,7 @@
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/model/model.h"
+#include "e2lf/model/video_model.h"
 
 namespace e2lf::compare {
 namespace fs = std::filesystem;
@@ -36,6 +37,13 @@ Result<capture::Codes> read_any_codes(const fs::path& path) {
   if (model.codes) return std::move(*model.codes);
   return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera as \"codes\"",
                path.string()};
+}
+
+/// An aperture of 8x8 with one cell open after another.
+capture::Codes one_hot_codes() {
+  capture::Codes codes(64, 8, 8);
+  for (size_t n = 0; n < codes.num_patterns; ++n) codes.pattern(n)[n] = 1.0F;
+  return codes;
 }
 
 /// Hashes each file once.
@@ -81,8 +89,9 @@ class Planner {
   }
 
  private:
-  static bool is_left_out(const MethodConfig& method, const Error& error) {
+  bool is_left_out(const MethodConfig& method, const Error& error) {
     if (!method.optional || error.code != ErrorCode::kNotFound) return false;
+    plan_.left_out.push_back(method.name);
     log_warning(cat("the method ", method.name, " is left out: ", error.text()));
     return true;
   }
@@ -105,12 +114,18 @@ class Planner {
     std::optional<capture::Codes> codes;
     Json model_hash;
     bool is_told = false;
-    if (!config.model.empty()) {
+    if (is_scan(method)) {
+      E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
+      E2LF_RETURN_IF_ERROR(model::read_video_model(method.model));
+      E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
+      codes = one_hot_codes();
+    } else if (!config.model.empty()) {
       E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
       E2LF_ASSIGN_OR_RETURN(model::Model model, read_any_model(method.model));
       E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
       codes = std::move(model.codes);
       is_told = model::is_told_the_camera(model);
+      method.measurement = model.measurement();
     }
     if (!config.codes.empty()) {
       E2LF_ASSIGN_OR_RETURN(const fs::path path, locate(config.codes));
@@ -234,12 +249,14 @@ class Planner {
     constants.tau = config.tau.value_or(constants.tau);
     constants.sigma_w = config.sigma_w.value_or(constants.sigma_w);
     constants.sigma_z = config.sigma_z.value_or(constants.sigma_z);
+    constants.sigma_i = config.sigma_i.value_or(constants.sigma_i);
     // A name is no constant.
     capture::Camera nameless = sensor.camera;
     nameless.name = "camera";
     sensor.identity = {{"camera", capture::to_json(nameless)},
                        {"gain", json_number(config.gain)},
                        {"residue", json_number(config.residue)},
+                       {"sigma_i", json_number(constants.sigma_i)},
                        {"cycles", config.cycles},
                        {"fit_gain", config.fit_gain}};
     plan_.sensors.push_back(std::move(sensor));

@@ -9,6 +9,7 @@
 
 #include "e2lf/capture/camera.h"
 #include "e2lf/capture/codes.h"
+#include "e2lf/capture/measurement.h"
 #include "e2lf/compare/config.h"
 
 namespace e2lf::compare {
@@ -17,7 +18,8 @@ namespace e2lf::compare {
 struct Method {
   MethodConfig config;
   std::filesystem::path model;  ///< a file or the release's folder; empty: none
-  capture::Codes codes;
+  capture::Codes codes;         ///< of a scan of views: one open cell in each
+  capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
   std::optional<capture::Camera> told;  ///< where not the sensor's
   Json identity;                        ///< all that its results depend on
 };
@@ -36,6 +38,11 @@ struct Sensor {
   Json identity;
 };
 
+/// Whether a method scans the views for a network that makes frames.
+[[nodiscard]] inline bool is_scan(const Method& method) {
+  return method.config.algorithm == "event-video";
+}
+
 /// One result: numbers of method, scene and sensor in the plan, and a seed.
 struct Job {
   size_t method = 0, scene = 0, sensor = 0;
@@ -47,8 +54,9 @@ struct Job {
 struct Plan {
   std::string name;
   std::vector<Method> methods;
-  std::vector<Scene> scenes;        ///< group by group
-  std::vector<std::string> groups;  ///< names of those that are there
+  std::vector<std::string> left_out;  ///< names of optional methods whose files are not there
+  std::vector<Scene> scenes;          ///< group by group
+  std::vector<std::string> groups;    ///< names of those that are there
   std::vector<Sensor> sensors;
   std::vector<std::string> metrics;
   bool pictures = true;

@@ -88,7 +88,7 @@ TEST_F(PlanTest, KeysDependOnContentAndNotOnNames) {
 }
 
 TEST_F(PlanTest, EverySettingThatMattersChangesTheKeys) {
-  std::vector<Config> changed(10, config());
+  std::vector<Config> changed(11, config());
   changed[0].methods[0].gain = 2;
   changed[1].methods[0].fit_gain = true;
   changed[2].sensors[0].tau = 0.2F;
@@ -99,6 +99,7 @@ TEST_F(PlanTest, EverySettingThatMattersChangesTheKeys) {
   changed[7].scenes[0].reverse_rows = true;
   changed[8].seeds = {2};
   changed[9].sensors[0].fit_gain = true;
+  changed[10].sensors[0].sigma_i = 0.01F;
   std::set<std::string> all = keys_of(config());
   for (const Config& each : changed) {
     const size_t before = all.size();
@@ -148,6 +149,9 @@ TEST_F(PlanTest, WhatIsNotOptionalMustBeThere) {
   missing.methods[0] = {.name = "net", .model = "none.safetensors"};
   EXPECT_EQ(make_plan(missing, surroundings_).error().location, "none.safetensors");
   missing.methods[0].optional = true;
+  missing.methods.push_back(config().methods[0]);
+  EXPECT_THAT(make_plan(missing, surroundings_).value().left_out, ElementsAre("net"));
+  missing.methods.pop_back();
   EXPECT_THAT(make_plan(missing, surroundings_).error().message, HasSubstr("nothing is left to compare"));
   missing = config();
   missing.scenes[0].scenes = {"demo:x"};

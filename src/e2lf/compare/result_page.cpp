@@ -130,14 +130,15 @@ void add_patterns(const Plan& plan, const Results& results, size_t sensor, repor
       for (size_t k = 0; k < each.size(); ++k) events[k] += each[k];
       ++count;
     }
-    if (shown == nullptr) continue;
+    if (shown == nullptr || is_scan(plan.methods[method])) continue;
     page.heading(names, 4).begin_row();
     size_t number = 0;
     for (const Json& pattern : shown->at("patterns")) {
       size_t columns = 1;
       const std::vector<double> cells = cells_of(pattern, columns);
-      const std::string caption =
-          number == 0 ? "" : report::tick_text(events.at(number - 1) / static_cast<double>(count), 3);
+      const std::string caption = number == 0 || number > events.size()
+                                      ? ""
+                                      : report::tick_text(events[number - 1] / static_cast<double>(count), 3);
       page.drawing(report::grid_svg({columns, cells}), cat("a", number + 1, caption.empty() ? "" : ": ", caption));
       ++number;
     }

@@ -122,6 +122,11 @@ Table quality_table(const Plan& plan, const Results& results, size_t sensor) {
     }
     table.rows.push_back(std::move(row));
   }
+  for (const std::string& name : plan.left_out) {
+    std::vector<Cell> row(table.columns.size());
+    row.front() = report::text_cell(name + " (weights not at hand)");
+    table.rows.push_back(std::move(row));
+  }
   const bool is_least = !metrics.empty() && metrics.front().is_least_best;
   for (size_t column = 2; column < table.columns.size(); ++column) report::mark_best(table, column, is_least);
   return table;

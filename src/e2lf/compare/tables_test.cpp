@@ -89,6 +89,15 @@ TEST(Tables, QualityIsMethodsByGroupsAsInThePaper) {
   EXPECT_THAT(table.caption, HasSubstr("PSNR in dB / SSIM"));
 }
 
+TEST(Tables, SayWhichMethodsAreNotThere) {
+  Plan plan = small_plan();
+  plan.left_out = {"CA + E2VID"};
+  const report::Table table = quality_table(plan, results_of(plan), 0);
+  ASSERT_EQ(table.rows.size(), 3U);
+  EXPECT_EQ(table.rows[2][0].text, "CA + E2VID (weights not at hand)");
+  EXPECT_EQ(table.rows[2][4].text, "");
+}
+
 TEST(Tables, TheResultsHaveWhatIsTheSameInEveryRunAlone) {
   const Plan plan = small_plan();
   const std::string csv = report::table_csv(result_table(plan, results_of(plan)));

@@ -46,7 +46,7 @@ SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, si
   const auto row = [&](const std::vector<float>& values) {
     return torch::tensor(at::ArrayRef<float>(values)).unsqueeze(0).to(device);
   };
-  sample.traits = row(capture::camera_traits(camera, num_patterns, cycles));
+  if (num_patterns >= 2) sample.traits = row(capture::camera_traits(camera, num_patterns, cycles));
   if (!camera.is_pixel()) return sample;
   std::vector<float> transmission = {1.0F};
   for (size_t n = 0; n + 1 < num_patterns; ++n) {
@@ -59,7 +59,7 @@ SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, si
 }
 
 Patterns::Patterns(size_t num_patterns, PatternTie tie, torch::Device device) : tie_(tie) {
-  E2LF_REQUIRE(num_patterns >= 2, "at least two patterns make an event image");
+  E2LF_REQUIRE(num_patterns >= (tie == PatternTie::kBlackFirst ? 2 : 1), "there is nothing to learn");
   E2LF_REQUIRE(tie != PatternTie::kComplementary || num_patterns % 2 == 0, "complementary patterns come in pairs");
   size_t num_free = num_patterns;
   if (tie == PatternTie::kBlackFirst) num_free = num_patterns - 1;
@@ -112,6 +112,32 @@ torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::T
 SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device) {
   const auto w = torch::randn(shape, torch::device(device));
   return {w, torch::randn(shape, torch::device(device))};
+}
+
+SensorNoise draw_noise(capture::MeasurementKind measurement, int64_t batch, int64_t num_patterns, int64_t height,
+                       int64_t width, torch::Device device) {
+  SensorNoise noise;
+  // Events first: measurements that have no images draw what they always drew.
+  if (capture::has_events(measurement)) noise = draw_noise({batch, num_patterns - 1, height, width}, device);
+  const auto images = static_cast<int64_t>(capture::num_images(measurement, static_cast<size_t>(num_patterns)));
+  if (images > 0) noise.image = torch::randn({batch, images, height, width}, torch::device(device));
+  return noise;
+}
+
+torch::Tensor measure_images(capture::MeasurementKind kind, const torch::Tensor& light_field,
+                             const torch::Tensor& intensities, double sigma, const torch::Tensor& noise) {
+  switch (kind) {
+    case capture::MeasurementKind::kEventImages:
+      break;
+    case capture::MeasurementKind::kCodedImages:
+      return intensities + sigma * noise;
+    case capture::MeasurementKind::kHybrid:
+      return intensities.sum(1, true) + sigma * noise;
+    case capture::MeasurementKind::kLensArray:
+      return torch::pixel_shuffle(torch::avg_pool2d(light_field, capture::kLensPixels), capture::kLensPixels) +
+             sigma * noise;
+  }
+  return {};
 }
 
 torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleConstants& constants,

@@ -4,6 +4,7 @@
 #include <torch/types.h>
 
 #include "e2lf/capture/codes.h"
+#include "e2lf/capture/measurement.h"
 #include "e2lf/capture/sensor_constants.h"
 #include "e2lf/learn/pixel_model.h"
 
@@ -40,8 +41,8 @@ enum class PatternTie {
 class Patterns {
  public:
   /// Starts each pattern as a soft disc at a random place, from torch's generator. (From small white noise, all
-  /// patterns see the same at first, and learning starts by closing every cell.) Complementary patterns are even in
-  /// number.
+  /// patterns see the same at first, and learning starts by closing every cell.) There is at least one with parameters;
+  /// complementary patterns are even in number.
   Patterns(size_t num_patterns, PatternTie tie, torch::Device device);
 
   /// Starts from binary codes [n, views] instead, each cell softened alike; patterns beyond these start as before.
@@ -75,10 +76,21 @@ struct SensorNoise {
   /// Thresholds by which each pixel's reference is above the first log intensity, float32 [batch, y, x]; undefined:
   /// none. When darkness falls, a pixel's last event leaves its reference anywhere within one.
   torch::Tensor residue = {};
+  torch::Tensor image = {};  ///< of intensity images: standard normal, as large as they are; undefined: there are none
 };
 
 /// Draws w and z from torch's generator.
 [[nodiscard]] SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device);
+
+/// Draws what is random in the measurements of light fields [batch, 64, height, width] with N patterns.
+[[nodiscard]] SensorNoise draw_noise(capture::MeasurementKind measurement, int64_t batch, int64_t num_patterns,
+                                     int64_t height, int64_t width, torch::Device device);
+
+/// The intensity images [batch, capture::num_images(), y, x] of a measurement, from light fields [batch, 64, y, x] and
+/// their coded intensities; undefined where it has none. Behind a lens array y and x are multiples of 8. Noise is
+/// sigma * noise.
+[[nodiscard]] torch::Tensor measure_images(capture::MeasurementKind kind, const torch::Tensor& light_field,
+                                           const torch::Tensor& intensities, double sigma, const torch::Tensor& noise);
 
 /// Event images [batch, N - 1, y, x] of whole numbers from coded intensities [batch, N, y, x]. Rounding toward zero has
 /// the gradient of the identity. Noise is sigma_w * w on the log intensity and sigma_z * z on the threshold, which

@@ -7,6 +7,7 @@
 
 #include "e2lf/learn/input_form.h"
 #include "e2lf/sensor/event_model.h"
+#include "e2lf/sensor/intensity_images.h"
 
 namespace e2lf::learn {
 namespace {
@@ -62,6 +63,43 @@ TEST(InputForm, HasTheGradientOfDifferencesInEveryGroup) {
     return (form_inputs(events, groups, noise_free(1, kDouble)).square() * weights).sum();
   };
   EXPECT_LT(gradient_error(loss, torch::rand({1, 3, 2, 2}, kDouble) * 3.0 + 0.5), 1e-7);
+}
+
+/// The same measurement as `sensor` makes of the same light field.
+TEST(MeasuredImages, AreThoseOfTheSimulator) {
+  torch::manual_seed(4);
+  const auto light_field = torch::rand({1, 64, 16, 24});
+  lightfield::LightField scene({8, 8, 16, 24});
+  std::copy_n(light_field.data_ptr<float>(), scene.data().size(), scene.data().begin());
+  const capture::Codes codes = capture::default_codes();
+  const auto intensities = coded_intensities(light_field, to_tensor(codes, torch::kCPU));
+  using capture::MeasurementKind;
+  for (const auto kind : {MeasurementKind::kCodedImages, MeasurementKind::kHybrid, MeasurementKind::kLensArray}) {
+    const auto noise = draw_noise(kind, 1, 4, 16, 24, torch::kCPU);
+    EXPECT_EQ(noise.w.defined(), kind == MeasurementKind::kHybrid);
+    const auto images = measure_images(kind, light_field, intensities, 0.0, noise.image).contiguous();
+    const auto expected = sensor::measure_images(kind, codes, scene, {.sigma = 0}).value();
+    ASSERT_EQ(images.numel(), static_cast<int64_t>(expected.values.size())) << capture::measurement_name(kind);
+    for (size_t i = 0; i < expected.values.size(); ++i) {
+      ASSERT_NEAR(images.data_ptr<float>()[i], expected.values[i], 1e-5F) << capture::measurement_name(kind);
+    }
+    const auto noisy = measure_images(kind, light_field, intensities, 0.01, noise.image);
+    EXPECT_NEAR((noisy - images).std().item<double>(), 0.01, 0.0015);
+  }
+  EXPECT_FALSE(measure_images(MeasurementKind::kEventImages, light_field, intensities, 0.0, {}).defined());
+}
+
+/// Lenses whose brightness grows evenly from lens to lens: so does the plane of each view between their centres, as
+/// recon::network_input() has it.
+TEST(InputForm, LensesAreJoinedInStraightLines) {
+  auto image = torch::zeros({1, 1, 16, 32});
+  for (int64_t y = 0; y < 16; ++y) {
+    for (int64_t x = 0; x < 32; ++x) image[0][0][y][x] = (y % 8 * 8 + x % 8) / 64.0 + (x / 8) * 0.5;
+  }
+  const auto planes = form_inputs({}, {{model::InputKind::kLensArray, 2.0F}}, noise_free(1), image);
+  ASSERT_EQ(planes.sizes(), (std::vector<int64_t>{1, 64, 16, 32}));
+  EXPECT_NEAR(planes[0][9][5][0].item<double>(), 2 * 9 / 64.0, 1e-6);  // before the first centre
+  EXPECT_NEAR(planes[0][9][5][15].item<double>(), 2 * (9 / 64.0 + 0.5 * (15.5 / 8 - 0.5)), 1e-6);
 }
 
 TEST(InputForm, MatchesItsDefinitionAndLimitsIntensitiesToOne) {

@@ -165,8 +165,12 @@ Batches::Conditions Batches::random_conditions(Draws& draws) const {
            on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
 }
 
-/// Of the paper's models; apply_camera() replaces those of physical pixels.
+/// Of the paper's models; apply_camera() replaces those of physical pixels. One pattern alone makes no events.
 void Batches::tell_traits(Conditions& conditions) const {
+  if (config_.patterns.num_patterns < 2) {
+    conditions.constants.traits = torch::zeros({conditions.gain.size(0), 0}, torch::device(device_));
+    return;
+  }
   const SampleConstants& constants = conditions.constants;
   const auto value = [](const torch::Tensor& values, int64_t i) { return values.flatten()[i].item<float>(); };
   std::vector<torch::Tensor> rows;
@@ -220,7 +224,9 @@ Batch Batches::at(uint64_t step, Share share) {
   const auto& [gain, most_residue, constants] = conditions;
   torch::manual_seed(mix_seed(config_.seed, kNoise, step));
   const auto size = static_cast<int64_t>(config_.train.batch), patch = static_cast<int64_t>(config_.train.patch);
-  const auto noise = draw_noise({size, static_cast<int64_t>(config_.patterns.num_patterns) - 1, patch, patch}, device_);
+  const auto kind = model::measurement_of(config_.input).value();
+  const auto num_patterns = static_cast<int64_t>(config_.patterns.num_patterns);
+  const auto noise = draw_noise(kind, size, num_patterns, patch, patch, device_);
   const auto residue = torch::rand({size, patch, patch}, torch::device(device_)) * most_residue.reshape({-1, 1, 1});
 
   const int64_t length = size / share.size, first = share.rank * length;
@@ -233,7 +239,8 @@ Batch Batches::at(uint64_t step, Share share) {
     const PixelSamples& pixel = constants.pixel;
     batch.constants.pixel = {own(pixel.is_pixel), own(pixel.constants), own(pixel.transmission), pixel.cycles};
   }
-  batch.noise = {own(noise.w), own(noise.z), own(residue)};
+  if (noise.w.defined()) batch.noise = {own(noise.w), own(noise.z), own(residue)};
+  if (noise.image.defined()) batch.noise.image = own(noise.image);
   // Stacked with the views last in memory, which is how they and the network's result are used.
   for (auto& field : patches) field = field.permute({1, 2, 0});
   batch.light_field = torch::stack(std::vector(patches.begin() + first, patches.begin() + first + length))

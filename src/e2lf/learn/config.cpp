@@ -28,7 +28,9 @@ Result<void> read_input(const Json& json, const std::string& location, std::vect
     E2LF_RETURN_IF_ERROR(reader.finish());
     const auto* const found = std::find(std::begin(kInputKindNames), std::end(kInputKindNames), kind);
     if (found == std::end(kInputKindNames)) {
-      return invalid(cat("unknown kind \"", kind, "\"; use counts, cumulative, intensity or camera"), location);
+      return invalid(cat("unknown kind \"", kind, "\"; use one of ",
+                         join({std::begin(kInputKindNames), std::end(kInputKindNames)})),
+                     location);
     }
     group.kind = static_cast<model::InputKind>(found - std::begin(kInputKindNames));
     input.push_back(group);
@@ -156,14 +158,21 @@ bool is_intensity(const model::InputGroup& group) {
   return group.kind == model::InputKind::kIntensity;
 }
 
-Result<void> check_patterns(const PatternConfig& patterns, const std::string& location) {
+Result<void> check_patterns(const PatternConfig& patterns, capture::MeasurementKind measurement,
+                            const std::string& location) {
   if (patterns.complementary && (patterns.black_first || patterns.num_patterns % 2 != 0)) {
     return invalid(
         "complementary patterns come in pairs, none of them black; set black_first to false and an even "
         "num_patterns",
         location);
   }
-  if (patterns.num_patterns < 2) return invalid("num_patterns must be at least 2; raise it", location);
+  const size_t least = patterns.black_first || capture::has_events(measurement) ? 2 : 1;
+  if (patterns.num_patterns < least)
+    return invalid(cat("num_patterns must be at least ", least, "; raise it"), location);
+  if (measurement == capture::MeasurementKind::kLensArray && patterns.num_patterns != 1) {
+    return invalid("behind a lens array the aperture is open; set num_patterns to 1 and black_first to false",
+                   location);
+  }
   return {};
 }
 
@@ -204,7 +213,12 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
     return invalid("intensity inputs need a black first pattern; leave them out or set patterns.black_first",
                    location + ".input");
   }
-  E2LF_RETURN_IF_ERROR(check_patterns(config.patterns, location + ".patterns"));
+  const auto measurement = model::measurement_of(config.input);
+  if (!measurement) return invalid(measurement.error().message, location + ".input");
+  E2LF_RETURN_IF_ERROR(check_patterns(config.patterns, *measurement, location + ".patterns"));
+  if (*measurement == capture::MeasurementKind::kLensArray && config.train.patch % capture::kLensPixels != 0) {
+    return invalid("a patch is no whole number of lenses; make it a multiple of 8", location + ".train.patch");
+  }
   E2LF_RETURN_IF_ERROR(check_network(config.network, location + ".network"));
   E2LF_RETURN_IF_ERROR(check_train(config.train, location + ".train"));
   if (config.precision != "float32" && config.precision != "bfloat16") {

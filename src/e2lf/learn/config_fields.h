@@ -13,7 +13,8 @@
 namespace e2lf::learn {
 
 inline constexpr const char* kEventModelNames[] = {"quantised", "reference-aware"};
-inline constexpr const char* kInputKindNames[] = {"counts", "cumulative", "intensity", "camera"};
+inline constexpr const char* kInputKindNames[] = {"counts", "cumulative", "intensity", "camera",
+                                                  "images", "image-sum",  "lens-array"};
 
 template <typename Options>
 auto synthesiser_fields(Options& options) {
@@ -75,6 +76,7 @@ auto sensor_fields(Sensor& sensor) {
     visit("nominal_tau", sensor.nominal.tau, "threshold");
     visit("nominal_sigma_w", sensor.nominal.sigma_w, "noise of the log intensity");
     visit("nominal_sigma_z", sensor.nominal.sigma_z, "noise of the threshold");
+    visit("sigma_i", sensor.nominal.sigma_i, "noise of intensity images, where `input` has any");
     visit("nominal_share", sensor.nominal_share, "samples with exactly these");
     visit("noise_free_share", sensor.noise_free_share, "of the others: without noise");
     visit("residue_share", sensor.residue_share, "of those not nominal: references off black");
@@ -143,7 +145,8 @@ void visit_fields(AnyConfig& config, Visitor& visit) {
   visit.section("data", data_fields(config.data));
   visit.section("patterns", pattern_fields(config.patterns));
   visit.section("sensor", sensor_fields(config.sensor));
-  visit.inputs("input", config.input, "see [inputs](#inputs); the intensity only with `black_first`");
+  visit.inputs("input", config.input,
+               "see [inputs](#inputs), which say what is measured; the intensity only with `black_first`");
   visit.section("network", network_fields(config.network));
   visit.section("train", train_fields(config.train));
 }

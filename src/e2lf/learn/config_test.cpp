@@ -52,6 +52,12 @@ TEST(Config, RefusesValuesThatCannotWork) {
   EXPECT_EQ(error_of(R"({"patterns": {"complementary": true}})").location, "test.patterns");
   EXPECT_EQ(error_of(R"({"patterns": {"num_patterns": 1}})").location, "test.patterns");
   EXPECT_EQ(error_of(R"({"input": [{"kind": "colour"}]})").location, "test.input");
+  EXPECT_EQ(error_of(R"({"input": [{"kind": "images"}, {"kind": "counts"}]})").location, "test.input");
+  EXPECT_EQ(error_of(R"({"input": [{"kind": "lens-array"}]})").location, "test.patterns");
+  EXPECT_EQ(error_of(R"({"input": [{"kind": "lens-array"}], "patterns": {"num_patterns": 1, "black_first": false},
+                         "train": {"patch": 60}})")
+                .location,
+            "test.train.patch");
   EXPECT_EQ(error_of(R"({"network": {"type": "transformer"}})").location, "test.network");
   EXPECT_EQ(error_of(R"({"network": {"widths": [8]}})").location, "test.network");
   EXPECT_EQ(error_of(R"({"train": {"batch": 0}})").location, "test.train");
@@ -65,6 +71,35 @@ TEST(Config, TheDocumentedTableIsThatOfTheFields) {
   const std::string text(bytes->begin(), bytes->end());
   EXPECT_NE(text.find(config_table()), std::string::npos) << "docs/training-settings.md should hold:\n"
                                                           << config_table();
+}
+
+/// The configurations of the paper's methods, with what each measures.
+TEST(Config, ThoseOfThePapersMethodsAreRead) {
+  const std::filesystem::path folder = std::filesystem::path(E2LF_SOURCE_TREE) / "configs" / "paper";
+  const std::vector<std::pair<const char*, capture::MeasurementKind>> methods = {
+      {"bf-ra-n4", capture::MeasurementKind::kEventImages},
+      {"bf-ra-n8", capture::MeasurementKind::kEventImages},
+      {"bf-n4", capture::MeasurementKind::kEventImages},
+      {"ra-n4", capture::MeasurementKind::kEventImages},
+      {"baseline-n4", capture::MeasurementKind::kEventImages},
+      {"event-only-complementary-n4", capture::MeasurementKind::kEventImages},
+      {"hybrid-n4", capture::MeasurementKind::kHybrid},
+      {"ca-n4", capture::MeasurementKind::kCodedImages},
+      {"ca-n2", capture::MeasurementKind::kCodedImages},
+      {"ca-n1", capture::MeasurementKind::kCodedImages},
+      {"lens-array", capture::MeasurementKind::kLensArray}};
+  const Json first = read_json(folder / "bf-ra-n4.json").value();
+  for (const auto& [name, measurement] : methods) {
+    const auto json = read_json(folder / (std::string(name) + ".json"));
+    ASSERT_TRUE(json) << name;
+    const auto config = config_from_json(*json, name);
+    ASSERT_TRUE(config) << config.error().text();
+    EXPECT_EQ(config->name, name);
+    EXPECT_EQ(model::measurement_of(config->input).value(), measurement) << name;
+    for (const char* key : {"data", "sensor", "network", "train", "precision"}) {
+      EXPECT_EQ((*json)[key], first[key]) << name << ": budgets are equal";
+    }
+  }
 }
 
 TEST(MakeNetwork, FitsTheInputAndTheViews) {

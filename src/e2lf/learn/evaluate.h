@@ -9,7 +9,7 @@
 
 namespace e2lf::learn {
 
-/// Codes, sensor and network that turn a light field into events and back.
+/// Codes, sensor and network that turn a light field into a measurement and back.
 struct Pipeline {
   const NetworkModule* network = nullptr;
   const NamedTensors* weights = nullptr;
@@ -18,11 +18,15 @@ struct Pipeline {
   std::vector<model::InputGroup> input;
   torch::ScalarType compute = torch::kFloat;
   NamedTensors* input_means = nullptr;  ///< see NetworkModule::forward
+  double image_sigma = 0.0;             ///< noise of intensity images
+
+  /// What `input` needs.
+  [[nodiscard]] capture::MeasurementKind measurement() const { return model::measurement_of(input).value(); }
 };
 
-/// Events of light fields [batch, 64, y, x] and what the network makes of them, of the same shape.
+/// What is measured of light fields [batch, 64, y, x] and what the network makes of it, of the same shape.
 struct Reconstruction {
-  torch::Tensor events;       ///< [batch, N - 1, y, x]
+  torch::Tensor events;       ///< [batch, N - 1, y, x]; of a measurement without events [batch, 0, y, x]
   torch::Tensor light_field;  ///< float32 [batch, 64, y, x]
 };
 [[nodiscard]] Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field,

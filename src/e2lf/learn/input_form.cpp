@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/input_form.h"
 
+#include <torch/nn/functional/upsampling.h>
+
 namespace e2lf::learn {
 namespace {
 
@@ -14,10 +16,19 @@ torch::Tensor last_change(const torch::Tensor& events) {
   return torch::stack(signs, 1);
 }
 
+/// The views of a lens-array image, between the centres of lenses bilinear.
+torch::Tensor lens_views(const torch::Tensor& image) {
+  namespace functional = torch::nn::functional;
+  const std::vector<int64_t> size = {image.size(2), image.size(3)};
+  return functional::interpolate(
+      torch::pixel_unshuffle(image, capture::kLensPixels),
+      functional::InterpolateFuncOptions().size(size).mode(torch::kBilinear).align_corners(false));
+}
+
 }  // namespace
 
 torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::InputGroup>& groups,
-                          const SampleConstants& constants) {
+                          const SampleConstants& constants, const torch::Tensor& images) {
   std::vector<torch::Tensor> channels;
   for (const model::InputGroup& group : groups) {
     switch (group.kind) {
@@ -41,6 +52,13 @@ torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::
         channels.push_back(planes.expand({-1, -1, events.size(2), events.size(3)}).to(events.scalar_type()));
         break;
       }
+      case model::InputKind::kImages:
+      case model::InputKind::kImageSum:
+        channels.push_back(images * group.scale);
+        break;
+      case model::InputKind::kLensArray:
+        channels.push_back(lens_views(images) * group.scale);
+        break;
     }
   }
   return torch::cat(channels, 1);

@@ -18,6 +18,7 @@ namespace e2lf::learn {
 namespace {
 
 constexpr uint64_t kInitialSeed = 0x1117, kEvaluationSeed = 20;
+constexpr int64_t kViews = 64;
 
 /// How far patterns are from 1/2 everywhere (0) on the way to binary (1).
 double binarity(const torch::Tensor& codes) {
@@ -125,7 +126,9 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   E2LF_ASSIGN_OR_RETURN(auto batches, Batches::create(config, std::move(dataset), device));
   torch::manual_seed(mix_seed(config.seed, 0, kInitialSeed));
   Trainer trainer(config, std::move(batches), NetworkModule(make_network(config), device), device, peers);
-  if (!config.patterns.codes.empty()) {
+  if (model::measurement_of(config.input).value() == capture::MeasurementKind::kLensArray) {
+    trainer.fixed_codes_ = torch::ones({1, kViews}, torch::device(device));
+  } else if (!config.patterns.codes.empty()) {
     const size_t all = config.patterns.num_patterns;
     E2LF_ASSIGN_OR_RETURN(trainer.fixed_codes_, read_codes(config.patterns.codes, all, config.patterns, device));
   } else if (!config.patterns.start.empty()) {
@@ -215,7 +218,7 @@ Result<StepReport> Trainer::train_step() {
   const Batch batch = batches_.at(step_, {peers_.rank(), peers_.size()});
   NamedTensors input_means;
   const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
-                          config_.input, compute_type(),         &input_means};
+                          config_.input, compute_type(),         &input_means,    config_.sensor.nominal.sigma_i};
   const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise);
   // Views last, as they are in memory: so are the gradients then.
   const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
@@ -247,9 +250,14 @@ Result<StepReport> Trainer::train_step() {
 Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes, const capture::Camera& camera,
                                                   size_t cycles) const {
   const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
-  const Pipeline pipeline{
-      &network_,     &average_,     fixed_codes_.defined() ? fixed_codes_ : codes, config_.patterns.event_model,
-      config_.input, compute_type()};
+  const Pipeline pipeline{&network_,
+                          &average_,
+                          fixed_codes_.defined() ? fixed_codes_ : codes,
+                          config_.patterns.event_model,
+                          config_.input,
+                          compute_type(),
+                          nullptr,
+                          config_.sensor.nominal.sigma_i};
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
     E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));

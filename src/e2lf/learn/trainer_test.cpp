@@ -47,6 +47,40 @@ TEST(Trainer, ResumesBitExactlyWhilePatternsAreLearnedAndAfter) {
   }
 }
 
+/// Every measurement trains, resumes bit-exactly and gives a model that says it.
+TEST(Trainer, LearnsFromEveryMeasurement) {
+  const TestData data;
+  using model::InputKind;
+  const std::vector<std::tuple<std::vector<model::InputGroup>, size_t, capture::MeasurementKind>> measurements = {
+      {{{InputKind::kImages, 4.0F}}, 1, capture::MeasurementKind::kCodedImages},
+      {{{InputKind::kImages, 4.0F}}, 3, capture::MeasurementKind::kCodedImages},
+      {{{InputKind::kCounts, 0.125F}, {InputKind::kImageSum, 1.0F}}, 4, capture::MeasurementKind::kHybrid},
+      {{{InputKind::kLensArray, 1.0F}}, 1, capture::MeasurementKind::kLensArray}};
+  for (const auto& [input, num_patterns, kind] : measurements) {
+    auto config = data.config();
+    config.input = input;
+    config.patterns.num_patterns = num_patterns;
+    config.patterns.black_first = false;
+    auto whole = Trainer::create(config);
+    ASSERT_TRUE(whole) << whole.error().text();
+    const auto before = whole->to_model();
+    for (int i = 0; i < 6; ++i) ASSERT_TRUE(whole->train_step()->loss < 1.0);
+    auto first = Trainer::create(config), resumed = Trainer::create(config);
+    for (int i = 0; i < 3; ++i) (void)first->train_step();
+    ASSERT_TRUE(first->save_checkpoint(data.folder() / "checkpoint"));
+    ASSERT_TRUE(resumed->load_checkpoint(data.folder() / "checkpoint"));
+    for (int i = 3; i < 6; ++i) (void)resumed->train_step();
+    expect_equal(whole->parameters(), resumed->parameters());
+    const auto model = whole->to_model();
+    EXPECT_NE(model.weights, before.weights);
+    EXPECT_EQ(model.measurement(), kind);
+    EXPECT_TRUE(model::write_model(data.folder() / "model", model)) << capture::measurement_name(kind);
+    if (kind == capture::MeasurementKind::kLensArray) {
+      EXPECT_EQ(capture::light_efficiency(*model.codes), std::vector<float>{1.0F});
+    }
+  }
+}
+
 TEST(Trainer, LeavesTheCodesOutOfTheModelWhenAsked) {
   const TestData data;
   auto config = data.config();

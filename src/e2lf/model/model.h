@@ -12,19 +12,24 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/camera.h"
 #include "e2lf/capture/codes.h"
+#include "e2lf/capture/measurement.h"
 #include "e2lf/capture/sensor_constants.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/network.h"
 
 namespace e2lf::model {
 
-/// One group of network input channels: N - 1 made from the event images E_k, or what is known of the camera.
+/// One group of network input channels: N - 1 made from the event images E_k, what is known of the camera, or intensity
+/// images.
 enum class InputKind {
   kCounts,      ///< scale * E_k
   kCumulative,  ///< scale * C_k, C_k = E_1 + ... + E_k
   kIntensity,   ///< scale * min(J_k, 1), J_k = eps * (exp(tau * C_k + m) - 1) (Eq. 7), m = half a threshold with the
                 ///< sign of the last change; a coded intensity is at most 1
   kCamera,      ///< scale * capture::camera_traits(), each the same over the whole image
+  kImages,      ///< scale * the coded intensity image of each of N patterns
+  kImageSum,    ///< scale * the one intensity image of all patterns
+  kLensArray,   ///< scale * each of 64 views as a lens array gives it, between the centres of lenses bilinear
 };
 
 struct InputGroup {
@@ -33,15 +38,19 @@ struct InputGroup {
   bool operator==(const InputGroup&) const = default;
 };
 
-/// How many channels the groups make for N patterns.
+/// How many channels a group of this kind, or all groups, make for N patterns.
+[[nodiscard]] size_t num_input_channels(InputKind kind, size_t num_patterns);
 [[nodiscard]] size_t num_input_channels(const std::vector<InputGroup>& groups, size_t num_patterns);
+
+/// What must be measured to make these groups. Fails with kInvalidValue where no measurement has all of them.
+[[nodiscard]] Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& groups);
 
 using Weights = std::map<std::string, std::vector<float>>;
 
 /// Everything a model file holds.
 struct Model {
   std::string name;         ///< e.g. "e2lf-n4"
-  size_t num_patterns = 0;  ///< N; reconstruction takes N - 1 event images
+  size_t num_patterns = 0;  ///< N; reconstruction takes N - 1 event images, or what measurement() says
   size_t views_y = 8, views_x = 8;
   std::optional<capture::Codes> codes;          ///< absent when the patterns belong to somebody's camera
   std::string event_model = "reference-aware";  ///< what it was trained for: "quantised" or "reference-aware"
@@ -52,12 +61,15 @@ struct Model {
   Network network;                        ///< 64 output channels = views, view number = 8 * view_y + view_x
   Weights weights;                        ///< "<layer>.weight", "<layer>.bias"
   Json provenance = Json::object();       ///< data, samples seen, seed, command, figures reached: free form
+
+  /// What its input needs; the model must be valid.
+  [[nodiscard]] capture::MeasurementKind measurement() const { return measurement_of(input).value(); }
 };
 
 /// Whether the network is told the constants of the camera and the number of cycles.
 [[nodiscard]] bool is_told_the_camera(const Model& model);
 
-/// The words of model files: "counts", "cumulative", "intensity", "camera".
+/// The words of model files: "counts", "cumulative", "intensity", "camera", "images", "image-sum", "lens-array".
 [[nodiscard]] const char* input_kind_name(InputKind kind);
 
 /// Success when every field fits every other: channels, codes, weights (each present, its size right, all finite).

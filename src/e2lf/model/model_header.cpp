@@ -9,10 +9,16 @@
 namespace e2lf::model {
 namespace {
 
-constexpr std::pair<InputKind, const char*> kInputKinds[] = {{InputKind::kCounts, "counts"},
-                                                             {InputKind::kCumulative, "cumulative"},
-                                                             {InputKind::kIntensity, "intensity"},
-                                                             {InputKind::kCamera, "camera"}};
+constexpr std::pair<InputKind, const char*> kInputKinds[] = {
+    {InputKind::kCounts, "counts"},       {InputKind::kCumulative, "cumulative"}, {InputKind::kIntensity, "intensity"},
+    {InputKind::kCamera, "camera"},       {InputKind::kImages, "images"},         {InputKind::kImageSum, "image-sum"},
+    {InputKind::kLensArray, "lens-array"}};
+
+constexpr const char* kMeasurement = "measurement";
+
+bool is_of_light_fields(const Json& measurement) {
+  return measurement.is_string() && (measurement == "" || capture::measurement_from_name(measurement));
+}
 
 Result<InputGroup> group_from_json(const Json& json, const std::string& location) {
   InputGroup group;
@@ -48,9 +54,21 @@ Result<capture::SensorConstants> constants_from_json(const Json& json, const std
   reader.read("eps", constants.eps)
       .read("tau", constants.tau)
       .read("sigma_w", constants.sigma_w)
-      .read("sigma_z", constants.sigma_z);
+      .read("sigma_z", constants.sigma_z)
+      .read("sigma_i", constants.sigma_i);
   E2LF_RETURN_IF_ERROR(reader.finish());
   return constants;
+}
+
+/// What a file says of its measurement fits its input.
+Result<void> check_measurement(const Model& model, const std::string& said, const OptionReader& reader) {
+  const auto needed = measurement_of(model.input);
+  if (!needed) return Error{needed.error().code, needed.error().message, reader.child_location("input")};
+  if (said == capture::measurement_name(*needed)) return {};
+  return Error{
+      ErrorCode::kInvalidValue,
+      cat("it says ", said, ", but the input is made of ", capture::measurement_name(*needed), "; make them agree"),
+      reader.child_location(kMeasurement)};
 }
 
 /// The version is looked at first: another version has other keys.
@@ -68,19 +86,20 @@ Result<void> check_version(const Json& json, const std::string& location) {
 
 Result<void> check_kind(const Json& header, const std::string& expected, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_version(header, location));
-  const Json found = header.value("measurement", Json(""));
-  if (found == expected) return {};
-  const bool is_video = found == kVoxelGrid;
-  if (!is_video && found != "") {
+  const Json found = header.value(kMeasurement, Json(""));
+  const bool is_video = found == kVoxelGrid, is_expected_video = expected == kVoxelGrid;
+  if (!is_video && !is_of_light_fields(found)) {
     return Error{ErrorCode::kUnsupported,
-                 cat("the measurement ", json_line(found), " is not known; this build knows \"", kVoxelGrid,
-                     "\"; use a newer build"),
-                 location + ".measurement"};
+                 cat("the measurement ", json_line(found),
+                     " is not known; this build knows event-images, coded-images, hybrid, lens-array and ", kVoxelGrid,
+                     "; use a newer build"),
+                 location + "." + kMeasurement};
   }
+  if (is_video == is_expected_video) return {};
   return Error{ErrorCode::kUnsupported,
                is_video ? "this model makes frames of voxel grids, no light fields; use it with `e2lf video`"
-                        : "this model makes light fields of event images, no frames; use it with `e2lf reconstruct`",
-               location + ".measurement"};
+                        : "this model makes light fields, no frames; use it with `e2lf reconstruct`",
+               location + "." + kMeasurement};
 }
 
 const char* input_kind_name(InputKind kind) {
@@ -88,12 +107,47 @@ const char* input_kind_name(InputKind kind) {
       ->second;
 }
 
+size_t num_input_channels(InputKind kind, size_t num_patterns) {
+  switch (kind) {
+    case InputKind::kCounts:
+    case InputKind::kCumulative:
+    case InputKind::kIntensity:
+      return num_patterns - 1;
+    case InputKind::kCamera:
+      return capture::num_traits(num_patterns);
+    case InputKind::kImages:
+      return num_patterns;
+    case InputKind::kImageSum:
+      return 1;
+    case InputKind::kLensArray:
+      return capture::kLensPixels * capture::kLensPixels;
+  }
+  return 0;
+}
+
 size_t num_input_channels(const std::vector<InputGroup>& groups, size_t num_patterns) {
   size_t channels = 0;
-  for (const InputGroup& group : groups) {
-    channels += group.kind == InputKind::kCamera ? capture::num_traits(num_patterns) : num_patterns - 1;
-  }
+  for (const InputGroup& group : groups) channels += num_input_channels(group.kind, num_patterns);
   return channels;
+}
+
+Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& groups) {
+  const auto has = [&](InputKind kind) {
+    return std::any_of(groups.begin(), groups.end(), [kind](const InputGroup& group) { return group.kind == kind; });
+  };
+  const bool has_events =
+      has(InputKind::kCounts) || has(InputKind::kCumulative) || has(InputKind::kIntensity) || has(InputKind::kCamera);
+  const bool has_images = has(InputKind::kImages), has_sum = has(InputKind::kImageSum),
+             has_lenses = has(InputKind::kLensArray);
+  using capture::MeasurementKind;
+  if (!has_images && !has_lenses) return has_sum ? MeasurementKind::kHybrid : MeasurementKind::kEventImages;
+  if (has_images && !has_events && !has_sum && !has_lenses) return MeasurementKind::kCodedImages;
+  if (has_lenses && !has_events && !has_sum && !has_images) return MeasurementKind::kLensArray;
+  return Error{
+      ErrorCode::kInvalidValue,
+      "no camera measures all of these; take images alone, lens-array alone, or what is made of events with or "
+      "without image-sum",
+      "input"};
 }
 
 bool is_told_the_camera(const Model& model) {
@@ -121,6 +175,12 @@ Json header_to_json(const Model& model) {
                  {"input", std::move(input)},
                  {"network", to_json(model.network)},
                  {"provenance", model.provenance}};
+  // Old files say nothing: event images.
+  const capture::MeasurementKind measurement = model.measurement();
+  if (measurement != capture::MeasurementKind::kEventImages) {
+    header[kMeasurement] = capture::measurement_name(measurement);
+    header["constants"]["sigma_i"] = json_number(model.constants.sigma_i);
+  }
   if (model.camera) header["camera"] = capture::to_json(*model.camera);
   return header;
 }
@@ -135,6 +195,8 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
       .read("views_x", model.views_x)
       .read("event_model", model.event_model)
       .read("black_first", model.black_first);
+  std::string measurement = capture::measurement_name(capture::MeasurementKind::kEventImages);
+  reader.read(kMeasurement, measurement);
   (void)reader.child("format_version");
   const Json& constants = reader.child("constants");
   const Json& input = reader.child("input");
@@ -144,6 +206,7 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   E2LF_RETURN_IF_ERROR(reader.finish());
   E2LF_ASSIGN_OR_RETURN(model.constants, constants_from_json(constants, reader.child_location("constants")));
   E2LF_ASSIGN_OR_RETURN(model.input, input_from_json(input, reader.child_location("input")));
+  E2LF_RETURN_IF_ERROR(check_measurement(model, measurement, reader));
   E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
   if (!camera.is_null()) {
     E2LF_ASSIGN_OR_RETURN(model.camera, capture::camera_from_json(camera, reader.child_location("camera")));

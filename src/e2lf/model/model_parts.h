@@ -16,7 +16,7 @@ inline constexpr const char* kMetadataKey = "e2lf";
 [[nodiscard]] Result<Json> header_of(const Safetensors& tensors, const std::string& file);
 
 /// Fails with kUnsupported where the header is of another version than kFormatVersion, and where it says that the model
-/// takes another measurement than `expected`: kVoxelGrid, or "" for event images.
+/// takes another measurement than `expected`: kVoxelGrid, or "" for those that light fields are made of.
 inline constexpr const char* kVoxelGrid = "voxel-grid";
 [[nodiscard]] Result<void> check_kind(const Json& header, const std::string& expected, const std::string& location);
 

@@ -372,5 +372,57 @@ TEST(ImportRelease, NamesWhatIsMissingOrOfAnotherShape) {
   EXPECT_THAT(error.location, EndsWith("RecNet.safetensors: l7.weight"));
 }
 
+/// The small model for another measurement.
+Model image_model(std::vector<InputGroup> input, size_t num_patterns) {
+  Model model = small_model();
+  model.input = std::move(input);
+  model.num_patterns = num_patterns;
+  model.codes = capture::Codes(num_patterns, 8, 8);
+  for (float& cell : model.codes->values) cell = 1.0F;
+  model.black_first = false;
+  model.constants.sigma_i = 0.02F;
+  model.network.input_channels = num_input_channels(model.input, num_patterns);
+  model.weights["a.weight"].resize(5 * model.network.input_channels * 9, 0.5F);
+  return model;
+}
+
+TEST(Measurement, IsWrittenAndReadWhereItIsNotEventImages) {
+  const TestFolder folder;
+  const std::vector<std::pair<Model, capture::MeasurementKind>> models = {
+      {image_model({{InputKind::kImages, 4.0F}}, 1), capture::MeasurementKind::kCodedImages},
+      {image_model({{InputKind::kImages, 4.0F}}, 4), capture::MeasurementKind::kCodedImages},
+      {image_model({{InputKind::kCounts, 0.125F}, {InputKind::kImageSum, 1.0F}}, 4), capture::MeasurementKind::kHybrid},
+      {image_model({{InputKind::kLensArray, 1.0F}}, 1), capture::MeasurementKind::kLensArray},
+      {small_model(), capture::MeasurementKind::kEventImages}};
+  for (const auto& [model, kind] : models) {
+    EXPECT_EQ(model.measurement(), kind);
+    const auto written = write_model(folder / "m.safetensors", model);
+    ASSERT_TRUE(written) << written.error().text();
+    const auto read = read_model(folder / "m.safetensors");
+    ASSERT_TRUE(read) << read.error().text();
+    EXPECT_EQ(read->measurement(), kind);
+    EXPECT_EQ(read->input, model.input);
+    EXPECT_EQ(read->constants, model.constants);
+    EXPECT_EQ(summary_json(*read)["measurement"], capture::measurement_name(kind));
+    const Safetensors file = *read_safetensors(folder / "m.safetensors");
+    const bool is_said = Json::parse(file.metadata.at("e2lf")).contains("measurement");
+    EXPECT_EQ(is_said, kind != capture::MeasurementKind::kEventImages) << "old readers know files of event images";
+  }
+}
+
+TEST(Measurement, MustFitInputAndPatterns) {
+  EXPECT_THAT(error_after([](Safetensors& file) {
+                Json header = Json::parse(file.metadata["e2lf"]);
+                header["measurement"] = "hybrid";
+                file.metadata["e2lf"] = header.dump();
+              }).message,
+              HasSubstr("the input is made of event-images"));
+  EXPECT_THAT(validate(image_model({{InputKind::kImages, 1.0F}, {InputKind::kCounts, 1.0F}}, 4), "m").error().message,
+              HasSubstr("no camera measures all of these"));
+  EXPECT_THAT(validate(image_model({{InputKind::kLensArray, 1.0F}}, 2), "m").error().message, HasSubstr("one pattern"));
+  EXPECT_THAT(validate(image_model({{InputKind::kCounts, 1.0F}, {InputKind::kImageSum, 1.0F}}, 1), "m").error().message,
+              HasSubstr("use 2 to"));
+}
+
 }  // namespace
 }  // namespace e2lf::model

@@ -37,8 +37,15 @@ class ModelCheck {
   }
 
   [[nodiscard]] Result<void> check_sizes() const {
-    if (model_.num_patterns < 2 || model_.num_patterns > kMaxPatterns) {
-      return refuse("num_patterns", cat(model_.num_patterns, " patterns; use 2 to ", kMaxPatterns));
+    const auto measurement = measurement_of(model_.input);
+    if (!measurement) return refuse("input", measurement.error().message);
+    // Events are of changes between patterns.
+    const size_t least = capture::has_events(*measurement) ? 2 : 1;
+    if (model_.num_patterns < least || model_.num_patterns > kMaxPatterns) {
+      return refuse("num_patterns", cat(model_.num_patterns, " patterns; use ", least, " to ", kMaxPatterns));
+    }
+    if (*measurement == capture::MeasurementKind::kLensArray && model_.num_patterns != 1) {
+      return refuse("num_patterns", "behind a lens array the aperture is open; say one pattern");
     }
     for (const auto& [field, views] : {std::pair("views_y", model_.views_y), std::pair("views_x", model_.views_x)}) {
       if (views < 1 || views > kMaxViews) return refuse(field, cat(views, " views; use 1 to ", kMaxViews));
@@ -54,8 +61,8 @@ class ModelCheck {
     const auto positive = [](float value) { return std::isfinite(value) && value > 0.0F; };
     if (!positive(constants.eps)) return refuse("constants.eps", cat(constants.eps, " is not above zero; correct it"));
     if (!positive(constants.tau)) return refuse("constants.tau", cat(constants.tau, " is not above zero; correct it"));
-    for (const auto& [field, sigma] :
-         {std::pair("sigma_w", constants.sigma_w), std::pair("sigma_z", constants.sigma_z)}) {
+    for (const auto& [field, sigma] : {std::pair("sigma_w", constants.sigma_w), std::pair("sigma_z", constants.sigma_z),
+                                       std::pair("sigma_i", constants.sigma_i)}) {
       if (!std::isfinite(sigma) || sigma < 0.0F) {
         return refuse(cat("constants.", field), cat(sigma, " is no standard deviation; use zero or more"));
       }

@@ -63,6 +63,12 @@ void add_crop(OnnxGraph& graph, const std::string& views, const OnnxSize& size) 
 Result<std::string> onnx_file(const Model& model) {
   E2LF_RETURN_IF_ERROR(validate(model, model.name));
   E2LF_RETURN_IF_ERROR(check_size(model));
+  if (model.measurement() != capture::MeasurementKind::kEventImages) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("exported networks take event images; this one takes ",
+                     capture::measurement_name(model.measurement()), "; export a model of event images"),
+                 model.name};
+  }
   const size_t transitions = model.num_patterns - 1;
   OnnxGraph graph;
   graph.add_input("events", {"batch", static_cast<int64_t>(transitions), "y", "x"});

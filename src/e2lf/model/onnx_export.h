@@ -18,8 +18,8 @@ namespace e2lf::model {
 ///
 /// Images may have any size: the graph extends them to multiples of size_multiple() as recon::network_input() does, and
 /// crops the views. Intensities are made with the constants of model.camera, else with model.constants.
-/// Its metadata (onnx_metadata()) say the rest. Fails as validate() does, and with kUnsupported where the file would be
-/// larger than a protobuf message may be (2 GiB).
+/// Its metadata (onnx_metadata()) say the rest. Fails as validate() does, and with kUnsupported where the model takes
+/// another measurement than event images, and where the file would be larger than a protobuf message may be (2 GiB).
 [[nodiscard]] Result<std::string> onnx_file(const Model& model);
 
 /// Texts by key: name, event_model, event_constants (JSON: eps, tau, sigma_w, sigma_z), num_patterns, view_order

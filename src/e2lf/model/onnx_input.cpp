@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/model/onnx_layers.h"
 
@@ -83,7 +84,7 @@ std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& grou
                            const capture::SensorConstants& constants, const std::string& events,
                            const std::string& traits, const OnnxSize& size) {
   InputForms forms(graph, transitions, constants, events);
-  std::array<std::string, 4> made;
+  std::array<std::string, 4> made;  // of the kinds that are made of events
   std::vector<std::string> planes;
   for (size_t g = 0; g < groups.size(); ++g) {
     std::string& form = made[static_cast<size_t>(groups[g].kind)];
@@ -101,6 +102,8 @@ std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& grou
         case InputKind::kCamera:
           form = camera_planes(graph, traits, size);
           break;
+        default:
+          E2LF_REQUIRE(false, "an exported model takes event images alone");
       }
     }
     const std::string scale = graph.add_constant(cat("input/scale", g), groups[g].scale);

@@ -84,6 +84,7 @@ std::string summary_text(const VideoModel& model) {
 
 Json summary_json(const Model& model) {
   Json json = header_to_json(model);
+  json["measurement"] = capture::measurement_name(model.measurement());
   json["network"] = network_summary(model.network);
   json["codes"] = model.codes ? codes_summary(*model.codes) : Json();
   // What the model comes from closes the list.
@@ -101,6 +102,7 @@ std::string summary_text(const Model& model) {
   append_field(text, "name", model.name);
   append_field(text, "patterns", cat(model.num_patterns, model.black_first ? ", black first" : ""));
   append_field(text, "views", cat(model.views_y, " x ", model.views_x));
+  append_field(text, "measurement", capture::measurement_name(model.measurement()));
   append_field(text, "event model", model.event_model);
   append_field(text, "constants",
                cat("eps ", constants.eps, ", tau ", constants.tau, ", sigma_w ", constants.sigma_w, ", sigma_z ",

@@ -26,7 +26,7 @@ void line_sums(const float* in, float* out, size_t count, size_t stride, size_t 
 
 void denoise_image(std::span<float> image, std::span<const int16_t> counts, const capture::EventImages& images,
                    const capture::SensorConstants& constants, size_t radius) {
-  const auto& [eps, tau, sigma_w, sigma_z] = constants;
+  const auto& [eps, tau, sigma_w, sigma_z, sigma_i] = constants;
   const float fixed = sigma_w * sigma_w + tau * tau / 12;
   std::vector<float> value(image.size()), square(image.size()), noise(image.size());
   for (size_t i = 0; i < image.size(); ++i) {

@@ -10,19 +10,19 @@ namespace e2lf::recon {
 
 Method network_method(Reconstructor reconstructor, size_t passes, size_t cycles) {
   const auto shared = std::make_shared<Reconstructor>(std::move(reconstructor));
-  return [shared, passes, cycles](const capture::EventImages& images, const ProgressFn& progress) {
-    return shared->reconstruct(images, progress, passes, cycles);
+  return [shared, passes, cycles](const capture::Measurement& measurement, const ProgressFn& progress) {
+    return shared->reconstruct(measurement, progress, passes, cycles);
   };
 }
 
-Result<Field> FieldSequence::next(const capture::EventImages& images, const ProgressFn& progress) {
+Result<Field> FieldSequence::next(const capture::Measurement& measurement, const ProgressFn& progress) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   Field field;
-  E2LF_ASSIGN_OR_RETURN(field.light_field, method_(images, progress));
+  E2LF_ASSIGN_OR_RETURN(field.light_field, method_(measurement, progress));
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
-  if (check_) {
-    E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, images));
+  if (check_ && capture::has_events(measurement.kind)) {
+    E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, measurement.events));
   }
   if (!tone_.black) tone_.black = auto_black(field.light_field);
   apply_tone(field.light_field, *tone_.black, 1.0F);

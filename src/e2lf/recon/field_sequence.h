@@ -9,9 +9,9 @@
 
 namespace e2lf::recon {
 
-/// One way from event images to a light field: a network or the inversion.
+/// One way from what was measured to a light field: a network or the inversion.
 using Method =
-    std::function<Result<lightfield::LightField>(const capture::EventImages& images, const ProgressFn& progress)>;
+    std::function<Result<lightfield::LightField>(const capture::Measurement& measurement, const ProgressFn& progress)>;
 
 /// A Reconstructor as a method. It makes `passes` over sums of `cycles` cycles; see Reconstructor::reconstruct().
 [[nodiscard]] Method network_method(Reconstructor reconstructor, size_t passes = 1, size_t cycles = 1);
@@ -38,8 +38,8 @@ class FieldSequence {
   FieldSequence(Method method, Tone tone, std::optional<EventCheck> check)
       : method_(std::move(method)), tone_(tone), check_(std::move(check)) {}
 
-  /// Fails as the method and event_error() do.
-  [[nodiscard]] Result<Field> next(const capture::EventImages& images, const ProgressFn& progress = {});
+  /// The comparison with the events is made where there are some. Fails as the method and event_error() do.
+  [[nodiscard]] Result<Field> next(const capture::Measurement& measurement, const ProgressFn& progress = {});
 
   /// Nothing that is to be found is known before the first.
   [[nodiscard]] const Tone& tone() const { return tone_; }

@@ -9,7 +9,8 @@ namespace e2lf::recon {
 namespace {
 
 /// A method whose light field has the value of the first count everywhere, in hundredths.
-Result<lightfield::LightField> constant_field(const capture::EventImages& images, const ProgressFn&) {
+Result<lightfield::LightField> constant_field(const capture::Measurement& measurement, const ProgressFn&) {
+  const capture::EventImages& images = measurement.events;
   if (images.counts[0] < 0) return Error{ErrorCode::kInvalidValue, "no light", ""};
   lightfield::LightField field({8, 8, images.height, images.width});
   for (float& value : field.data()) value = static_cast<float>(images.counts[0]) / 100;

@@ -25,16 +25,40 @@ std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple) {
   return shifts;
 }
 
-capture::EventImages extend(const capture::EventImages& images, const GridShift& shift) {
-  E2LF_REQUIRE(images.image_size() > 0, "event images must not be empty");
-  capture::EventImages extended(images.transitions, images.height + shift.y, images.width + shift.x);
-  for (size_t transition = 0; transition < images.transitions; ++transition) {
-    for (size_t y = 0; y < extended.height; ++y) {
-      const auto from = images.image(transition).subspan((y - std::min(y, shift.y)) * images.width, images.width);
-      const auto to = extended.image(transition).subspan(y * extended.width, extended.width);
-      std::fill_n(to.begin(), shift.x, from.front());
-      std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(shift.x));
-    }
+namespace {
+
+template <typename Value>
+void extend_image(std::span<const Value> from, size_t width, const GridShift& shift, std::span<Value> to) {
+  const size_t wider = width + shift.x, higher = to.size() / wider;
+  for (size_t y = 0; y < higher; ++y) {
+    const auto from_row = from.subspan((y - std::min(y, shift.y)) * width, width);
+    const auto to_row = to.subspan(y * wider, wider);
+    std::fill_n(to_row.begin(), shift.x, from_row.front());
+    std::copy(from_row.begin(), from_row.end(), to_row.begin() + static_cast<std::ptrdiff_t>(shift.x));
+  }
+}
+
+}  // namespace
+
+capture::Measurement extend(const capture::Measurement& measurement, const GridShift& shift) {
+  const capture::EventImages& events = measurement.events;
+  const capture::CodedIntensities& images = measurement.images;
+  E2LF_REQUIRE(measurement.height() > 0 && measurement.width() > 0, "images must not be empty");
+  E2LF_REQUIRE(measurement.kind != capture::MeasurementKind::kLensArray || shift == GridShift(),
+               "lenses cannot be shifted");
+  capture::Measurement extended;
+  extended.kind = measurement.kind;
+  if (events.transitions > 0) {
+    extended.events = capture::EventImages(events.transitions, events.height + shift.y, events.width + shift.x);
+  }
+  if (images.num_patterns > 0) {
+    extended.images = capture::CodedIntensities(images.num_patterns, images.height + shift.y, images.width + shift.x);
+  }
+  for (size_t k = 0; k < events.transitions; ++k) {
+    extend_image(events.image(k), events.width, shift, extended.events.image(k));
+  }
+  for (size_t n = 0; n < images.num_patterns; ++n) {
+    extend_image(images.image(n), images.width, shift, extended.images.image(n));
   }
   return extended;
 }

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement.h"
 
 namespace e2lf::recon {
 
@@ -19,7 +19,8 @@ struct GridShift {
 /// 2x2 in all four ways.
 [[nodiscard]] std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple);
 
-/// Images extended at the top and on the left by repeating their first rows and columns; they must not be empty.
-[[nodiscard]] capture::EventImages extend(const capture::EventImages& images, const GridShift& shift);
+/// Images extended at the top and on the left by repeating their first rows and columns; they must not be empty. What a
+/// lens array gave cannot be extended by less than a lens: it allows no shift.
+[[nodiscard]] capture::Measurement extend(const capture::Measurement& measurement, const GridShift& shift);
 
 }  // namespace e2lf::recon

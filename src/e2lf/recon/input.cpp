@@ -2,6 +2,7 @@
 #include "e2lf/recon/input.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/threads.h"
@@ -32,8 +33,6 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
     case model::InputKind::kCumulative:
       for (size_t x = 0; x < counts.size(); ++x) row[x] = mean_scale * static_cast<float>(state.total[x]);
       break;
-    case model::InputKind::kCamera:
-      break;  // the same in every row
     case model::InputKind::kIntensity:
       for (size_t x = 0; x < counts.size(); ++x) {
         const float intensity = cycles == 1
@@ -43,7 +42,14 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
         row[x] = scale * std::min(intensity, 1.0F);
       }
       break;
+    default:
+      break;  // not made of counts
   }
+}
+
+bool is_of_counts(const model::InputGroup& group) {
+  return group.kind == model::InputKind::kCounts || group.kind == model::InputKind::kCumulative ||
+         group.kind == model::InputKind::kIntensity;
 }
 
 size_t round_up(size_t value, size_t multiple) {
@@ -51,10 +57,15 @@ size_t round_up(size_t value, size_t multiple) {
 }
 
 /// The first channel of each group, and behind them the number of channels.
-std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size_t transitions, size_t num_traits) {
+std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size_t transitions, size_t num_traits,
+                                 size_t num_images) {
   std::vector<size_t> begins = {0};
   for (const model::InputGroup& group : groups) {
-    begins.push_back(begins.back() + (group.kind == model::InputKind::kCamera ? num_traits : transitions));
+    size_t channels = num_images;
+    if (is_of_counts(group)) channels = transitions;
+    if (group.kind == model::InputKind::kCamera) channels = num_traits;
+    if (group.kind == model::InputKind::kLensArray) channels = capture::kLensPixels * capture::kLensPixels;
+    begins.push_back(begins.back() + channels);
   }
   return begins;
 }
@@ -64,21 +75,10 @@ void fill_traits(std::span<const float> traits, float scale, size_t first_channe
   for (const float trait : traits) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
 }
 
-}  // namespace
-
-Result<InputPlanes> network_input(const capture::EventImages& images, std::span<const model::InputGroup> groups,
-                                  const InputConditions& conditions, size_t size_multiple) {
-  E2LF_REQUIRE(conditions.cycles >= 1, "counts are of one cycle at least");
-  E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
-  E2LF_REQUIRE(images.image_size() > 0, "event images must not be empty");
-  if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
-    E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
-  }
+/// The planes of all groups that are made of event counts.
+void fill_counts(const capture::EventImages& images, std::span<const model::InputGroup> groups,
+                 std::span<const size_t> first_channels, const InputConditions& conditions, InputPlanes& planes) {
   const IntensityTable table(conditions.constants);
-  const std::vector<size_t> first_channels = group_begins(groups, images.transitions, conditions.traits.size());
-  InputPlanes planes{
-      first_channels.back(), round_up(images.height, size_multiple), round_up(images.width, size_multiple), {}};
-  planes.values.resize(planes.channels * planes.height * planes.width);
   parallel_for(planes.height, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
       RowState state{std::vector<int>(images.width), std::vector<int>(images.width)};
@@ -86,7 +86,7 @@ Result<InputPlanes> network_input(const capture::EventImages& images, std::span<
         const auto counts = images.image(k).subspan(std::min(y, images.height - 1) * images.width, images.width);
         add_counts(counts, state);
         for (size_t g = 0; g < groups.size(); ++g) {
-          if (groups[g].kind == model::InputKind::kCamera) continue;
+          if (!is_of_counts(groups[g])) continue;
           float* row = planes.values.data() + ((first_channels[g] + k) * planes.height + y) * planes.width;
           fill_row(groups[g], counts, state, table, conditions.cycles, row);
           std::fill(row + images.width, row + planes.width, row[images.width - 1]);
@@ -94,9 +94,82 @@ Result<InputPlanes> network_input(const capture::EventImages& images, std::span<
       }
     }
   });
+}
+
+/// The intensity images, extended as counts are.
+void fill_images(const capture::CodedIntensities& images, float scale, size_t first_channel, InputPlanes& planes) {
+  for (size_t n = 0; n < images.num_patterns; ++n) {
+    for (size_t y = 0; y < planes.height; ++y) {
+      const auto from = images.image(n).subspan(std::min(y, images.height - 1) * images.width, images.width);
+      float* row = planes.values.data() + ((first_channel + n) * planes.height + y) * planes.width;
+      for (size_t x = 0; x < planes.width; ++x) row[x] = scale * from[std::min(x, images.width - 1)];
+    }
+  }
+}
+
+/// Where a pixel lies between the centres of lenses.
+struct LensPlace {
+  size_t before, after;  ///< lenses
+  float share;           ///< of the latter
+};
+
+LensPlace lens_place(size_t pixel, size_t lenses) {
+  const float place = (static_cast<float>(pixel) + 0.5F) / static_cast<float>(capture::kLensPixels) - 0.5F;
+  const float clamped = std::clamp(place, 0.0F, static_cast<float>(lenses - 1));
+  const auto before = static_cast<size_t>(clamped);
+  return {before, std::min(before + 1, lenses - 1), clamped - static_cast<float>(before)};
+}
+
+void fill_lens_array(const capture::CodedIntensities& image, float scale, size_t first_channel, InputPlanes& planes) {
+  constexpr size_t kSide = capture::kLensPixels;
+  const size_t rows = image.height / kSide, columns = image.width / kSide;
+  parallel_for(kSide * kSide, 1, [&](size_t begin, size_t end) {
+    for (size_t view = begin; view < end; ++view) {
+      const auto at = [&](size_t row, size_t column) {
+        return image.values[(row * kSide + view / kSide) * image.width + column * kSide + view % kSide];
+      };
+      for (size_t y = 0; y < planes.height; ++y) {
+        const LensPlace v = lens_place(y, rows);
+        float* to = planes.values.data() + ((first_channel + view) * planes.height + y) * planes.width;
+        for (size_t x = 0; x < planes.width; ++x) {
+          const LensPlace u = lens_place(x, columns);
+          const float above = std::lerp(at(v.before, u.before), at(v.before, u.after), u.share);
+          const float below = std::lerp(at(v.after, u.before), at(v.after, u.after), u.share);
+          to[x] = scale * std::lerp(above, below, v.share);
+        }
+      }
+    }
+  });
+}
+
+}  // namespace
+
+Result<InputPlanes> network_input(const capture::Measurement& measurement, std::span<const model::InputGroup> groups,
+                                  const InputConditions& conditions, size_t size_multiple) {
+  E2LF_REQUIRE(conditions.cycles >= 1, "counts are of one cycle at least");
+  E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
+  E2LF_REQUIRE(measurement.height() > 0 && measurement.width() > 0, "images must not be empty");
+  if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
+    E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
+  }
+  const std::vector<size_t> first_channels =
+      group_begins(groups, measurement.events.transitions, conditions.traits.size(), measurement.images.num_patterns);
+  InputPlanes planes{first_channels.back(),
+                     round_up(measurement.height(), size_multiple),
+                     round_up(measurement.width(), size_multiple),
+                     {}};
+  planes.values.resize(planes.channels * planes.height * planes.width);
+  if (std::any_of(groups.begin(), groups.end(), is_of_counts)) {
+    fill_counts(measurement.events, groups, first_channels, conditions, planes);
+  }
   for (size_t g = 0; g < groups.size(); ++g) {
-    if (groups[g].kind == model::InputKind::kCamera)
-      fill_traits(conditions.traits, groups[g].scale, first_channels[g], planes);
+    const float scale = groups[g].scale;
+    const bool is_image = groups[g].kind == model::InputKind::kImages || groups[g].kind == model::InputKind::kImageSum;
+    if (groups[g].kind == model::InputKind::kCamera) fill_traits(conditions.traits, scale, first_channels[g], planes);
+    if (is_image) fill_images(measurement.images, scale, first_channels[g], planes);
+    if (groups[g].kind == model::InputKind::kLensArray) {
+      fill_lens_array(measurement.images, scale, first_channels[g], planes);
+    }
   }
   return planes;
 }

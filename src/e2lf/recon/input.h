@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement.h"
 #include "e2lf/capture/sensor_constants.h"
 #include "e2lf/model/model.h"
 
@@ -30,7 +30,8 @@ struct InputConditions {
 /// rounded up to multiples of `size_multiple`. The extra rows and columns at the bottom and right repeat the last ones:
 /// no events at all would look like a black frame to a network. Fails with kInvalidValue when a group needs constants
 /// that are not positive.
-[[nodiscard]] Result<InputPlanes> network_input(const capture::EventImages& images,
+/// What `groups` are made of must have been measured; else the contract is broken.
+[[nodiscard]] Result<InputPlanes> network_input(const capture::Measurement& measurement,
                                                 std::span<const model::InputGroup> groups,
                                                 const InputConditions& conditions, size_t size_multiple = 1);
 

@@ -51,6 +51,34 @@ TEST(NetworkInput, DamagedCountsStayFinite) {
   }
 }
 
+TEST(NetworkInput, ImagesFollowCountsAndAreExtendedAlike) {
+  capture::Measurement measured;
+  measured.kind = capture::MeasurementKind::kHybrid;
+  measured.events = capture::EventImages(1, 1, 3);
+  measured.events.counts = {4, 8, 16};
+  measured.images = capture::CodedIntensities(1, 1, 3);
+  measured.images.values = {0.5F, 1.0F, 2.0F};
+  const std::vector<model::InputGroup> groups = {{InputKind::kImageSum, 2.0F}, {InputKind::kCounts, 0.25F}};
+  const auto planes = network_input(measured, groups, {}, 2).value();
+  EXPECT_EQ(planes.values, (std::vector<float>{1, 2, 4, 4, 1, 2, 4, 4, 1, 2, 4, 4, 1, 2, 4, 4}));
+}
+
+TEST(NetworkInput, LensesAreJoinedInStraightLines) {
+  capture::Measurement measured;
+  measured.kind = capture::MeasurementKind::kLensArray;
+  measured.images = capture::CodedIntensities(1, 16, 32);
+  for (size_t i = 0; i < measured.images.values.size(); ++i) {
+    const size_t y = i / 32, x = i % 32;
+    measured.images.values[i] = static_cast<float>(y % 8 * 8 + x % 8) / 64 + 0.5F * static_cast<float>(x / 8);
+  }
+  const auto planes =
+      network_input(measured, std::vector<model::InputGroup>{{InputKind::kLensArray, 2.0F}}, {}).value();
+  ASSERT_EQ(planes.channels, 64U);
+  const auto at = [&](size_t view, size_t y, size_t x) { return planes.values[(view * 16 + y) * 32 + x]; };
+  EXPECT_NEAR(at(9, 5, 0), 2 * 9 / 64.0, 1e-6);  // before the first centre
+  EXPECT_NEAR(at(9, 5, 15), 2 * (9 / 64.0 + 0.5 * (15.5 / 8 - 0.5)), 1e-6);
+}
+
 TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
   capture::EventImages images(2, 3, 2);
   images.counts[0] = 5;

@@ -44,13 +44,15 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
   return Reconstructor(std::move(model), std::move(engine));
 }
 
-Result<Reconstructor::Planes> Reconstructor::run(const capture::EventImages& images, size_t cycles,
+Result<Reconstructor::Planes> Reconstructor::run(const capture::Measurement& measurement, size_t cycles,
                                                  const ProgressFn& progress) const {
-  const InputConditions conditions{model_.camera->constants,
-                                   capture::camera_traits(*model_.camera, model_.num_patterns, cycles), cycles};
+  InputConditions conditions{model_.camera->constants, {}, cycles};
+  if (model::is_told_the_camera(model_)) {
+    conditions.traits = capture::camera_traits(*model_.camera, model_.num_patterns, cycles);
+  }
 
   E2LF_ASSIGN_OR_RETURN(const InputPlanes input,
-                        network_input(images, model_.input, conditions, model::size_multiple(model_.network)));
+                        network_input(measurement, model_.input, conditions, model::size_multiple(model_.network)));
   Planes planes{input.height, input.width, {}};
   planes.values.resize(model_.views_y * model_.views_x * input.height * input.width);
   E2LF_RETURN_IF_ERROR(engine_.run(input.values, input.height, input.width, planes.values, progress));
@@ -58,28 +60,56 @@ Result<Reconstructor::Planes> Reconstructor::run(const capture::EventImages& ima
 }
 
 size_t Reconstructor::num_passes(size_t wanted) const {
+  if (model_.measurement() == capture::MeasurementKind::kLensArray) return 1;
   const size_t side = model::size_multiple(model_.network);
   return std::clamp<size_t>(wanted, 1, side * side);
 }
 
-Result<lightfield::LightField> Reconstructor::reconstruct(const capture::EventImages& images,
-                                                          const ProgressFn& progress, size_t passes,
-                                                          size_t cycles) const {
-  E2LF_REQUIRE(cycles == 1 || model::is_told_the_camera(model_), "the network must know of several cycles");
-  if (images.transitions + 1 != model_.num_patterns || images.image_size() == 0) {
+Result<void> Reconstructor::check(const capture::Measurement& measurement) const {
+  const capture::MeasurementKind wanted = model_.measurement();
+  if (measurement.kind != wanted) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("this is the measurement ", capture::measurement_name(measurement.kind), ", the model ", model_.name,
+            " takes ", capture::measurement_name(wanted), "; use a model that was trained for it"),
+        ""};
+  }
+  const capture::EventImages& events = measurement.events;
+  if (capture::has_events(wanted) && (events.transitions + 1 != model_.num_patterns || events.image_size() == 0)) {
     return Error{ErrorCode::kShape,
-                 cat("there are ", images.transitions, " event images of ", images.width, "x", images.height,
+                 cat("there are ", events.transitions, " event images of ", events.width, "x", events.height,
                      " but the model was trained for ", model_.num_patterns - 1,
                      "; use the model that belongs to the patterns of the recording"),
                  ""};
   }
-  const lightfield::Shape shape{model_.views_y, model_.views_x, images.height, images.width};
+  const capture::CodedIntensities& images = measurement.images;
+  const size_t num_images = capture::num_images(wanted, model_.num_patterns);
+  if (images.num_patterns != num_images || (num_images > 0 && images.image_size() == 0)) {
+    return Error{ErrorCode::kShape,
+                 cat("there are ", images.num_patterns, " intensity images of ", images.width, "x", images.height,
+                     " but the model was trained for ", num_images, "; use the model that belongs to the patterns"),
+                 ""};
+  }
+  const bool has_lenses = images.height % capture::kLensPixels == 0 && images.width % capture::kLensPixels == 0;
+  if (wanted != capture::MeasurementKind::kLensArray || has_lenses) return {};
+  return Error{ErrorCode::kShape,
+               cat("an image of ", images.width, "x", images.height,
+                   " is not made of whole lenses; cut it to multiples of ", capture::kLensPixels, " pixels"),
+               ""};
+}
+
+Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measurement& measurement,
+                                                          const ProgressFn& progress, size_t passes,
+                                                          size_t cycles) const {
+  E2LF_REQUIRE(cycles == 1 || model::is_told_the_camera(model_), "the network must know of several cycles");
+  E2LF_RETURN_IF_ERROR(check(measurement));
+  const lightfield::Shape shape{model_.views_y, model_.views_x, measurement.height(), measurement.width()};
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
-    const capture::EventImages extended = extend(images, shifts[pass]);
+    const capture::Measurement extended = extend(measurement, shifts[pass]);
     E2LF_ASSIGN_OR_RETURN(Planes planes, run(extended, cycles, part_of(progress, pass, shifts.size())));
-    if (shifts.size() == 1 && planes.height == images.height && planes.width == images.width) {
+    if (shifts.size() == 1 && planes.height == shape.height && planes.width == shape.width) {
       return lightfield::LightField(shape, std::move(planes.values));
     }
     if (pass == 0) mean = lightfield::LightField(shape);  // not before: the one that is whole needs no second

@@ -17,6 +17,7 @@ inline constexpr uint64_t kLeakStream = kThresholdStream + 2;
 /// For what changes; the number of a pattern or segment is added.
 inline constexpr uint64_t kDefectStream = uint64_t{1} << 34;
 inline constexpr uint64_t kSegmentStream = uint64_t{1} << 35;
+inline constexpr uint64_t kImageStream = uint64_t{1} << 36;
 
 /// In (0, 1), 24 bits.
 inline float uniform_of(uint32_t word) {

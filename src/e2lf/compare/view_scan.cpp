@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/compare/view_scan.h"
+
+#include <chrono>
+
+#include "e2lf/base/text.h"
+#include "e2lf/cycles/voxelise.h"
+#include "e2lf/recon/event_video.h"
+#include "e2lf/recon/tone.h"
+#include "e2lf/streams/event_stream.h"
+
+namespace e2lf::compare {
+namespace {
+
+constexpr size_t kSide = 8, kViews = kSide * kSide;
+
+/// Position `i` of a path to and fro along lines of 8: line and place in it.
+struct Place {
+  size_t line, step;
+};
+
+Place to_and_fro(size_t i) {
+  const size_t line = i / kSide, step = i % kSide;
+  return {line, line % 2 == 0 ? step : kSide - 1 - step};
+}
+
+Result<streams::EventStream> make_stream(const ScanOptions& options, const lightfield::Shape& shape) {
+  streams::StreamOptions stream;
+  stream.model = streams::StreamModel::kV2e;
+  stream.v2e.pos_thres = stream.v2e.neg_thres = options.tau;
+  stream.v2e.frame_us = options.frame_us;
+  stream.seed = stream.map_seed = options.seed;
+  return streams::EventStream::create(stream, shape.height, shape.width);
+}
+
+/// The events of each view that is shown, by a camera that has seen the first one for ever.
+class Scan {
+ public:
+  Scan(const lightfield::LightField& scene, const ScanOptions& options, streams::EventStream stream)
+      : scene_(scene), options_(options), stream_(std::move(stream)), light_(scene.shape().view_size()) {}
+
+  recordings::EventColumns show(size_t number, size_t view) {
+    const auto values = std::span(scene_.data()).subspan(view * light_.size(), light_.size());
+    for (size_t i = 0; i < light_.size(); ++i) light_[i] = options_.gain * values[i];
+    streams::LightSegment segment;
+    segment.begin_us = segment.pattern_begin_us = static_cast<int64_t>(number) * options_.view_us;
+    segment.end_us = segment.pattern_end_us = segment.begin_us + options_.view_us;
+    segment.from = segment.to = light_;
+    segment.pattern = number;
+    recordings::EventColumns events;
+    stream_.advance(segment, events);
+    return events;
+  }
+
+ private:
+  const lightfield::LightField& scene_;
+  const ScanOptions& options_;
+  streams::EventStream stream_;
+  std::vector<float> light_;
+};
+
+}  // namespace
+
+std::vector<size_t> scan_order() {
+  std::vector<size_t> order;
+  for (size_t i = 0; i < kViews; ++i) {
+    const Place place = to_and_fro(i);
+    order.push_back(place.line * kSide + place.step);
+  }
+  // The first scan ends in the last row at the left: there the columns begin, upwards.
+  for (size_t i = 1; i < kViews; ++i) {
+    const Place place = to_and_fro(i);
+    order.push_back((kSide - 1 - place.step) * kSide + place.line);
+  }
+  return order;
+}
+
+Result<ScanResult> scan_to_light_field(const model::VideoModel& model, const lightfield::LightField& scene,
+                                       const ScanOptions& options, const ProgressFn& progress) {
+  using Clock = std::chrono::steady_clock;
+  const lightfield::Shape& shape = scene.shape();
+  if (shape.views_y != kSide || shape.views_x != kSide || shape.channels != 1) {
+    return Error{ErrorCode::kShape,
+                 cat("the scan is over 8x8 grey views, the light field has ", shape.views_y, "x", shape.views_x, " of ",
+                     shape.channels, " channels; take 8x8 grey ones"),
+                 ""};
+  }
+  E2LF_ASSIGN_OR_RETURN(streams::EventStream stream, make_stream(options, shape));
+  E2LF_ASSIGN_OR_RETURN(auto video, recon::EventVideo::create(model, shape.height, shape.width));
+  Scan scan(scene, options, std::move(stream));
+  ScanResult result;
+  result.light_field = lightfield::LightField(shape);
+  const std::vector<size_t> order = scan_order();
+  const size_t second_begin = order.size() - kViews;
+  size_t num_events = 0;
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (progress) progress(i, order.size());
+    const recordings::EventColumns events = scan.show(i, order[i]);
+    num_events += events.size();
+    if (i == 0) continue;  // nothing has changed yet
+    const Clock::time_point begin = Clock::now();
+    E2LF_ASSIGN_OR_RETURN(std::vector<float> frame,
+                          video.next(cycles::voxelise(events, model.bins, shape.height, shape.width)));
+    result.reconstruct_s += std::chrono::duration<double>(Clock::now() - begin).count();
+    if (i < second_begin) continue;
+    recon::apply_tone(model.tone, frame);
+    std::copy(frame.begin(), frame.end(),
+              result.light_field.data().begin() + static_cast<std::ptrdiff_t>(order[i] * frame.size()));
+  }
+  result.events_per_pixel = static_cast<double>(num_events) / static_cast<double>(shape.view_size());
+  result.measurement_ms = static_cast<double>(order.size()) * static_cast<double>(options.view_us) / 1000;
+  return result;
+}
+
+}  // namespace e2lf::compare

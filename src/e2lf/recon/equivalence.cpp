@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/equivalence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include "e2lf/recon/inversion.h"
+#include "e2lf/sensor/coded_intensity.h"
+
+namespace e2lf::recon {
+namespace {
+
+/// Seeds of the three recordings differ by this, so that neighbouring seeds of a user stay apart.
+constexpr uint64_t kSeedStep = uint64_t{1} << 40;
+
+std::optional<size_t> find_black(const capture::Codes& codes) {
+  for (size_t n = 0; n < codes.num_patterns; ++n) {
+    const auto pattern = codes.pattern(n);
+    if (std::all_of(pattern.begin(), pattern.end(), [](float cell) { return cell == 0.0F; })) return n;
+  }
+  return std::nullopt;
+}
+
+double relative_error(const capture::CodedIntensities& found, const capture::CodedIntensities& truth, size_t black,
+                      float gain) {
+  double errors = 0, squares = 0;
+  for (size_t n = 0; n < truth.num_patterns; ++n) {
+    if (n == black) continue;
+    for (size_t i = 0; i < truth.image_size(); ++i) {
+      const double expected = static_cast<double>(gain * truth.image(n)[i]);
+      errors += std::pow(static_cast<double>(found.image(n)[i]) - expected, 2);
+      squares += expected * expected;
+    }
+  }
+  return squares > 0 ? std::sqrt(errors / squares) : 0;
+}
+
+double difference(const capture::EventImages& a, const capture::EventImages& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.counts.size(); ++i) sum += std::pow(a.counts[i] - b.counts[i], 2);
+  return std::sqrt(sum / static_cast<double>(a.counts.size()));
+}
+
+double events_per_pixel(const capture::EventImages& images) {
+  double sum = 0;
+  for (const int16_t count : images.counts) sum += std::abs(count);
+  return sum / static_cast<double>(images.image_size());
+}
+
+}  // namespace
+
+Result<Equivalence> measure_equivalence(const capture::Codes& codes, const std::vector<size_t>& order,
+                                        const lightfield::LightField& scene, const sensor::EventModelOptions& options) {
+  const std::optional<size_t> black = find_black(codes);
+  if (!black) {
+    return Error{ErrorCode::kInvalidValue, "no pattern is black, so events tell no intensity; give patterns with one",
+                 ""};
+  }
+  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities truth, sensor::coded_intensities(codes, scene));
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, sensor::simulate_events(truth, options));
+  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities plain,
+                        invert_events(images, {*black, options.constants, false}));
+  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities centred,
+                        invert_events(images, {*black, options.constants, true}));
+  Equivalence result;
+  result.intensity_error = relative_error(plain, truth, *black, options.gain);
+  result.centred_error = relative_error(centred, truth, *black, options.gain);
+
+  const capture::Codes other = capture::permuted(codes, order);
+  sensor::EventModelOptions again = options;
+  again.seed += kSeedStep;
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImages permuted, sensor::simulate_events(other, scene, again));
+  again.seed += kSeedStep;
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImages repeated, sensor::simulate_events(other, scene, again));
+  result.permuted_error = difference(permute_events(images, order), permuted);
+  result.repeated_error = difference(repeated, permuted);
+  result.events_per_pixel = events_per_pixel(images);
+  result.permuted_events_per_pixel = events_per_pixel(permuted);
+  return result;
+}
+
+}  // namespace e2lf::recon
