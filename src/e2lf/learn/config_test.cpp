@@ -53,6 +53,8 @@ TEST(Config, RefusesValuesThatCannotWork) {
   EXPECT_EQ(error_of(R"({"patterns": {"num_patterns": 1}})").location, "test.patterns");
   EXPECT_EQ(error_of(R"({"input": [{"kind": "colour"}]})").location, "test.input");
   EXPECT_EQ(error_of(R"({"input": [{"kind": "images"}, {"kind": "counts"}]})").location, "test.input");
+  EXPECT_EQ(error_of(R"({"input": [{"kind": "images"}], "sensor": {"camera": "evk4-lcos.json"}})").location,
+            "test.sensor.camera");
   EXPECT_EQ(error_of(R"({"input": [{"kind": "lens-array"}]})").location, "test.patterns");
   EXPECT_EQ(error_of(R"({"input": [{"kind": "lens-array"}], "patterns": {"num_patterns": 1, "black_first": false},
                          "train": {"patch": 60}})")

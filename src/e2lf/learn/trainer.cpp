@@ -132,7 +132,8 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
     const size_t all = config.patterns.num_patterns;
     E2LF_ASSIGN_OR_RETURN(trainer.fixed_codes_, read_codes(config.patterns.codes, all, config.patterns, device));
   } else if (!config.patterns.start.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, 2, config.patterns, device));
+    const auto fewest = static_cast<size_t>(std::min<uint64_t>(2, config.patterns.num_patterns));
+    E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, fewest, config.patterns, device));
     trainer.patterns_.start_at(codes);
   } else if (config.patterns.noise_start > 0.0) {
     trainer.patterns_.start_at_noise(config.patterns.noise_start);
