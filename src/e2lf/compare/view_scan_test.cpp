@@ -46,14 +46,14 @@ TEST(ViewScan, AStillAndEvenSceneMakesNoEvents) {
 TEST(ViewScan, CountsTheStepsOfBrightnessBetweenViews) {
   lightfield::LightField scene({8, 8, 16, 16});
   const size_t view_size = scene.shape().view_size();
-  // Views in odd columns are brighter by 4.5 thresholds: along rows each of 7 changes makes 4 events, along columns
-  // those from column to column alone.
+  // Views in odd columns are brighter by 4.5 thresholds of 0.3 +- 0.03: along rows each of 7 changes makes 4 events or
+  // 5, along columns those from column to column alone.
   for (size_t i = 0; i < scene.data().size(); ++i) {
     scene.data()[i] = i / view_size % 2 == 0 ? 0.2F : 0.2F * std::exp(4.5F * 0.3F);
   }
   const ScanResult result = scan_to_light_field(firenet(), scene, {.seed = 1}).value();
   const double changes = 8 * 7 + 7;
-  EXPECT_NEAR(result.events_per_pixel / changes, 4.5, 0.5);
+  EXPECT_NEAR(result.events_per_pixel / changes, 4.25, 0.4);
 }
 
 TEST(ViewScan, RefusesOtherLightFields) {
