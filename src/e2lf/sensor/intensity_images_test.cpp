@@ -4,6 +4,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "e2lf/sensor/coded_intensity.h"
+
 namespace e2lf::sensor {
 namespace {
 
