@@ -5,8 +5,7 @@ py "$documents" links "$TESTSUITE/.." >problems.txt || fail "$(cat problems.txt)
 py "$documents" words "$TESTSUITE/.." "$E2LF" >problems.txt || fail "$(cat problems.txt)"
 
 # The checks see what is wrong.
-mkdir -p wrong/docs wrong/testsuite/documents
-cp "$TESTSUITE/documents/other_options.txt" wrong/testsuite/documents
+mkdir -p wrong/docs
 printf '# A\n[b](none.md) [c](#d)\n```\ne2lf info x.raw\n```\n```sh\ne2lf inffo x.raw\n```\n`e2lf info --jsonn` `e2lf codes show --flip-x` `--nonsense` `models/none.safetensors`\n' >wrong/docs/a.md
 touch wrong/README.md
 if py "$documents" links wrong >problems.txt; then fail "broken links pass"; fi

@@ -1,4 +1,4 @@
-# The commands of the pages on measurements and calibration work as written; of those on the library and packages, the ones
+# The commands of the pages on measurements work as written; of those on the library and packages, the ones
 # that build nothing.
 source "$TESTSUITE/documents/page.sh"
 measurements() {

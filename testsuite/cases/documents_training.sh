@@ -9,6 +9,6 @@ training() {
 }
 page docs/training.md training
 page docs/training-elsewhere.md
-page docs/experiments/network-comparison.md training
+page docs/experiments/network-comparison.md
 page docs/experiments/camera-fit.md
 page docs/experiments/imperfections.md

@@ -61,8 +61,7 @@ class Help:
 
     def __init__(self, e2lf):
         self.e2lf, self.texts = e2lf, {}
-        self.trainer = pathlib.Path(e2lf).parent / "e2lf-train"
-        self.verbs = re.findall(r"^  ([a-z-]+) ", self.of(), flags=re.M)
+        self.verbs = self.listed()
 
     def of(self, *words):
         if words not in self.texts:
@@ -70,9 +69,10 @@ class Help:
             self.texts[words] = run.stdout if run.returncode == 0 else ""
         return self.texts[words]
 
-    def subverbs(self, verb):
-        part = self.of(verb).partition("Subcommands:")[2]
-        return re.findall(r"^  ([a-z-]+) ", part, flags=re.M)
+    def listed(self, *words):
+        """The verbs in the list that e2lf prints, or the verbs below a verb."""
+        text = self.of(*words)
+        return re.findall(r"^  ([a-z-]+) ", text, flags=re.M) if "<verb> [flags]" in text else []
 
     def options(self, *words):
         return set(re.findall(r"--[a-z][a-z0-9-]*", self.of(*words)))
@@ -81,7 +81,7 @@ class Help:
         found = self.options()
         for verb in self.verbs:
             found |= self.options(verb)
-            for sub in self.subverbs(verb):
+            for sub in self.listed(verb):
                 found |= self.options(verb, sub)
         return found
 
@@ -106,12 +106,12 @@ def wrong_words(command, help_of, everywhere):
             words = ["e2lf", *words[1:]]
         if words[:1] != ["e2lf"] or len(words) < 2 or not re.fullmatch(r"[a-z-]+", words[1]):
             continue
-        if words[1].startswith("--"):
+        if words[1].startswith("--") or words[1] == "completion":
             continue
         if words[1] not in help_of.verbs:
             yield f"{words[1]} is no verb"
             continue
-        verb = words[1:3] if words[2:3] and words[2] in help_of.subverbs(words[1]) else words[1:2]
+        verb = words[1:3] if words[2:3] and words[2] in help_of.listed(words[1]) else words[1:2]
         known = help_of.options(*verb) | help_of.options(verb[0])
         for word in words:
             option = re.match(r"--[a-z][a-z0-9-]*", word)
@@ -122,14 +122,13 @@ def wrong_words(command, help_of, everywhere):
 def wrong_commands(root, e2lf):
     help_of = Help(e2lf)
     everywhere = help_of.all_options()
-    others = {line.strip() for line in (root / "testsuite/documents/other_options.txt").read_text().splitlines()}
     for page in pages(root):
         if page.name == "CHANGELOG.md":
             continue
         for command in [*shell_lines(page, ("sh", "")), *spans(page)]:
-            for problem in wrong_words(command, help_of, everywhere | others):
+            for problem in wrong_words(command, help_of, everywhere):
                 yield f"{page}: {problem}: {command}"
-            for path in re.findall(rf"(?<![\w./-])(?:{FOLDERS})/[\w./-]+", command):
+            for path in re.findall(rf"(?<![\w./-])(?:{FOLDERS})/[\w./-]+(?![\w./<*-])", command):
                 if not (root / path.rstrip(".")).exists() and not (page.parent / path).exists():
                     yield f"{page}: {path} does not exist: {command}"
 

@@ -20,6 +20,9 @@ page() {
     # Built without torch: what trains, and what uses the result.
     sed -i -E 's/^.*(runs\/|RUN|e2lf-train).*$/echo "not run (this build has no torch): a command of training"/' "$folder.sh"
   fi
+  if ! "$E2LF" --version | grep -q "^films: ON"; then
+    sed -i -E 's/^e2lf animate .*\.(gif|mp4|webm).*$/echo "not run (this build makes no films): e2lf animate"/' "$folder.sh"
+  fi
   (cd "$folder" && PATH=$folder/build/minimal/bin:$PATH && bash -ex "$folder.sh") >"$folder.txt" 2>&1 ||
     fail "$page: $(tail -5 "$folder.txt")"
   if grep -q "warning: .*patterns" "$folder.txt"; then fail "$page: $(grep "warning:" "$folder.txt")"; fi
