@@ -30,18 +30,18 @@ if [ -d "${E2LF_DATA:-}/events" ]; then
   done
 fi
 
-# How many inputs take about 20 s of a core; 1000 at least. Inside the HDF5 library no two runs are quite the same.
+# How many inputs take about 10 s of a core; 1000 at least. Inside the HDF5 library no two runs are quite the same.
 fixed_runs() {
   case $1 in
-    hdf5 | dsec | light_field_hdf5) echo 3000 ;;
-    mat | light_field_png | light_field_npy | view_folder | model | codes | event_images) echo 5000 ;;
-    evt3 | evt2.1 | hdf5_chunks) echo 10000 ;;
-    evt2 | dat) echo 20000 ;;
-    aedat4 | csv | txt | npy) echo 50000 ;;
-    camera | schedule | settings) echo 50000 ;;
-    safetensors | packed_data) echo 120000 ;;
-    ecf | npz | side_triggers) echo 250000 ;;
-    *) echo 1000000 ;;
+    hdf5 | dsec | light_field_hdf5) echo 1500 ;;
+    mat | light_field_png | light_field_npy | view_folder | model | codes | event_images) echo 2500 ;;
+    evt3 | evt2.1 | hdf5_chunks) echo 5000 ;;
+    evt2 | dat) echo 10000 ;;
+    aedat4 | csv | txt | npy) echo 25000 ;;
+    camera | schedule | settings) echo 25000 ;;
+    safetensors | packed_data) echo 60000 ;;
+    ecf | npz | side_triggers) echo 125000 ;;
+    *) echo 500000 ;;
   esac
 }
 

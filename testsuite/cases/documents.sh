@@ -1,33 +1,18 @@
-# Links in the documents lead somewhere, and the commands of README.md and docs/tutorial.md work as written: in a folder that looks
-# like the repository, with small pictures and few steps of training.
-root=$TESTSUITE/..
-py "$TESTSUITE/documents.py" links "$root" >problems.txt || fail "$(cat problems.txt)"
+# Links in the documents lead somewhere, commands name what exists, and those of README.md work as written.
+# Other pages: the cases documents_*.
+documents=$TESTSUITE/documents/documents.py
+py "$documents" links "$TESTSUITE/.." >problems.txt || fail "$(cat problems.txt)"
+py "$documents" words "$TESTSUITE/.." "$E2LF" >problems.txt || fail "$(cat problems.txt)"
 
-without=()
-[ -x "$(dirname "$E2LF")/e2lf-train" ] || without=(--without runs/)
-for document in README.md docs/tutorial.md; do
-  folder=$(basename "$document" .md)
-  mkdir -p "$folder/build/minimal/bin"
-  ln -s "$root/models" "$root/configs" "$root/cameras" "$folder"
-  py "$TESTSUITE/documents.py" commands "$root/$document" "${without[@]}" >"$folder/commands.sh"
-  cat >"$folder/build/minimal/bin/e2lf" <<EOF
-#!/bin/sh
-verb=\$1; shift
-case "\$verb" in demo) set -- "\$@" --width 96 --height 64 ;; esac
-exec "$E2LF" "\$verb" "\$@"
-EOF
-  cat >"$folder/run" <<'EOF'
-#!/bin/sh
-verb=$1; shift
-case "$verb" in
-  demo) exec build/minimal/bin/e2lf demo -o out/demo --overwrite ;;
-  train) exec build/minimal/bin/e2lf train "$@" --set train.steps=4 --set train.warmup_steps=1 --set train.hold_steps=2 \
-    --set train.batch=2 --set data.pool=2 ;;
-esac
-EOF
-  chmod +x "$folder/run" "$folder/build/minimal/bin/e2lf"
-  (cd "$folder" && bash -ex commands.sh) >"$folder.txt" 2>&1 || fail "$document: $(tail -5 "$folder.txt")"
-  if grep -q "warning: .*patterns" "$folder.txt"; then fail "$document: $(grep "warning:" "$folder.txt")"; fi
-done
-exists README/out/lightfield/07_07.png README/out/part.hdf5 tutorial/out/mine/cycles/cycle_00002/07_07.png \
-  tutorial/out/mine/inversion/epi.png
+# The checks see what is wrong.
+mkdir -p wrong/docs
+printf '# A\n[b](none.md) [c](#d)\n```\ne2lf info x.raw\n```\n```sh\ne2lf inffo x.raw\n```\n`e2lf info --jsonn` `e2lf codes show --flip-x` `--nonsense` `models/none.safetensors`\n' >wrong/docs/a.md
+touch wrong/README.md
+if py "$documents" links wrong >problems.txt; then fail "broken links pass"; fi
+[ "$(wc -l <problems.txt)" -eq 4 ] || fail "$(cat problems.txt)"
+if py "$documents" words wrong "$E2LF" >problems.txt; then fail "wrong words pass"; fi
+[ "$(wc -l <problems.txt)" -eq 5 ] || fail "$(cat problems.txt)"
+
+source "$TESTSUITE/documents/page.sh"
+page README.md
+exists README/out/lightfield/07_07.png README/out/part.hdf5

@@ -37,6 +37,16 @@ refused "is an input" "$E2LF" convert cap/rec.raw same.raw --overwrite
 ln -s nowhere dangling.npz
 refused "a link to nothing" "$E2LF" simulate demo/scene -o dangling.npz --overwrite
 
+# A name says what is there: a folder does not get that of a file, a file not that of another format.
+fails 1 "a name that ends in .mp4 is that of a file" "$E2LF" video cap/rec.raw -o frames.mp4
+fails 1 "a name that ends in .npz is that of a file" "$E2LF" reconstruct ev.npz --method inversion -o field.npz
+fails 1 "a name that ends in .png is that of a file" "$E2LF" codes render -o display.png
+fails 1 "a name that ends in .jpg is that of a file" "$E2LF" depth demo/scene -o depth.jpg
+fails 1 "written as .safetensors" "$E2LF" pack demo/scene -o packed.npz
+fails 1 "written as .json" "$E2LF" eval demo/scene demo/recon -o eval.png
+fails 1 "written as .safetensors" "$E2LF" model store "$TESTSUITE/../models/e2lf-n4.safetensors" -o model.onnx
+absent frames.mp4 field.npz display.png depth.jpg packed.npz eval.png model.onnx
+
 # A folder of e2lf's own is replaced, but for what others put there.
 "${by_inversion[@]}" cap/rec.raw -o out --quiet
 echo mine >out/notes && mkdir out/more && echo mine >out/more/notes && ln -s ../cap out/link

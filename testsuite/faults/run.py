@@ -121,11 +121,11 @@ class Machine:
                     self.trial("full disk", verb, disk.path, faults.undisturbed, disk.grow)
 
     def print_table(self, fault_names, verbs):
-        print(f"\n{'fault':<14}" + "".join(f"{verb.name:>16}" for verb in verbs) + "   (losses / trials)")
-        for fault in fault_names:
-            cells = [f"{self.losses[fault, v.name]} / {self.trials[fault, v.name]}" if self.trials[fault, v.name] else "-"
-                     for v in verbs]
-            print(f"{fault:<14}" + "".join(f"{cell:>16}" for cell in cells))
+        print(f"\n{'losses / trials':<16}" + "".join(f"{fault:>14}" for fault in fault_names))
+        for verb in verbs:
+            cells = [f"{self.losses[fault, verb.name]} / {self.trials[fault, verb.name]}"
+                     if self.trials[fault, verb.name] else "-" for fault in fault_names]
+            print(f"{verb.name:<16}" + "".join(f"{cell:>14}" for cell in cells))
         print(f"faults: {sum(self.losses.values())} losses in {sum(self.trials.values())} trials")
 
 

@@ -85,8 +85,8 @@ Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
                                                                                  .overwrite = common.overwrite}));
   RunRecord record("animate");
   record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(const LightField light_field,
-                        load_to_show(arguments.input, arguments.light_field, common.quiet));
+  E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
+                                                                   {arguments.still, arguments.from, arguments.to}));
   E2LF_ASSIGN_OR_RETURN(const FrameFn frame_at, frame_maker(arguments, light_field, record));
   E2LF_RETURN_IF_ERROR(write_film(output.path(), format, arguments, frame_at, common.quiet));
   record.end_step("animate");
@@ -107,8 +107,8 @@ Result<void> make_quilt(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   RunRecord record("animate");
   record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(const LightField light_field,
-                        load_to_show(arguments.input, arguments.light_field, common.quiet));
+  E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
+                                                                   {arguments.still, arguments.from, arguments.to}));
   const fs::path named = quilt_name(arguments.output, light_field.shape(), arguments.quilt);
   E2LF_ASSIGN_OR_RETURN(OutputFile output,
                         OutputFile::create(named, {.inputs = {arguments.input}, .overwrite = common.overwrite}));

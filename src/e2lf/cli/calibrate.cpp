@@ -2,6 +2,7 @@
 // e2lf calibrate: event images of still scenes -> the constants of the camera
 #include "e2lf/calibrate/calibrate.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -77,11 +78,25 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
   return std::move(known->codes);
 }
 
-Result<std::optional<OutputFile>> open_optional(const fs::path& path, const CalibrateArguments& arguments,
-                                                bool overwrite) {
+/// Fails where two outputs, or an output and the record of the camera file, have one name.
+Result<void> check_distinct(const CalibrateArguments& arguments) {
+  std::vector<fs::path> names;
+  for (const fs::path& path :
+       {arguments.output, record_path_beside(arguments.output), arguments.threshold_map, arguments.bad_pixels}) {
+    if (path.empty()) continue;
+    std::error_code error;
+    const fs::path name = fs::weakly_canonical(fs::absolute(path, error), error);
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      return Error{ErrorCode::kInvalidValue, "two outputs have this name; give each a name of its own", path.string()};
+    }
+    names.push_back(name);
+  }
+  return {};
+}
+
+Result<std::optional<OutputFile>> open_optional(const fs::path& path, const OutputRules& rules) {
   if (path.empty()) return std::optional<OutputFile>();
-  E2LF_ASSIGN_OR_RETURN(OutputFile output,
-                        OutputFile::create(path, {.inputs = arguments.inputs, .overwrite = overwrite}));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(path, rules));
   return std::optional(std::move(output));
 }
 
@@ -98,13 +113,11 @@ Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<Out
     const calibrate::Plane map =
         calibrate::threshold_map(scenes, codes, calibration.camera, calibration.states, is_even);
     E2LF_RETURN_IF_ERROR(write_map<float>(*thresholds, scenes.front(), map.values));
-    E2LF_RETURN_IF_ERROR(thresholds->commit());
   }
   if (bad) {
     std::vector<uint8_t> states;
     for (const calibrate::PixelState state : calibration.states) states.push_back(static_cast<uint8_t>(state));
     E2LF_RETURN_IF_ERROR(write_map<uint8_t>(*bad, scenes.front(), states));
-    E2LF_RETURN_IF_ERROR(bad->commit());
   }
   return {};
 }
@@ -113,9 +126,12 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   const CommonOptions& common = verb.common();
   OutputRules rules{.inputs = arguments.inputs, .overwrite = common.overwrite};
   rules.inputs.insert(rules.inputs.end(), {arguments.codes.codes, arguments.codes.model, arguments.camera});
+  E2LF_RETURN_IF_ERROR(check_distinct(arguments));
+  rules.ending = ".json";
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
-  E2LF_ASSIGN_OR_RETURN(auto thresholds, open_optional(arguments.threshold_map, arguments, common.overwrite));
-  E2LF_ASSIGN_OR_RETURN(auto bad, open_optional(arguments.bad_pixels, arguments, common.overwrite));
+  rules.ending = ".npy";
+  E2LF_ASSIGN_OR_RETURN(auto thresholds, open_optional(arguments.threshold_map, rules));
+  E2LF_ASSIGN_OR_RETURN(auto bad, open_optional(arguments.bad_pixels, rules));
   RunRecord record("calibrate");
   E2LF_ASSIGN_OR_RETURN(capture::Camera start, load_camera(arguments.camera, record));
   std::vector<Source> sources;
@@ -141,6 +157,9 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   record.note("report", report);
   E2LF_RETURN_IF_ERROR(write_file(output.path(), calibrate::camera_json(calibration).dump(2) + "\n"));
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  for (std::optional<OutputFile>* map : {&thresholds, &bad}) {
+    if (*map) E2LF_RETURN_IF_ERROR((*map)->commit());
+  }
   E2LF_RETURN_IF_ERROR(output.commit());
   if (common.json) {
     std::printf("%s\n", report.dump(2).c_str());

@@ -48,7 +48,8 @@ struct Shared {
 };
 
 Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path, bool is_quiet) {
-  E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(path, arguments.light_field, is_quiet));
+  E2LF_ASSIGN_OR_RETURN(const LightField light_field,
+                        load_to_show(path, arguments.light_field, is_quiet, {arguments.least, arguments.most}));
   depth::DisparityOptions options;
   if (arguments.has_range) options.range = depth::DisparityRange{arguments.least, arguments.most};
   if (arguments.has_view) options.view = depth::ViewIndex{arguments.view_row, arguments.view_column};

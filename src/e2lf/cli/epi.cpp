@@ -76,7 +76,8 @@ Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
     return Error{ErrorCode::kInvalidValue, "--view says which views one cut goes through; give --row or --column", ""};
   }
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite}));
+                                                                                 .overwrite = common.overwrite,
+                                                                                 .ending = ".png"}));
   RunRecord record("epi");
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,

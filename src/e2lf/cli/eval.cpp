@@ -42,6 +42,7 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
         output,
         OutputFile::create(arguments.output, {.inputs = {arguments.truth, arguments.reconstruction, arguments.events},
                                               .overwrite = verb.common().overwrite,
+                                              .ending = ".json",
                                               .streams = true}));
   }
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, {}, quiet));

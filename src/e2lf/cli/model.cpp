@@ -44,8 +44,9 @@ int run_model_info(const std::vector<std::string>& arguments) {
 
 Result<void> import_checkpoint(const fs::path& checkpoint, const std::string& as, const fs::path& output,
                                const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(OutputFile file,
-                        OutputFile::create(output, {.inputs = {checkpoint}, .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {checkpoint},
+                                                                     .overwrite = verb.common().overwrite,
+                                                                     .ending = ".safetensors"}));
   RunRecord record("model import");
   record.add_input(checkpoint);
   E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::import_event_video(checkpoint, as));
@@ -84,7 +85,8 @@ int run_model_import(const std::vector<std::string>& arguments) {
     E2LF_ASSIGN_OR_RETURN(
         OutputFile file,
         OutputFile::create(output, {.inputs = {release / "RecNet.safetensors", release / "AcqNet.safetensors"},
-                                    .overwrite = verb.common().overwrite}));
+                                    .overwrite = verb.common().overwrite,
+                                    .ending = ".safetensors"}));
     RunRecord record("model import");
     for (const char* name : {"RecNet.safetensors", "AcqNet.safetensors"}) record.add_input(release / name);
     E2LF_ASSIGN_OR_RETURN(const model::Model model, model::import_release(release));
@@ -123,8 +125,9 @@ int run_model_store(const std::vector<std::string>& arguments) {
   add_camera_option(verb.app(), camera,
                     "for networks that are told: the camera to take where `reconstruct` names none");
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(
-        OutputFile file, OutputFile::create(output, {.inputs = {input, camera}, .overwrite = verb.common().overwrite}));
+    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {input, camera},
+                                                                       .overwrite = verb.common().overwrite,
+                                                                       .ending = ".safetensors"}));
     RunRecord record("model store");
     record.add_input(input);
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(input));
@@ -153,8 +156,9 @@ Result<void> export_model(const fs::path& input, const fs::path& output, const s
   if (output.extension() != ".onnx") {
     return Error{ErrorCode::kUnsupported, "models are exported as ONNX; name the output with .onnx", output.string()};
   }
-  E2LF_ASSIGN_OR_RETURN(OutputFile file,
-                        OutputFile::create(output, {.inputs = {input, camera}, .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(
+      OutputFile file,
+      OutputFile::create(output, {.inputs = {input, camera}, .overwrite = verb.common().overwrite, .ending = ".onnx"}));
   RunRecord record("model export");
   record.add_input(input);
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(input));

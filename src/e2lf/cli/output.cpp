@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
@@ -198,6 +199,25 @@ Result<void> move_into_place(const fs::path& from, const fs::path& to) {
                to.string()};
 }
 
+/// Fails where a folder would be made under a name that says it is a file: who gives it expects that file.
+Result<void> check_folder_name(const fs::path& path) {
+  constexpr std::string_view kFiles[] = {".avi",  ".csv",  ".dat",  ".gif",  ".h5",  ".hdf5",        ".html",
+                                         ".jpeg", ".jpg",  ".json", ".mat",  ".mp4", ".npy",         ".npz",
+                                         ".onnx", ".pfm",  ".ply",  ".png",  ".raw", ".safetensors", ".svg",
+                                         ".tif",  ".tiff", ".txt",  ".webm", ".zip"};
+  const std::string extension = path.extension().string();
+  if (is_there(path) || std::find(std::begin(kFiles), std::end(kFiles), extension) == std::end(kFiles)) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("the output is a folder, and a name that ends in ", extension, " is that of a file; name a folder"),
+               path.string()};
+}
+
+Result<void> check_ending(const fs::path& path, const std::string& ending) {
+  if (ending.empty() || path.extension() == ending) return {};
+  return Error{ErrorCode::kInvalidValue, cat("this output is written as ", ending, "; give it such a name"),
+               path.string()};
+}
+
 }  // namespace
 
 Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& inputs) {
@@ -235,8 +255,8 @@ Recover recover_recording(const recordings::RecordingPlace& place) {
     const auto bytes = fs::file_size(partial, error);
     if (error || bytes == 0) return {};
     if (place.recover != nullptr && !place.recover(partial)) {
-      log_warning(cat(kept.string(), ": not kept, what an interrupted run had written cannot be read; record to .raw, ",
-                      "of which all that was written can be"));
+      log_warning(cat(kept.string(), ": not kept, because what an interrupted run had written cannot be read; ",
+                      "record to .raw, which can be read up to where it ends"));
       return {};
     }
     fs::rename(partial, kept, error);
@@ -256,6 +276,7 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
     return output;
   }
   E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
+  E2LF_RETURN_IF_ERROR(check_ending(named, rules.ending));
   E2LF_ASSIGN_OR_RETURN(output.target_, resolve(named));
   std::error_code error;
   E2LF_RETURN_IF_ERROR(check_not_a_side_file(fs::absolute(named, error)));
@@ -330,6 +351,7 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
   if (is_there(path_) && !fs::is_directory(path_, error)) {
     return exists(path_, "the output is a folder, and a file has this name; name another");
   }
+  E2LF_RETURN_IF_ERROR(check_folder_name(path_));
   std::vector<std::string> listed;
   if (is_there(path_) && !fs::is_empty(path_, error)) {
     const auto earlier = is_our_record(path_ / "run.json") ? read_json(path_ / "run.json") : Json::object();
@@ -362,6 +384,7 @@ Result<ResultFolder> open_output_folder(const fs::path& named, const OutputRules
   }
   E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
   E2LF_ASSIGN_OR_RETURN(const fs::path target, resolve(named));
+  E2LF_RETURN_IF_ERROR(check_folder_name(target));
   return ResultFolder::create(target, rules.overwrite);
 }
 

@@ -26,7 +26,8 @@ using Recover = std::function<std::string(const std::filesystem::path& partial, 
 struct OutputRules {
   std::vector<std::filesystem::path> inputs = {};  ///< what the verb reads; "" and names that are no path are left out
   bool overwrite = false;
-  bool streams = false;  ///< the format is written front to back, so "-", devices and pipes will do
+  std::string ending = {};  ///< what the name of a file ends in, where there is one format: ".png"
+  bool streams = false;     ///< the format is written front to back, so "-", devices and pipes will do
   /// Where a recording's triggers go that its format has no place for; null = nowhere.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
   Recover recover = {};
@@ -42,8 +43,8 @@ struct OutputRules {
 class OutputFile {
  public:
   /// Resolves links in `named` and checks it and its side files. Fails with kExists (something is there that may not be
-  /// replaced), kInvalidValue (the output is, contains or lies in an input), kUnsupported (a stream, where the format
-  /// needs a file) and kIo.
+  /// replaced), kInvalidValue (the output is, contains or lies in an input, or its name says another format),
+  /// kUnsupported (a stream, where the format needs a file) and kIo.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const OutputRules& rules);
 
   /// Where to write: a name in a workspace, or the stream itself ("-" for standard output).
@@ -68,7 +69,8 @@ class OutputFile {
   std::optional<Workspace> workspace_;
 };
 
-/// A folder of results; see ResultFolder for what it replaces. Fails as OutputFile::create().
+/// A folder of results; see ResultFolder for what it replaces. Fails as OutputFile::create(), and for a new folder with
+/// the name of a file ("frames.mp4").
 [[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const OutputRules& rules);
 
 /// A folder of results that grows over several runs of one verb: runs add results with names that no one else uses, and

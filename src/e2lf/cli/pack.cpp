@@ -23,7 +23,7 @@ int run_pack(const std::vector<std::string>& arguments) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("-o,--output", output, "file to write (.safetensors)")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    OutputRules rules{.inputs = options.light_fields, .overwrite = verb.common().overwrite};
+    OutputRules rules{.inputs = options.light_fields, .overwrite = verb.common().overwrite, .ending = ".safetensors"};
     rules.inputs.insert(rules.inputs.end(), options.textures.begin(), options.textures.end());
     E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, rules));
     RunRecord record("pack");

@@ -59,11 +59,12 @@ Result<void> refocus(RefocusArguments& arguments, Verb& verb) {
     return Error{ErrorCode::kInvalidValue, "the whole aperture has no other centre; give --aperture, too", ""};
   }
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite}));
+                                                                                 .overwrite = common.overwrite,
+                                                                                 .ending = ".png"}));
   RunRecord record("refocus");
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
-                        load_to_show(arguments.input, arguments.light_field, common.quiet));
+                        load_to_show(arguments.input, arguments.light_field, common.quiet, arguments.disparities));
   E2LF_ASSIGN_OR_RETURN(const lightfield::Aperture aperture, aperture_of(arguments, light_field.shape()));
   std::vector<Image> pictures;
   for (float disparity : arguments.disparities) {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/shown_light_field.h"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "e2lf/base/text.h"
 #include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/inputs.h"
@@ -18,13 +22,23 @@ Error no_light_field_error(const fs::path& path) {
           cat("this is ", kind_text(*kind), "; give a light field, as `e2lf reconstruct` makes it"), path.string()};
 }
 
-Result<lightfield::LightField> load_to_show(const fs::path& path, const LightFieldFlags& flags, bool is_quiet) {
+Result<lightfield::LightField> load_to_show(const fs::path& path, const LightFieldFlags& flags, bool is_quiet,
+                                            const std::vector<float>& disparities) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
   if (kind != FileKind::kLightField) return no_light_field_error(path);
   lightfield::ReadOptions options = read_options(flags);
   options.colour = true;
   options.range = lightfield::RangePolicy::kKeep;
-  return read_with_progress(path, options, is_quiet);
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField light_field, read_with_progress(path, options, is_quiet));
+  const auto [width, height] = std::pair(light_field.shape().width, light_field.shape().height);
+  for (const float disparity : disparities) {
+    if (std::abs(disparity) < static_cast<float>(std::max(width, height))) continue;
+    return Error{ErrorCode::kInvalidValue,
+                 cat("a disparity of ", disparity, " px per view step leaves the picture of ", width, "x", height,
+                     " px; give one nearer to 0"),
+                 path.string()};
+  }
+  return light_field;
 }
 
 }  // namespace e2lf::cli

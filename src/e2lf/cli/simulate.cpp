@@ -220,7 +220,8 @@ Result<capture::EventImages> run_stream(const SimulateArguments& arguments, cons
                                         const CommonOptions& common, RunRecord& record) {
   if (arguments.residue != 0.0F) {
     return Error{ErrorCode::kInvalidValue,
-                 "--residue is of simulations without a past; leave it out, references are what events leave", ""};
+                 "--residue does nothing event by event, where earlier events say where references are; leave it out",
+                 ""};
   }
   StreamRun run;
   run.input = arguments.input;

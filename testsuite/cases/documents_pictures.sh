@@ -1,0 +1,10 @@
+# The commands of the pages on depth, models and comparisons work as written.
+source "$TESTSUITE/documents/page.sh"
+models() { make release DIR; }
+comparison() { ln -s configs/compare.json CONFIG; }
+page docs/depth.md
+exists depth/out/depth/points.ply depth/out/both.png
+page docs/models.md models
+exists models/e2lf-n4-camera.onnx
+page docs/compare.md comparison
+exists compare/out/compare/index.html compare/all/table.csv

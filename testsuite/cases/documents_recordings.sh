@@ -1,0 +1,20 @@
+# The commands of the pages on recordings, simulation and frames work as written.
+source "$TESTSUITE/documents/page.sh"
+scene() { e2lf demo -o demo --quiet && ln -s demo/scene SCENE; }
+recordings() {
+  scene
+  ln -s models/e2lf-n4.safetensors MODEL
+  cp cameras/evk4-lcos.json mine.json
+  e2lf simulate SCENE -m MODEL -o REC.raw --cycles 2 --quiet
+}
+video() {
+  scene
+  e2lf simulate SCENE -o recording.raw --cycles 2 --quiet
+  make firenet checkpoint.safetensors
+}
+page docs/recordings.md recordings
+exists recordings/display/contact_sheet.png recordings/out/mine/cycle_00001/07_07.png
+page docs/simulation.md scene
+exists simulation/out/lf/cycle_00004/00_00.png
+page docs/video.md video
+exists video/out/frames/frame_000000.png
