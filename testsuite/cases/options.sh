@@ -18,10 +18,10 @@ cmp events.npz seven.npz
 accumulate=("$E2LF" accumulate recording.raw -o images.npz)
 fails 2 "--max-cycles: \"-1\" is no whole number" "${accumulate[@]}" --max-cycles -1
 fails 2 "--origin-us: \"99999999999999999999\" is no whole number" "${accumulate[@]}" --origin-us 99999999999999999999
-fails 2 "a name that ends in .svg" "${accumulate[@]}" --plot cycles.png
+fails 2 "a name that ends in .svg or .png" "${accumulate[@]}" --plot cycles.jpg
 fails 2 "none.json" "${accumulate[@]}" --schedule none.json
 absent images.npz cycles.png
-fails 2 "a name that ends in .svg" "$E2LF" info recording.raw --plot rate.png
+fails 2 "a name that ends in .svg or .png" "$E2LF" info recording.raw --plot rate.jpg
 for thing in demo/scene events.npz "$model"; do
   fails 1 "no event rate to plot" "$E2LF" info "$thing" --plot rate.svg
 done

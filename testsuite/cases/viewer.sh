@@ -47,4 +47,6 @@ PY
 "$E2LF" view capture.raw --frames 20 --export recording.html --quiet
 "$E2LF" view "$TESTSUITE/../models/e2lf-n4.safetensors" --export model.html --quiet
 
-E2LF=$E2LF node "$viewer/test/run.mjs"
+"$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 6 -o six.raw --quiet
+
+E2LF=$E2LF E2LF_MODEL=$TESTSUITE/../models/e2lf-n4.safetensors node "$viewer/test/run.mjs"

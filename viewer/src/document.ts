@@ -8,6 +8,7 @@ export interface Codes {
 
 export interface LightFieldCycle {
   label: string;
+  note?: string; // what else there is to say of it
   views: number[]; // the part of each view, in view order: an 8-bit PNG
 }
 
@@ -72,6 +73,7 @@ export interface ViewDocument {
   version: 1;
   items: Item[];
   comparisons: Comparison[];
+  is_growing?: boolean | undefined; // more cycles will come: growth.ts
 }
 
 /** Where the description and the parts come from. */
@@ -93,9 +95,9 @@ function checked(description: ViewDocument): ViewDocument {
   return description;
 }
 
-async function fetchFile(path: string): Promise<Response> {
+export async function fetchFile(path: string): Promise<Response> {
   const answer = await fetch(path).catch(() => null);
-  if (!answer) throw new Error('The server does not answer; is e2lf view still running?');
+  if (!answer) throw new Error('The server does not answer; is e2lf still running?');
   if (!answer.ok) throw new Error(await answer.text());
   return answer;
 }

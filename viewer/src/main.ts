@@ -2,6 +2,7 @@
 import { busy } from './busy';
 import { openSource, type Item, type Source } from './document';
 import { element, Panel } from './dom';
+import { followGrowth } from './growth';
 import { showHelp } from './help';
 import { Painter } from './painter';
 import type { Context, Screen } from './screen';
@@ -61,6 +62,11 @@ class Page {
     new ResizeObserver(() => this.screen?.layout()).observe(byId('stage'));
     addEventListener('keydown', (event) => this.press(event));
     this.open();
+  }
+
+  grow(): void {
+    this.screen?.grow?.();
+    this.panel?.follow();
   }
 
   private chosen(): number {
@@ -136,4 +142,19 @@ function fail(error: unknown): void {
   byId('stage').replaceChildren(element('p', { role: 'alert', class: 'error' }, text));
 }
 
-openSource().then((source) => new Page(source, new Painter())).catch(fail);
+async function start(): Promise<void> {
+  const source = await openSource();
+  const open = () => (source.document.items.length > 0 ? new Page(source, new Painter()) : null);
+  let page = open();
+  if (!page && !source.document.is_growing) throw new Error('There is nothing to show.');
+  if (!page) {
+    byId('stage').replaceChildren(element('p', { role: 'status' }, 'Waiting for the first cycle.'));
+    document.title = 'waiting - e2lf';
+  }
+  const grow = () => (page ? page.grow() : (page = open()));
+  followGrowth(source, grow).then(() => {
+    if (!page) throw new Error('The recording has ended without a cycle.');
+  }).catch((error) => (page ? say('Nothing more will come: e2lf has ended.') : fail(error)));
+}
+
+start().catch(fail);

@@ -28,6 +28,8 @@ export interface Screen {
   pictures(): { name: string; canvas: HTMLCanvasElement }[];
   /** The keys it knows, for the help. */
   keys: [keys: string, does: string][];
+  /** The description has grown. */
+  grow?(): void;
   close(): void;
 }
 

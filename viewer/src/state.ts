@@ -15,6 +15,7 @@ const defaults = {
   gain: 1,
   gamma: 1,
   cycle: 0,
+  newest: 'show', // of cycles that come while one looks: show each, or stay
   row: -1, // where the EPIs are cut, px; -1 = in the middle
   column: -1,
   compare: 'side',

@@ -11,10 +11,13 @@
 #include "e2lf/cli/live_log.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
+#include "e2lf/cli/pictures.h"
 #include "e2lf/cli/rate_plot.h"
 #include "e2lf/cli/recorded_setup.h"
+#include "e2lf/cli/report_output.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/eval/event_statistics.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/recordings/event_rate.h"
 
@@ -24,6 +27,7 @@ namespace {
 
 struct AccumulateArguments {
   fs::path input, output, plot;
+  std::vector<fs::path> reports;
   CycleFlags cycles;
 };
 
@@ -37,7 +41,7 @@ class CyclePlot {
   void add(const cycles::Cycle& cycle) {
     keep(found_.cycles, FoundCycle{cycle.number, cycle.confidence, cycle.slices});
   }
-  [[nodiscard]] std::string svg() const { return rate_plot_svg(rate_.rate(), found_); }
+  [[nodiscard]] std::string svg() const { return report::chart_svg(rate_chart(rate_.rate(), found_)); }
 
  private:
   static constexpr size_t kBins = 2000;
@@ -79,6 +83,50 @@ void keep_setup_of(const fs::path& input, RecordedSetup setup, size_t transition
   keep_setup(setup, writer);
 }
 
+/// A row for each cycle.
+report::Table cycle_table(const Json& cycles) {
+  report::Table table{"The cycles, in order of time.",
+                      {{"cycle", true}, {"events", true}, {"begins, us", true}, {"confidence", true}},
+                      {}};
+  const bool is_live = !cycles.empty() && cycles[0].contains("latency_s");
+  if (is_live) table.columns.push_back({"latency, s", true});
+  for (const Json& cycle : cycles) {
+    table.rows.push_back({report::number_cell(cycle["number"].get<double>(), 0),
+                          report::number_cell(cycle["events"].get<double>(), 0),
+                          report::number_cell(cycle["begin_us"].get<double>(), 0),
+                          report::number_cell(cycle["confidence"].get<double>(), 3)});
+    if (is_live) table.rows.back().push_back(report::number_cell(cycle["latency_s"].get<double>(), 3));
+  }
+  return table;
+}
+
+/// A member of each cycle over the numbers of the cycles.
+std::string cycle_curve(const Json& cycles, const char* member, const char* label) {
+  report::LineChart chart{"cycle", label, {{label, {}}}};
+  for (const Json& cycle : cycles) {
+    chart.lines[0].points.push_back({cycle["number"].get<double>(), cycle[member].get<double>()});
+  }
+  return report::chart_svg(chart);
+}
+
+Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const Json& cycles, const CyclePlot& plot,
+                                 const std::optional<capture::EventImages>& first) {
+  report::Page page = verb_page(cat("Pattern cycles in ", input.string()));
+  page.facts(facts).heading("Events over time").drawing(plot.svg());
+  if (first) {
+    page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
+    E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(*first), "event images"}}, 1600, page));
+    page.drawing(transition_bars(eval::event_statistics(*first).events_per_pixel));
+  }
+  page.heading("Cycles");
+  if (cycles.size() > 1) {
+    page.drawing(cycle_curve(cycles, "events", "events")).drawing(cycle_curve(cycles, "confidence", "confidence"));
+    if (cycles[0].contains("latency_s")) page.drawing(cycle_curve(cycles, "latency_s", "latency, s"));
+  }
+  page.table(cycle_table(cycles));
+  return page;
+}
+
 Result<std::optional<OutputFile>> open_picture(const fs::path& path, OutputRules rules) {
   if (path.empty()) return std::optional<OutputFile>();
   rules.streams = true;
@@ -94,11 +142,13 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule}, .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> picture, open_picture(arguments.plot, rules));
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.recover = recover_cycles;
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   RunRecord record("accumulate");
   CyclePlot plot;
-  const bool is_plotted = !arguments.plot.empty();
+  const bool is_plotted = !arguments.plot.empty() || reports.is_wanted();
+  std::optional<capture::EventImages> first;  // for the report
   // Of live input the log tells, a line for each cycle.
   ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
@@ -112,6 +162,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_ASSIGN_OR_RETURN(const std::optional<cycles::Cycle> cycle, reader.next());
     if (!cycle) break;
     confidence.add(*cycle, reader.source());
+    if (reports.is_wanted() && !first) first = cycle->images;
     if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.transitions, writer);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
@@ -128,10 +179,20 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   live_log.finish(report);
   const recordings::DecodeSummary summary = reader.summary();
   warn_of_losses(arguments.input, summary);
-  // The picture comes first: it tells why, where no cycle was found.
+  // Picture and report come first: they tell why, where no cycle was found.
   if (picture) {
-    E2LF_RETURN_IF_ERROR(write_file(picture->path(), plot.svg()));
+    E2LF_RETURN_IF_ERROR(write_chart(plot.svg(), arguments.plot, picture->path()));
     E2LF_RETURN_IF_ERROR(picture->commit());
+  }
+  if (reports.is_wanted()) {
+    const std::vector<recordings::Loss> losses = recordings::losses(summary);
+    const Json facts = {{"recording", arguments.input.string()},
+                        {"source", source_name(reader.source())},
+                        {"found", report_json(report)},
+                        {"least_confidence", confidence.least()},
+                        {"left_out", losses.empty() ? "nothing" : recordings::loss_text(losses)}};
+    E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(arguments.input, facts, cycles, plot, first));
+    E2LF_RETURN_IF_ERROR(reports.write(page));
   }
   confidence.warn(arguments.input, report);
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
@@ -141,6 +202,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note("left_out", losses_json(summary));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);
+  note_colour_filter(record, recorded_colour_filter(arguments.input), output.path());
   record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
@@ -170,8 +232,9 @@ int run_accumulate(const std::vector<std::string>& arguments) {
   verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
   verb.app()
       .add_option("--plot", accumulation.plot,
-                  "write the event rate with the triggers or bursts and the cycles found, as an SVG picture")
-      ->check(svg_name());
+                  "write the event rate with the triggers or bursts and the cycles found, as a picture (.svg, .png)")
+      ->check(chart_name());
+  add_report_option(verb.app(), accumulation.reports);
   add_cycle_options(verb.app(), accumulation.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] { return accumulate(accumulation, verb); });

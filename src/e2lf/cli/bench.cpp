@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // e2lf bench reconstruct | simulate | train | video; decode is in a file of its own
 #include <cmath>
-#include <cstdio>
+#include <iterator>
 
 #include "bench/simulate/benchmark_simulate.h"
 #include "bench/simulate/benchmark_stream.h"
+#include "e2lf/base/isa.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
 #include "e2lf/cli/bench_camera.h"
 #include "e2lf/cli/bench_decode.h"
 #include "e2lf/cli/bench_reconstruct.h"
+#include "e2lf/cli/bench_report.h"
 #include "e2lf/cli/bench_rig.h"
 #include "e2lf/cli/bench_video.h"
 #include "e2lf/cli/camera_option.h"
@@ -23,27 +26,37 @@
 namespace e2lf::cli {
 namespace {
 
-void print_precision(const std::string& name, const Json& row) {
-  std::printf("%-28s %9.3f %12.0f", name.c_str(), row["seconds"]["median"].get<double>(), row["gflops"].get<double>());
-  if (row.contains("share_of_peak")) std::printf(" %11.0f %%", 100 * row["share_of_peak"].get<double>());
-  if (row.contains("ratio_to_peer")) std::printf(" %11.1f x", row["ratio_to_peer"].get<double>());
-  std::printf("\n");
+/// A number that may not be there.
+report::Cell number_of(const Json& row, const char* name, int decimals, double factor = 1) {
+  if (!row.contains(name)) return {};
+  const Json& value = row[name].is_object() ? row[name]["median"] : row[name];
+  return report::number_cell(factor * value.get<double>(), decimals);
 }
 
-void print_bench_reconstruct(const Json& json) {
-  std::printf("%s px, %d threads, %s\n\n", json_line(json["image"]).c_str(), json["threads"].get<int>(),
-              json["isa"].get<std::string>().c_str());
-  std::printf("%-28s %9s %12s %13s %13s\n", "", "seconds", "GFLOP/s", "of the peak", "to the peer");
+BenchReport reconstruct_report(const Json& json) {
+  report::Table table{
+      "Medians. GFLOP/s count the network's multiplications and additions.",
+      {{"arithmetic"}, {"seconds", true}, {"GFLOP/s", true}, {"of the peak, %", true}, {"times the peer", true}},
+      {}};
+  const auto add = [&](const std::string& name, const Json& row) {
+    table.rows.push_back({report::text_cell(name), number_of(row, "seconds", 3), number_of(row, "gflops", 0),
+                          number_of(row, "share_of_peak", 0, 100), number_of(row, "ratio_to_peer", 1)});
+  };
   for (const char* precision : {"float32", "bfloat16"}) {
-    if (json.contains(precision)) print_precision(precision, json[precision]);
+    if (json.contains(precision)) add(precision, json[precision]);
   }
-  if (json["peer"].contains("name")) {
-    print_precision("peer: " + json["peer"]["name"].get<std::string>(), json["peer"]);
-  } else {
-    std::printf("peer: none (%s)\n", json["peer"]["absent"].get<std::string>().c_str());
-  }
-  std::printf("\nmultiply-add peak of this machine, GFLOP/s: %s; peak memory %.0f MiB\n",
-              json_line(json["peak_gflops"]).c_str(), json["peak_memory_mib"].get<double>());
+  const Json& peer = json["peer"];
+  const bool has_peer = peer.contains("name");
+  if (has_peer) add("peer: " + peer["name"].get<std::string>(), peer);
+  BenchReport found{"Speed of reconstruction",
+                    cat(json["network"].get<std::string>(), ", ", json_line(json["image"]), " px, ",
+                        json["threads"].get<int>(), " threads, ", json["isa"].get<std::string>()),
+                    {table},
+                    {bars_of(table, 1, "seconds")}};
+  found.note = cat(has_peer ? "" : cat("peer: none (", peer["absent"].get<std::string>(), ")\n"),
+                   "multiply-add peak of this machine, GFLOP/s: ", json_line(json["peak_gflops"]), "; peak memory ",
+                   std::lround(json["peak_memory_mib"].get<double>()), " MiB");
+  return found;
 }
 
 void add_size_options(Verb& verb, size_t& width, size_t& height) {
@@ -58,49 +71,64 @@ int run_bench_reconstruct(const std::vector<std::string>& arguments) {
             "e2lf bench reconstruct --json");
   ReconstructBench options;
   std::filesystem::path model;
+  std::vector<std::filesystem::path> report_names;
   add_size_options(verb, options.width, options.height);
   verb.app()
       .add_option("--runs", options.runs, "of each; figures are medians")
       ->check(whole_number(1))
       ->capture_default_str();
   verb.app().add_option("-m,--model", model, "model file; default: the paper's network with random weights");
+  add_report_option(verb.app(), report_names);
   return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
     if (!model.empty()) {
       E2LF_ASSIGN_OR_RETURN(options.model, model::read_model(model));
     }
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const Json json, bench_reconstruct(options, bar.callback()));
     hide_progress();
-    if (verb.common().json) {
-      std::printf("%s", json_text(json).c_str());
-    } else {
-      print_bench_reconstruct(json);
-    }
-    return {};
+    return finish_bench(verb, json, reconstruct_report(json), reports);
   });
 }
 
-void print_bench_video(const Json& json) {
-  std::printf("%d threads, %s; seconds for a frame\n\n%-34s %10s %9s %9s %9s %9s %12s\n", json["threads"].get<int>(),
-              json["isa"].get<std::string>().c_str(), "", "px", "float32", "bfloat16", "libtorch", "float32 x",
-              "bfloat16 x");
+BenchReport video_report(const Json& json) {
+  report::Table table{"Medians of seconds for a frame; ratios to libtorch.",
+                      {{"network"},
+                       {"px", true},
+                       {"float32", true},
+                       {"bfloat16", true},
+                       {"libtorch", true},
+                       {"float32 x", true},
+                       {"bfloat16 x", true}},
+                      {}};
+  report::BarChart chart{"seconds for a frame", true, 4, {}, {{"float32", {}}, {"bfloat16", {}}, {"libtorch", {}}}};
+  BenchReport found{"Speed of networks of frames", cat(json["threads"].get<int>(), " threads, ",
+                                                       json["isa"].get<std::string>(), "; seconds for a frame")};
+  constexpr const char* kKinds[] = {"float32", "bfloat16", "peer"};
   for (const Json& row : json["networks"]) {
-    const auto number = [&](const char* what, const char* precision) -> double {
-      if (!row.contains(precision) || !row[precision].contains(what)) return NAN;
-      const Json& value = row[precision][what];
-      return value.is_object() ? value["median"].get<double>() : value.get<double>();
-    };
-    const std::string size = cat(row["image"][1].get<size_t>(), "x", row["image"][0].get<size_t>());
-    std::printf("%-34s %10s %9.4f %9.4f %9.4f %9.1f %12.1f\n", row["network"].get<std::string>().c_str(), size.c_str(),
-                number("seconds", "float32"), number("seconds", "bfloat16"), number("seconds", "peer"),
-                number("ratio_to_peer", "float32"), number("ratio_to_peer", "bfloat16"));
-    if (row["peer"].contains("absent")) {
-      std::printf("  no peer: %s\n", row["peer"]["absent"].get<std::string>().c_str());
-    } else {
-      std::printf("  largest difference between libtorch and float32: %.1g\n",
-                  row["peer"]["largest_difference"].get<double>());
+    const std::string name = row["network"].get<std::string>();
+    std::vector<report::Cell> cells = {
+        report::text_cell(name),
+        report::text_cell(cat(row["image"][1].get<size_t>(), "x", row["image"][0].get<size_t>()))};
+    chart.groups.push_back(name);
+    for (size_t i = 0; i < std::size(kKinds); ++i) {
+      cells.push_back(row.contains(kKinds[i]) ? number_of(row[kKinds[i]], "seconds", 4) : report::Cell());
+      const Json& value = cells.back().value;
+      chart.series[i].values.push_back(value.is_number() ? std::optional(value.get<double>()) : std::nullopt);
     }
+    for (const char* precision : {"float32", "bfloat16"}) {
+      cells.push_back(row.contains(precision) ? number_of(row[precision], "ratio_to_peer", 1) : report::Cell());
+    }
+    table.rows.push_back(std::move(cells));
+    const Json& peer = row["peer"];
+    found.note += cat(found.note.empty() ? "" : "\n", name, ": ");
+    found.note += peer.contains("absent") ? cat("no peer: ", peer["absent"].get<std::string>())
+                                          : cat("largest difference between libtorch and float32 ",
+                                                peer["largest_difference"].get<float>());
   }
+  found.tables = {std::move(table)};
+  found.charts = {std::move(chart)};
+  return found;
 }
 
 int run_bench_video(const std::vector<std::string>& arguments) {
@@ -108,26 +136,46 @@ int run_bench_video(const std::vector<std::string>& arguments) {
             "e2lf bench video --json");
   VideoBench options;
   std::filesystem::path model;
+  std::vector<std::filesystem::path> report_names;
   add_size_options(verb, options.width, options.height);
   verb.app()
       .add_option("--frames", options.frames, "of each; figures are medians")
       ->check(whole_number(1, 100000))
       ->capture_default_str();
   verb.app().add_option("-m,--model", model, "model file; default: FireNet and E2VID's network with random weights");
+  add_report_option(verb.app(), report_names);
   return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
     if (!model.empty()) {
       E2LF_ASSIGN_OR_RETURN(options.model, model::read_video_model(model));
     }
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const Json json, bench_video(options, bar.callback()));
     hide_progress();
-    if (verb.common().json) {
-      std::printf("%s", json_text(json).c_str());
-    } else {
-      print_bench_video(json);
-    }
-    return {};
+    return finish_bench(verb, json, video_report(json), reports);
   });
+}
+
+BenchReport simulation_report(const Json& json, const bench::StreamBenchmark& stream) {
+  report::Table table{"Millions of pixels per second; the reference runs on one thread.",
+                      {{"simulation, M pixels/s"}, {"e2lf", true}, {"reference", true}, {"ratio", true}},
+                      {}};
+  for (const auto& [name, values] : json.items()) {
+    if (!values.contains("mpx_per_s")) continue;
+    table.rows.push_back({report::text_cell(name), number_of(values, "mpx_per_s", 1),
+                          number_of(values, "reference_mpx_per_s", 2), number_of(values, "ratio", 1)});
+  }
+  report::Table by_event{
+      "Event by event, physical pixels.",
+      {{"event by event, M events/s"}, {"all threads", true}, {"one thread", true}, {"reference", true}},
+      {}};
+  by_event.rows.push_back({report::text_cell("physical pixels"), report::number_cell(stream.events_per_s * 1e-6, 2),
+                           report::number_cell(stream.one_thread_events_per_s * 1e-6, 2),
+                           report::number_cell(stream.reference_events_per_s * 1e-6, 2)});
+  return {"Speed of simulation",
+          cat(num_threads(), " threads, ", current_isa(), "; the scalar reference in the same run"),
+          {table, by_event},
+          {bars_of(table, 3, "times the scalar reference")}};
 }
 
 int run_bench_simulate(const std::vector<std::string>& arguments) {
@@ -135,9 +183,12 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
             "Measure the event simulation against the scalar reference on one thread, in the same run.",
             "e2lf bench simulate --json");
   bench::SimulationBenchmarkOptions options;
+  std::vector<std::filesystem::path> report_names;
   add_size_options(verb, options.width, options.height);
   verb.app().add_option("--seconds", options.seconds, "time for each measurement")->capture_default_str();
+  add_report_option(verb.app(), report_names);
   return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
     E2LF_ASSIGN_OR_RETURN(const bench::SimulationBenchmark result, bench::benchmark_simulation(options));
     RunRecord record("bench simulate");
     E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera("evk4-lcos", record));
@@ -148,26 +199,13 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
     };
     const Json json = {{"coded_intensities", row(result.intensities_mpx_per_s, result.reference_intensities_mpx_per_s)},
                        {"events", row(result.events_mpx_per_s, result.reference_events_mpx_per_s)},
-                       {"light_field_to_events", row(result.simulate_mpx_per_s, result.reference_simulate_mpx_per_s)}};
-    const Json event_by_event = {{"events", stream.events},
-                                 {"events_per_s", stream.events_per_s},
-                                 {"one_thread_events_per_s", stream.one_thread_events_per_s},
-                                 {"reference_events_per_s", stream.reference_events_per_s}};
-    if (verb.common().json) {
-      Json all = json;
-      all["event_by_event"] = event_by_event;
-      std::printf("%s", json_text(all).c_str());
-      return {};
-    }
-    std::printf("%-24s %12s %12s %8s\n", "simulation, M pixels/s", "e2lf", "reference", "ratio");
-    for (const auto& [name, values] : json.items()) {
-      std::printf("%-24s %12.1f %12.2f %8.1f\n", name.c_str(), values["mpx_per_s"].get<double>(),
-                  values["reference_mpx_per_s"].get<double>(), values["ratio"].get<double>());
-    }
-    std::printf("\nevent by event, physical pixels, M events/s: %.2f (one thread %.2f, scalar reference %.2f)\n",
-                stream.events_per_s * 1e-6, stream.one_thread_events_per_s * 1e-6,
-                stream.reference_events_per_s * 1e-6);
-    return {};
+                       {"light_field_to_events", row(result.simulate_mpx_per_s, result.reference_simulate_mpx_per_s)},
+                       {"event_by_event",
+                        {{"events", stream.events},
+                         {"events_per_s", stream.events_per_s},
+                         {"one_thread_events_per_s", stream.one_thread_events_per_s},
+                         {"reference_events_per_s", stream.reference_events_per_s}}}};
+    return finish_bench(verb, json, simulation_report(json, stream), reports);
   });
 }
 
@@ -175,11 +213,15 @@ int run_bench_train(const std::vector<std::string>& arguments) {
   Verb verb("bench train", "Measure training and the synthesis of its data against plain libtorch, in the same run.",
             "e2lf bench train --batch 8 --json");
   uint64_t batch = 4, steps = 5;
+  std::vector<std::filesystem::path> report_names;
+  add_report_option(verb.app(), report_names);
   verb.app().add_option("--batch", batch, "samples of 64x64x8x8 for each step")->check(whole_number(1));
   verb.app().add_option("--steps", steps, "measured for each loop; figures are medians")->check(whole_number(1));
   return verb.run(arguments, [&] {
     std::vector<std::string> call = {"bench", "--batch", std::to_string(batch), "--steps", std::to_string(steps)};
     if (verb.common().json) call.emplace_back("--json");
+    if (verb.common().overwrite) call.emplace_back("--overwrite");
+    for (const auto& name : report_names) call.insert(call.end(), {"--report", name.string()});
     return become_trainer(std::move(call), verb.common().threads);
   });
 }

@@ -8,15 +8,16 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/bench_report.h"
 #include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/camera_settings.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
+#include "e2lf/cli/scene_input.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/best_gain.h"
 #include "e2lf/eval/metrics.h"
-#include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/streams/camera_stream.h"
@@ -125,7 +126,7 @@ Result<std::vector<NamedModel>> read_models(const CameraBench& options, RunRecor
 Result<std::vector<LightField>> read_scenes(const CameraBench& options) {
   std::vector<LightField> scenes;
   for (const fs::path& path : options.scenes) {
-    E2LF_ASSIGN_OR_RETURN(LightField scene, load_scene(path, {}, true));
+    E2LF_ASSIGN_OR_RETURN(LightField scene, load_scene(path, SceneOptions{}, true));
     if (scene.shape().width < kMargin + 16) {
       return Error{ErrorCode::kShape, cat("the views are narrower than ", kMargin + 16, " px; name larger ones"),
                    path.string()};
@@ -166,25 +167,39 @@ Result<Json> measure(const CameraBench& options, const capture::Camera& camera, 
   return Json{{"camera", camera.name}, {"size", options.size}, {"scenes", scenes.size()}, {"settings", rows}};
 }
 
-void print(const Json& json) {
-  std::printf(
-      "mean PSNR over %zu scenes at their best brightness, dB; in brackets the difference to the camera (%s) "
-      "itself\n\n%-42s",
-      json["scenes"].get<size_t>(), json["camera"].get<std::string>().c_str(), "");
+BenchReport camera_report(const Json& json) {
+  report::Table table{"Differences are to the camera itself, the first line.", {{"setting"}}, {}};
   const Json& base = json["settings"][0]["models"];
-  for (const Json& model : base) std::printf("  %20s", model["model"].get<std::string>().c_str());
-  std::printf("\n");
+  for (const Json& model : base) {
+    const std::string name = model["model"].get<std::string>();
+    table.columns.push_back({name, true, true, cat(name, " psnr_db")});
+    table.columns.push_back({"difference", true, false, cat(name, " difference_db")});
+  }
+  report::BarChart chart{"mean PSNR, dB", false, 2, {}, {}};
+  for (const Json& model : base) chart.series.push_back({model["model"].get<std::string>(), {}});
   for (const Json& row : json["settings"]) {
-    std::printf("%-42s", row["setting"].get<std::string>().c_str());
+    table.rows.push_back({report::text_cell(row["setting"].get<std::string>())});
+    chart.groups.push_back(row["setting"].get<std::string>());
     for (size_t i = 0; i < base.size(); ++i) {
       const double db = row["models"][i]["mean_psnr_db"].get<double>();
-      std::printf("      %7.2f (%+5.2f)", db, db - base[i]["mean_psnr_db"].get<double>());
+      table.rows.back().push_back(report::number_cell(db, 2));
+      table.rows.back().push_back(report::number_cell(db - base[i]["mean_psnr_db"].get<double>(), 2));
+      chart.series[i].values.emplace_back(db);
     }
-    std::printf("\n");
   }
+  return {"What each imperfection of a camera costs",
+          cat("mean PSNR over ", json["scenes"].get<size_t>(),
+              " scenes at their best brightness, dB, and the difference to the camera (",
+              json["camera"].get<std::string>(), ") itself"),
+          {table},
+          {chart}};
 }
 
-Result<void> bench(const CameraBench& options, const CommonOptions& common) {
+Result<void> bench(const CameraBench& options, const std::vector<fs::path>& report_names, const Verb& verb) {
+  std::vector<fs::path> inputs = options.scenes;
+  inputs.insert(inputs.end(), options.models.begin(), options.models.end());
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, {.inputs = std::move(inputs),
+                                                                                .overwrite = verb.common().overwrite}));
   RunRecord record("bench camera");
   E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
@@ -193,13 +208,8 @@ Result<void> bench(const CameraBench& options, const CommonOptions& common) {
   }
   E2LF_ASSIGN_OR_RETURN(const auto models, read_models(options, record));
   E2LF_ASSIGN_OR_RETURN(const auto scenes, read_scenes(options));
-  E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, models, scenes, common.quiet));
-  if (common.json) {
-    std::printf("%s", json_text(json).c_str());
-  } else if (!common.quiet) {
-    print(json);
-  }
-  return {};
+  E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, models, scenes, verb.common().quiet));
+  return finish_bench(verb, json, camera_report(json), reports);
 }
 
 }  // namespace
@@ -209,7 +219,9 @@ int run_bench_camera(const std::vector<std::string>& arguments) {
             "What each imperfection of a camera costs in PSNR, for each model; at the brightness that fits best.",
             "e2lf bench camera scene/ -m models/e2lf-n4.safetensors");
   CameraBench options;
+  std::vector<fs::path> report_names;
   CLI::App& app = verb.app();
+  add_report_option(app, report_names);
   app.add_option("scenes,-i,--input", options.scenes, "light fields of any format e2lf reads")->required();
   app.add_option("-m,--model", options.models, "model files; default: the bundled one");
   app.add_option("--codes", options.codes, "patterns of models that hold none");
@@ -227,7 +239,7 @@ int run_bench_camera(const std::vector<std::string>& arguments) {
       if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; name one with -m", ""};
       options.models.push_back(*path);
     }
-    return bench(options, verb.common());
+    return bench(options, report_names, verb);
   });
 }
 

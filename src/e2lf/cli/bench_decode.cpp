@@ -2,15 +2,16 @@
 // e2lf bench decode
 #include "e2lf/cli/bench_decode.h"
 
-#include <cstdio>
+#include <cmath>
 
 #include "bench/decode/benchmark_convert.h"
 #include "bench/decode/benchmark_decode.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/cli/bench_report.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/files/json_text.h"
 
 namespace e2lf::cli {
 namespace {
@@ -70,32 +71,54 @@ Result<std::vector<bench::ConvertBenchmarkRow>> measure_conversion(const std::fi
   return bench::benchmark_conversion(options);
 }
 
-void print_line(const char* what, double rate, double reference) {
-  std::printf("  %-24s %9.0f", what, rate);
-  std::printf(reference > 0 ? " %6.1fx\n" : "       -\n", rate / reference);
-}
-
-void print_table(const std::vector<DecodeBenchmarkRow>& rows) {
-  std::printf(
-      "decoding from memory, M events/s; %d threads, %s; ratios to the scalar reference in this run; one thread by its "
-      "processor time\n",
-      num_threads(), current_isa().c_str());
-  std::printf("\n%-26s %9s %7s\n", "", "columns", "ratio");
+BenchReport decode_report(const std::vector<DecodeBenchmarkRow>& rows,
+                          const std::vector<bench::ConvertBenchmarkRow>& conversions, const std::string& folder) {
+  report::Table table{"Millions of events per second, to columns, and the ratio to the scalar reference.",
+                      {{"stream"},
+                       {"source"},
+                       {"M events", true},
+                       {"bytes/event", true},
+                       {"one thread", true},
+                       {"ratio", true, false, "one thread ratio"},
+                       {"all threads", true},
+                       {"ratio", true, false, "all threads ratio"},
+                       {"reference", true}},
+                      {}};
+  report::BarChart chart{
+      "M events/s", true, 0, {}, {{"one thread", {}}, {"all threads", {}}, {"scalar reference", {}}}};
   for (const DecodeBenchmarkRow& row : rows) {
-    std::printf("%s: %s, %.1f M events, %.2f bytes per event\n", row.shape.c_str(), row.source.c_str(),
-                static_cast<double>(row.events) * 1e-6, row.bytes_per_event);
-    print_line("one thread", row.one_thread, row.reference);
-    print_line("all threads", row.all_threads, row.reference);
-    if (row.reference > 0) print_line("scalar reference", row.reference, 0);
+    const auto known = [&](double value) { return row.reference > 0 ? std::optional(value) : std::nullopt; };
+    table.rows.push_back(
+        {report::text_cell(row.shape), report::text_cell(row.source),
+         report::number_cell(static_cast<double>(row.events) * 1e-6, 1), report::number_cell(row.bytes_per_event, 2),
+         report::number_cell(row.one_thread, 0), report::number_cell(known(row.one_thread / row.reference), 1),
+         report::number_cell(row.all_threads, 0), report::number_cell(known(row.all_threads / row.reference), 1),
+         report::number_cell(known(row.reference), 0)});
+    chart.groups.push_back(row.shape);
+    chart.series[0].values.emplace_back(row.one_thread);
+    chart.series[1].values.emplace_back(row.all_threads);
+    chart.series[2].values.push_back(known(row.reference));
   }
-  std::printf("\nother decoders on one thread, as measured on ANOTHER machine (Zen 4):\n%-42s", "");
-  for (const char* shape : kShapes) std::printf(" %11s", shape);
-  std::printf("\n");
-  for (const PublishedRates& published : kPublished) {
-    std::printf("%-42s", published.decoder);
-    for (const int rate : published.rates) std::printf(rate == 0 ? "           -" : " %11d", rate);
-    std::printf("\n");
+  report::Table published{"Other decoders on one thread, as measured on another machine (Zen 4), M events/s.",
+                          {{"others, on ANOTHER machine (Zen 4)"}},
+                          {}};
+  for (const char* shape : kShapes) published.columns.push_back({shape, true});
+  for (const PublishedRates& other : kPublished) {
+    published.rows.push_back({report::text_cell(other.decoder)});
+    for (const int rate : other.rates) {
+      published.rows.back().push_back(rate == 0 ? report::Cell() : report::number_cell(rate, 0));
+    }
   }
+  BenchReport found{"Speed of decoding",
+                    cat("decoding from memory, M events/s; ", num_threads(), " threads, ", current_isa(),
+                        "; ratios to the scalar reference in this run; one thread by its processor time"),
+                    {std::move(table), std::move(published)},
+                    {std::move(chart)}};
+  for (const auto& row : conversions) {
+    found.note += cat(found.note.empty() ? "" : "\n", "RAW file to ", row.format, " in ", folder, ": ",
+                      std::lround(row.mevents_per_s), " M events/s");
+  }
+  return found;
 }
 
 }  // namespace
@@ -108,6 +131,8 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
   bench::DecodeBenchmarkOptions options;
   bool without_reference = false;
   std::filesystem::path convert_folder;
+  std::vector<std::filesystem::path> report_names;
+  add_report_option(verb.app(), report_names);
   verb.app().add_option("input,-i,--input", options.input,
                         "RAW recording or folder of them, repeated to the wanted length; default: synthesised streams");
   verb.app().add_option("--events", options.events, "length of each stream")->capture_default_str();
@@ -116,6 +141,9 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
   verb.app().add_option("--convert", convert_folder,
                         "measure the conversion of a dense EVT3 file, or the given one, in this folder too");
   return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(
+        ReportOutput reports,
+        ReportOutput::open(report_names, {.inputs = {options.input}, .overwrite = verb.common().overwrite}));
     options.with_reference = !without_reference;
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto rows, bench::benchmark_decoding(options, bar.callback()));
@@ -124,18 +152,9 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
     if (!convert_folder.empty()) {
       E2LF_ASSIGN_OR_RETURN(conversions, measure_conversion(convert_folder, options));
     }
-    if (verb.common().json) {
-      Json json = to_json(rows);
-      for (const auto& row : conversions) json["convert"][row.format] = row.mevents_per_s;
-      std::printf("%s", json_text(json).c_str());
-      return {};
-    }
-    print_table(rows);
-    for (const auto& row : conversions) {
-      std::printf("RAW file to %-4s in %s: %.0f M events/s\n", row.format.c_str(), convert_folder.c_str(),
-                  row.mevents_per_s);
-    }
-    return {};
+    Json json = to_json(rows);
+    for (const auto& row : conversions) json["convert"][row.format] = row.mevents_per_s;
+    return finish_bench(verb, json, decode_report(rows, conversions, convert_folder.string()), reports);
   });
 }
 

@@ -8,11 +8,11 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/cli/bench_report.h"
 #include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/cycle_reader.h"
-#include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/reconstruct.h"
@@ -138,15 +138,23 @@ Result<Json> measure(const RigBench& options, const capture::Camera& camera, mod
               {"stages", stages.json()}};
 }
 
-void print(const Json& json) {
-  std::printf("%s px, %d threads, %.2f M events in a cycle, %.2f M in its event images, %.1f MB of RAW\n\n",
-              json["image"].dump().c_str(), json["threads"].get<int>(), json["events"].get<double>() * 1e-6,
-              json["events_in_images"].get<double>() * 1e-6, json["raw_bytes"].get<double>() * 1e-6);
+BenchReport rig_report(const Json& json) {
+  report::Table table{"", {{"stage"}, {"seconds", true}}, {}};
   for (const Json& stage : json["stages"]) {
-    std::printf("%-24s %8.3f s\n", stage["stage"].get<std::string>().c_str(), stage["seconds"].get<double>());
+    table.rows.push_back(
+        {report::text_cell(stage["stage"].get<std::string>()), report::number_cell(stage["seconds"].get<double>(), 3)});
   }
-  std::printf("\nthe events come back: %s; so do their sums: %s\n", json["decoded_is_simulated"].dump().c_str(),
-              json["accumulated_is_summed"].dump().c_str());
+  char about[200];
+  std::snprintf(about, sizeof about,
+                "%s px, %d threads, %.2f M events in a cycle, %.2f M in its event images, %.1f MB of RAW",
+                json["image"].dump().c_str(), json["threads"].get<int>(), json["events"].get<double>() * 1e-6,
+                json["events_in_images"].get<double>() * 1e-6, json["raw_bytes"].get<double>() * 1e-6);
+  return {"One cycle from light field to light field",
+          about,
+          {table},
+          {bars_of(table, 1, "seconds")},
+          cat("the events come back: ", json["decoded_is_simulated"].dump(),
+              "; so do their sums: ", json["accumulated_is_summed"].dump())};
 }
 
 }  // namespace
@@ -155,6 +163,8 @@ int run_bench_rig(const std::vector<std::string>& arguments) {
   Verb verb("bench rig", "Simulate, encode, decode, accumulate and reconstruct one cycle; the time of each stage.",
             "e2lf bench rig -m models/e2lf-n4.safetensors --json");
   RigBench options;
+  std::vector<std::filesystem::path> report_names;
+  add_report_option(verb.app(), report_names);
   const CLI::Range pixels(size_t{16}, size_t{16384});
   verb.app().add_option("--width", options.width, "of the sensor in pixels")->check(pixels)->capture_default_str();
   verb.app().add_option("--height", options.height, "of the sensor in pixels")->check(pixels)->capture_default_str();
@@ -166,6 +176,7 @@ int run_bench_rig(const std::vector<std::string>& arguments) {
   verb.app().add_option("--scene-gain", options.scene_gain, "brightness of the scene")->capture_default_str();
   add_camera_option(verb.app(), options.camera, "the camera that records; default: evk4-lcos");
   return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
     const auto path = options.model.empty() ? bundled_model() : options.model;
     if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; name one with -m", ""};
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
@@ -174,12 +185,7 @@ int run_bench_rig(const std::vector<std::string>& arguments) {
     RunRecord record("bench rig");
     E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera(options.camera, record));
     E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, std::move(model)));
-    if (verb.common().json) {
-      std::printf("%s", json_text(json).c_str());
-    } else if (!verb.common().quiet) {
-      print(json);
-    }
-    return {};
+    return finish_bench(verb, json, rig_report(json), reports);
   });
 }
 

@@ -97,6 +97,7 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const record
   record.note("left_out", losses_json(reader.summary()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(input, reader.info()));
   note_setup(record, setup, output.path());
+  note_colour_filter(record, recorded_colour_filter(input), output.path());
   return record.write(output.record_path(), verb);
 }
 
@@ -174,6 +175,7 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
     E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
   }
   record.end_step("convert");
+  note_colour_filter(record, recorded_colour_filter(arguments.input), output.path());
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   const capture::EventImages& first = file.cycles.front();

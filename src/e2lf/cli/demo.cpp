@@ -75,8 +75,8 @@ Result<void> write_refocused(const fs::path& folder, const LightField& light_fie
 }
 
 void print_result(const DemoArguments& arguments, const Camera& camera, const eval::EvalRow& row) {
-  std::printf("method: %s\n%s\nin %s:\n", camera.method.c_str(), eval::table_text({&row, 1}).c_str(),
-              arguments.output.c_str());
+  std::printf("method: %s\n%s\nin %s:\n", camera.method.c_str(),
+              report::table_text(eval::quality_table({&row, 1})).c_str(), arguments.output.c_str());
   std::printf("  scene/             the true light field, 8x8 views\n");
   std::printf("  events.npz         what the camera records of it (look at events.png)\n");
   std::printf("  recon/             the reconstructed light field: views, contact_sheet.png, epi.png\n");

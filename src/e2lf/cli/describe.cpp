@@ -2,22 +2,76 @@
 #include "e2lf/cli/describe.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/capture/measurement_io.h"
+#include "e2lf/cli/pictures.h"
+#include "e2lf/cli/report_output.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/learn/packed_data.h"
+#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/model/video_model.h"
+#include "e2lf/report/chart.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
+
+/// How many of the values lie in each of the bins of equal width.
+std::string histogram(const char* label, std::span<const float> values, float low, float high, size_t bins) {
+  report::LineChart chart{label, "share, %", {{"", {}, /*is_filled=*/true}}};
+  std::vector<double> counts(bins);
+  const float width = std::max(high - low, 1e-6F) / static_cast<float>(bins);
+  for (const float value : values) {
+    if (!std::isfinite(value)) continue;
+    const float bin = std::clamp((value - low) / width, 0.0F, static_cast<float>(bins - 1));
+    counts[static_cast<size_t>(bin)] += 100.0 / static_cast<double>(values.size());
+  }
+  for (size_t i = 0; i < bins; ++i) {
+    for (const size_t edge : {i, i + 1}) {
+      chart.lines[0].points.push_back({static_cast<double>(low + width * static_cast<float>(edge)), counts[i]});
+    }
+  }
+  return report::chart_svg(chart);
+}
+
+Result<void> show(const capture::EventImageFile& file, const std::string& name, report::Page& page) {
+  const capture::EventImages& first = file.cycles.front();
+  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
+  E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(first), "event images"}}, 1600, page));
+  page.drawing(transition_bars(eval::event_statistics(first).events_per_pixel));
+  constexpr float kMost = 16.5F;
+  const std::vector<float> counts(first.counts.begin(), first.counts.end());
+  page.drawing(histogram("events of a pixel in a transition, ON less OFF; those beyond 16 at the ends", counts, -kMost,
+                         kMost, 33));
+  if (!file.codes) return {};
+  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, capture::codes_from_npy(*file.codes, name));
+  page.heading("Patterns");
+  add_patterns(codes, page);
+  return {};
+}
+
+Result<void> show(const lightfield::LightField& field, float low, float high, report::Page& page) {
+  page.heading("Views");
+  E2LF_RETURN_IF_ERROR(
+      add_pictures({{lightfield::contact_sheet(field), "all views, in the order of the aperture"}}, 1600, page));
+  page.heading("Parallax");
+  E2LF_RETURN_IF_ERROR(
+      add_pictures({{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
+                     "the middle view; below and beside it the EPIs of the cuts in the colours of their frames"}},
+                   1200, page));
+  page.heading("Values").drawing(histogram("value", field.data(), std::min(low, 0.0F), std::max(high, 1.0F), 128));
+  return {};
+}
 
 Result<Description> describe_model(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
@@ -25,12 +79,19 @@ Result<Description> describe_model(const fs::path& path) {
     E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(path));
     Json json = model::summary_json(model);
     json["kind"] = "model of frames";
-    return Description{model::summary_text(model), std::move(json)};
+    return Description{model::summary_text(model), std::move(json), {}};
   }
   E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
   Json json = model::summary_json(model);
   json["kind"] = "model";
-  return Description{model::summary_text(model), std::move(json)};
+  const auto show_patterns = [codes = model.codes](report::Page& page) -> Result<void> {
+    if (codes) {
+      page.heading("Patterns");
+      add_patterns(*codes, page);
+    }
+    return {};
+  };
+  return Description{model::summary_text(model), std::move(json), show_patterns};
 }
 
 /// Data to train on, as `e2lf pack` writes it.
@@ -45,7 +106,8 @@ Result<Description> describe_packed_data(Safetensors file, const fs::path& path)
   }
   return Description{
       std::move(text),
-      {{"kind", "training data"}, {"light_fields", std::move(light_fields)}, {"textures", data.textures.size()}}};
+      {{"kind", "training data"}, {"light_fields", std::move(light_fields)}, {"textures", data.textures.size()}},
+      {}};
 }
 
 Result<Description> describe_safetensors(const fs::path& path) {
@@ -55,7 +117,9 @@ Result<Description> describe_safetensors(const fs::path& path) {
 }
 
 Result<Description> describe_event_images(const fs::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
+  E2LF_ASSIGN_OR_RETURN(capture::EventImageFile read, capture::read_event_images(path));
+  const auto kept = std::make_shared<const capture::EventImageFile>(std::move(read));
+  const capture::EventImageFile& file = *kept;
   const capture::EventImages& first = file.cycles.front();
   const eval::EventStatistics statistics = eval::event_statistics(first);
   Json json = {{"kind", "event images"},
@@ -70,7 +134,8 @@ Result<Description> describe_event_images(const fs::path& path) {
                          file.codes ? "included" : "not included", "\nevents per pixel in the first cycle:");
   for (const double count : statistics.events_per_pixel) text += cat(" ", count);
   text += cat(", total ", statistics.total_events_per_pixel, "\n");
-  return Description{std::move(text), std::move(json)};
+  return Description{std::move(text), std::move(json),
+                     [kept, name = path.string()](report::Page& page) { return show(*kept, name, page); }};
 }
 
 /// A measurement with intensity images.
@@ -107,9 +172,10 @@ Result<Description> describe_light_field(const fs::path& path, const LightFieldF
   lightfield::ReadOptions options = read_options(flags);
   options.range = lightfield::RangePolicy::kKeep;
   options.colour = true;
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(path, options));
-  const lightfield::Shape& shape = light_field.shape();
-  const auto [low, high] = std::minmax_element(light_field.data().begin(), light_field.data().end());
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField read, lightfield::read_light_field(path, options));
+  const auto light_field = std::make_shared<const lightfield::LightField>(std::move(read));
+  const lightfield::Shape& shape = light_field->shape();
+  const auto [low, high] = std::minmax_element(light_field->data().begin(), light_field->data().end());
   Json json = {{"kind", "light field"},
                {"format", lightfield::kind_name(kind)},
                {"views", {shape.views_y, shape.views_x}},
@@ -121,7 +187,9 @@ Result<Description> describe_light_field(const fs::path& path, const LightFieldF
   return Description{cat("light field (", lightfield::kind_name(kind), "): ", shape.views_y, "x", shape.views_x,
                          " views of ", shape.width, "x", shape.height, " px, ", shape.channels == 1 ? "grey" : "colour",
                          ", values ", *low, "..", *high, "\n"),
-                     std::move(json)};
+                     std::move(json), [light_field, low = *low, high = *high](report::Page& page) {
+                       return show(*light_field, low, high, page);
+                     }};
 }
 
 Result<Description> describe_cycles(const fs::path& path, const LightFieldFlags& flags) {
@@ -130,7 +198,7 @@ Result<Description> describe_cycles(const fs::path& path, const LightFieldFlags&
   Json json = {{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}};
   return Description{cat("light fields of ", folders.size(), " cycle", folders.size() == 1 ? "" : "s", "; ",
                          folders.front().filename().string(), ": ", first.text),
-                     std::move(json)};
+                     std::move(json), std::move(first.show)};
 }
 
 }  // namespace

@@ -11,13 +11,15 @@
 #include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/files/options.h"
+#include "e2lf/report/page.h"
 
 namespace e2lf::cli {
 
-/// What a file or folder is: text for people, JSON for scripts.
+/// What a file or folder is: text for people, JSON for scripts, and pictures of it for a page where it has any.
 struct Description {
   std::string text;
   Json json;
+  std::function<Result<void>(report::Page&)> show = {};
 };
 
 struct DescribeOptions {

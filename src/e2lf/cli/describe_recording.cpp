@@ -96,7 +96,7 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
     if (options.progress) options.progress(reader->summary().events(), 0);
   }
   const recordings::DecodeSummary summary = reader->summary();
-  return Description{to_text(reader->info(), summary, statistics), to_json(reader->info(), summary, statistics)};
+  return Description{to_text(reader->info(), summary, statistics), to_json(reader->info(), summary, statistics), {}};
 }
 
 }  // namespace e2lf::cli

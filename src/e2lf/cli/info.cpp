@@ -7,6 +7,7 @@
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/rate_plot.h"
+#include "e2lf/cli/report_output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/recordings/event_rate.h"
@@ -17,7 +18,8 @@ namespace {
 
 struct InfoArguments {
   fs::path path;
-  fs::path plot;  ///< SVG of the event rate; empty = none
+  fs::path plot;  ///< picture of the event rate; empty = none
+  std::vector<fs::path> reports;
   DescribeOptions options;
 };
 
@@ -25,13 +27,26 @@ void print(const Description& found, const CommonOptions& common) {
   std::printf("%s", common.json ? json_text(found.json).c_str() : found.text.c_str());
 }
 
-Result<void> print_recording(InfoArguments& arguments, const CommonOptions& common) {
+Result<void> write_report(const Description& found, const InfoArguments& arguments, const std::string& rate_svg,
+                          ReportOutput& reports) {
+  if (!reports.is_wanted()) return {};
+  report::Page page = verb_page(arguments.path.string());
+  page.code(found.text);
+  if (!rate_svg.empty()) page.heading("Events over time").drawing(rate_svg);
+  if (found.show) E2LF_RETURN_IF_ERROR(found.show(page));
+  page.heading("All that is known").table(report::facts_table(found.json));
+  return reports.write(page);
+}
+
+Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, const CommonOptions& common) {
   constexpr size_t kPlotBins = 2000;
   std::optional<OutputFile> picture;
   recordings::EventRateCounter rate(kPlotBins);
   if (!arguments.plot.empty()) {
     const OutputRules rules{.inputs = {arguments.path}, .overwrite = common.overwrite, .streams = true};
     E2LF_ASSIGN_OR_RETURN(picture, OutputFile::create(arguments.plot, rules));
+  }
+  if (picture || reports.is_wanted()) {
     arguments.options.on_batch = [&rate](const recordings::EventBatch& batch) { rate.add(batch); };
   }
   ProgressBar bar("read", common.quiet, "events");
@@ -39,9 +54,12 @@ Result<void> print_recording(InfoArguments& arguments, const CommonOptions& comm
   E2LF_ASSIGN_OR_RETURN(const Description found, describe_recording(arguments.path, arguments.options));
   hide_progress();
   print(found, common);
-  if (!picture) return {};
-  E2LF_RETURN_IF_ERROR(write_file(picture->path(), rate_plot_svg(rate.rate())));
-  return picture->commit();
+  const std::string svg = report::chart_svg(rate_chart(rate.rate()));
+  if (picture) {
+    E2LF_RETURN_IF_ERROR(write_chart(svg, arguments.plot, picture->path()));
+    E2LF_RETURN_IF_ERROR(picture->commit());
+  }
+  return write_report(found, arguments, svg, reports);
 }
 
 Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
@@ -50,7 +68,10 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   if (kind != FileKind::kLightField && kind != FileKind::kCycles) {
     E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
   }
-  if (kind == FileKind::kRecording) return print_recording(arguments, verb.common());
+  E2LF_ASSIGN_OR_RETURN(
+      ReportOutput reports,
+      ReportOutput::open(arguments.reports, {.inputs = {path}, .overwrite = verb.common().overwrite}));
+  if (kind == FileKind::kRecording) return print_recording(arguments, reports, verb.common());
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(const Description found, describe(kind, path, arguments.options));
   if (!arguments.plot.empty()) {
@@ -58,7 +79,7 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
                  path.string()};
   }
   print(found, verb.common());
-  return {};
+  return write_report(found, arguments, {}, reports);
 }
 
 }  // namespace
@@ -69,8 +90,9 @@ int run_info(const std::vector<std::string>& arguments) {
   InfoArguments info;
   verb.app().add_option("path,-i,--input", info.path, "file or folder")->required();
   verb.app()
-      .add_option("--plot", info.plot, "recordings: write the event rate over time as an SVG picture")
-      ->check(svg_name());
+      .add_option("--plot", info.plot, "recordings: write the event rate over time as a picture (.svg, .png)")
+      ->check(chart_name());
+  add_report_option(verb.app(), info.reports);
   add_recording_options(verb.app(), info.options.recording, kRecordingOptions);
   add_light_field_options(verb.app(), info.options.light_field, /*has_views=*/true);
   verb.stop_gently();

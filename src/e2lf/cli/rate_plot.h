@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/recordings/event_rate.h"
+#include "e2lf/report/chart.h"
 
 namespace e2lf::cli {
 
@@ -21,10 +21,10 @@ struct FoundCycles {
   std::vector<FoundCycle> cycles;
 };
 
-/// The event rate over time as an SVG picture: ON above the axis, OFF below, with axes in ms and M events/s; a tick at
-/// the foot for each mark (red ON, blue OFF, grey unknown), and each cycle's number, confidence and slices shaded.
-/// Of a long recording the first kMaxDrawn marks and cycles are drawn.
-[[nodiscard]] std::string rate_plot_svg(const recordings::EventRate& rate, const FoundCycles& found = {});
+/// The event rate over time: ON above the axis, OFF below, in ms and M events/s; a tick at the foot for each mark, and
+/// each cycle's number, confidence and slices shaded. Of a long recording the first kMaxDrawn marks and cycles are
+/// drawn.
+[[nodiscard]] report::LineChart rate_chart(const recordings::EventRate& rate, const FoundCycles& found = {});
 inline constexpr size_t kMaxDrawn = 2000;
 
 }  // namespace e2lf::cli

@@ -17,6 +17,7 @@
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/light_field_output.h"
 #include "e2lf/cli/live_log.h"
+#include "e2lf/cli/live_view.h"
 #include "e2lf/cli/network_choice.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
@@ -37,8 +38,11 @@ namespace {
 struct ReconstructArguments {
   fs::path input, output;
   CodesSource codes;
-  std::string method = "network", precision = "auto", gain = "auto", black = "auto", format = "png", camera;
+  std::string method = "network", precision = "auto", gain = "auto", black = "auto", format = "png", camera,
+              colour_filter;
   size_t passes = 1, cycles_per_field = 1;
+  bool view = false;
+  uint16_t port = 0;
   CycleFlags cycles;
 };
 
@@ -180,9 +184,9 @@ class CycleWriter {
   CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common, recon::FieldSequence sequence)
       : arguments_(arguments), common_(common), sequence_(std::move(sequence)) {}
 
-  /// Into an existing folder.
-  Result<void> process(const CycleImages& cycle, const fs::path& folder) {
-    E2LF_ASSIGN_OR_RETURN(const recon::Field field, reconstruct(cycle));
+  /// Into an existing folder. Returns the light field.
+  Result<LightField> process(const CycleImages& cycle, const fs::path& folder) {
+    E2LF_ASSIGN_OR_RETURN(recon::Field field, reconstruct(cycle));
     E2LF_RETURN_IF_ERROR(write_reconstruction(folder, field.light_field, arguments_.format, {}));
     Json about = cycle.about;
     about["cycle"] = cycles_.size();
@@ -196,7 +200,7 @@ class CycleWriter {
     }
     if (cycle.is_live) live_log_.add(about["number"], about["events"], about["latency_s"]);
     cycles_.push_back(std::move(about));
-    return {};
+    return std::move(field.light_field);
   }
 
   [[nodiscard]] const Json& cycles() const { return cycles_; }
@@ -221,21 +225,37 @@ class CycleWriter {
   LiveLog live_log_;
 };
 
+/// What is shown beside a cycle: how long it took, from its last event where it came live.
+std::string note_of(const Json& cycle, bool is_live) {
+  char text[80];
+  std::snprintf(text, sizeof text, is_live ? "latency %.3f s" : "reconstructed in %.3f s",
+                cycle[is_live ? "latency_s" : "reconstruct_s"].get<double>());
+  return text;
+}
+
 /// One cycle goes into the folder itself. Of several, the folder of each appears, whole, as soon as it is done, since
 /// earlier cycles are of use while later ones are still being made. The folder of all appears with the first, so that
 /// an input without any replaces nothing; with --strict at the end, since only then nothing was left out.
 Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder& output, const RunRecord& record,
-                            bool is_strict, const Verb& verb) {
+                            const ReconstructArguments& arguments, LiveView* view, const Verb& verb) {
+  const bool is_strict = arguments.cycles.recording.is_strict;
   while (writer.cycles().empty() || !stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<CycleImages> images, input.next());
     if (!images) break;
-    if (input.has_one_field()) return writer.process(*images, output.path());
-    const bool first = writer.cycles().empty();
+    const bool first = writer.cycles().empty(), is_all = input.has_one_field();
     const std::string name = cycle_name(writer.cycles().size());
-    E2LF_ASSIGN_OR_RETURN(const fs::path folder, output.begin_part(name));
-    E2LF_RETURN_IF_ERROR(writer.process(*images, folder));
-    E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", writer.cycles().back()}}));
-    if (first && !is_strict) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
+    fs::path folder = output.path();
+    if (!is_all) {
+      E2LF_ASSIGN_OR_RETURN(folder, output.begin_part(name));
+    }
+    E2LF_ASSIGN_OR_RETURN(LightField light_field, writer.process(*images, folder));
+    const Json& cycle = writer.cycles().back();
+    if (view != nullptr) view->add(name, std::move(light_field), note_of(cycle, images->is_live));
+    if (is_all) return {};
+    E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", cycle}}));
+    if (!first || is_strict) continue;
+    E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
+    if (view != nullptr) view->set_folder(arguments.output);
   }
   return {};
 }
@@ -298,20 +318,33 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, find_model(arguments, setup, camera, record));
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments.codes, model, setup.codes, record));
+  const std::string filter =
+      arguments.colour_filter.empty() ? recorded_colour_filter(arguments.input) : arguments.colour_filter;
   E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
                                                   ? network_method(arguments, std::move(*model), codes, camera, record)
                                                   : classical_method(arguments, codes, camera, record));
+  if (!filter.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const capture::ColourFilter colours, capture::colour_filter_from_name(filter));
+    method = recon::colour_method(std::move(method), colours);
+    record.resolve("colour-filter", filter);
+  }
   record.end_step("open");
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
-  // Nor do those of one cycle of the counts of several.
-  if (!are_patterns_told(codes) || arguments.cycles_per_field > 1) codes.reset();
+  // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
+  if (!are_patterns_told(codes) || arguments.cycles_per_field > 1 || !filter.empty()) codes.reset();
   if (known_constants) record.note("constants", *known_constants);
   E2LF_ASSIGN_OR_RETURN(const recon::Tone tone, tone_of(arguments, camera));
   E2LF_ASSIGN_OR_RETURN(auto check, event_check(codes, camera));
+  std::optional<LiveView> view;
+  if (arguments.view) {
+    const fs::path name = arguments.output.has_filename() ? arguments.output : arguments.output.parent_path();
+    E2LF_ASSIGN_OR_RETURN(LiveView started, LiveView::start(name.filename().string(), output.path(), arguments.port));
+    view.emplace(std::move(started));
+  }
   CycleWriter writer(arguments, common, {std::move(method), tone, std::move(check)});
   const bool is_strict = arguments.cycles.recording.is_strict;
-  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, is_strict, verb));
+  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());
   if (input.is_recording()) {
     writer.live_log().finish(input.report());
@@ -330,7 +363,10 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_RETURN_IF_ERROR(input.has_one_field() || is_strict ? output.commit(std::move(about))
                                                           : output.update_record(std::move(about)));
   print_result(arguments, common, input, writer.cycles());
-  return {};
+  std::fflush(stdout);
+  if (!view) return {};
+  view->set_folder(arguments.output);
+  return view->finish();
 }
 
 }  // namespace
@@ -356,6 +392,10 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
                     "the camera that recorded, for networks that are told; default: the one that the events' file "
                     "names, else the one "
                     "that the model was made for");
+  app.add_option(
+      "--colour-filter", reconstruction.colour_filter,
+      "colours of each 2x2 pixels of the sensor, row by row, such as rggb: the light field has colour and half "
+      "the size; default: as the record beside the events says");
   app.add_option("--precision", reconstruction.precision, "arithmetic of the network: auto, float32 or bfloat16")
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
       ->capture_default_str();
@@ -379,6 +419,9 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("--format", reconstruction.format, "png, png16 (64 views) or npy (float32 [8, 8, y, x], not clamped)")
       ->check(CLI::IsMember({"png", "png16", "npy"}))
       ->capture_default_str();
+  app.add_flag("--view", reconstruction.view,
+               "show each light field in a browser as it comes, with its latency; goes on until Ctrl-C");
+  app.add_option("--port", reconstruction.port, "of 127.0.0.1, for --view; 0 = a free one")->capture_default_str();
   add_cycle_options(app, reconstruction.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] { return reconstruct(reconstruction, verb); });

@@ -8,7 +8,8 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_camera";
+constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_camera",
+                     *kColourNote = "recorded_colour_filter";
 constexpr const char* kSize = "recording_bytes";
 
 /// What tells a recording from another that took its place.
@@ -86,6 +87,15 @@ Result<RecordedSetup> recorded_setup(const capture::MeasurementFile& file, const
     E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_npy(*file.camera, path.string() + ": camera"));
   }
   return setup;
+}
+
+std::string recorded_colour_filter(const fs::path& events) {
+  const auto note = note_beside(events, kColourNote);
+  return note ? note->value("colours", "") : "";
+}
+
+void note_colour_filter(RunRecord& record, const std::string& filter, const fs::path& events) {
+  if (!filter.empty()) note_with_size(record, kColourNote, {{"colours", filter}}, events);
 }
 
 }  // namespace e2lf::cli

@@ -39,4 +39,10 @@ void note_setup(RunRecord& record, const RecordedSetup& setup, const std::filesy
 [[nodiscard]] Result<RecordedSetup> recorded_setup(const capture::MeasurementFile& file,
                                                    const std::filesystem::path& path);
 
+/// The colour filters (capture::colour_filter_from_name()) over the sensor of a recording or event images, kept in
+/// their run record. Empty where it says none, or is of other events.
+[[nodiscard]] std::string recorded_colour_filter(const std::filesystem::path& events);
+/// Keeps them in the record of events that were just written; "" keeps nothing.
+void note_colour_filter(RunRecord& record, const std::string& filter, const std::filesystem::path& events);
+
 }  // namespace e2lf::cli

@@ -19,6 +19,7 @@
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/run_record.h"
+#include "e2lf/cli/scene_input.h"
 #include "e2lf/cli/simulate_stream.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/synthesise.h"
@@ -37,7 +38,7 @@ namespace {
 struct SimulateArguments {
   fs::path input, output;
   CodesSource codes;
-  std::string event_model, camera, measurement;
+  std::string event_model, camera, measurement, colour_filter;
   std::optional<float> eps, tau, sigma_w, sigma_z, sigma_i;
   float scene_gain = 1.0F, residue = 0.0F;
   size_t cycles = 1;
@@ -197,6 +198,17 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
   return setup;
 }
 
+/// The scene has a view for each cell of the patterns.
+Result<SceneOptions> scene_options(const SimulateArguments& arguments, const Setup& setup) {
+  SceneOptions options{arguments.light_field, setup.known.codes.views_y, setup.known.codes.views_x};
+  if (arguments.colour_filter.empty()) return options;
+  if (arguments.stream.has_turntable()) {
+    return Error{ErrorCode::kInvalidValue, "the turntable is grey; leave the colour filter out", "--colour-filter"};
+  }
+  E2LF_ASSIGN_OR_RETURN(options.filter, capture::colour_filter_from_name(arguments.colour_filter));
+  return options;
+}
+
 /// Patterns and camera as the result says them. ESIM and v2e are no models of a camera file: of them the patterns
 /// alone.
 RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
@@ -226,7 +238,7 @@ Result<capture::EventImages> run_stream(const SimulateArguments& arguments, cons
   StreamRun run;
   run.input = arguments.input;
   run.flags = arguments.stream;
-  run.light_field = arguments.light_field;
+  E2LF_ASSIGN_OR_RETURN(run.scene, scene_options(arguments, setup));
   run.codes = setup.known.codes;
   run.camera = setup.camera.value_or(capture::Camera{});
   E2LF_ASSIGN_OR_RETURN(run.stream, stream_options(arguments.stream, setup.known.event_model,
@@ -250,8 +262,8 @@ ImagesOf events_by_count(const SimulateArguments& arguments, const Setup& setup,
 Result<capture::EventImages> run_counts(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
                                         const CommonOptions& common, RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(setup.known.event_model));
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene,
-                        load_scene(arguments.input, arguments.light_field, common.quiet));
+  E2LF_ASSIGN_OR_RETURN(const SceneOptions options, scene_options(arguments, setup));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, options, common.quiet));
   record.end_step("read");
   const ImagesOf plain_images_of = events_by_count(arguments, setup, scene, model, common.seed);
   ProgressBar bar("simulate", common.quiet);
@@ -274,8 +286,8 @@ Result<capture::EventImages> run_counts(const SimulateArguments& arguments, cons
 Result<capture::Measurement> run_images(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
                                         const CommonOptions& common, RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(setup.known.event_model));
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene,
-                        load_scene(arguments.input, arguments.light_field, common.quiet));
+  E2LF_ASSIGN_OR_RETURN(const SceneOptions options, scene_options(arguments, setup));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, options, common.quiet));
   record.end_step("read");
   const RecordedSetup recorded = recorded_setup(arguments, setup);
   const capture::MeasurementKind kind = setup.known.measurement;
@@ -316,6 +328,9 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
   const auto useless = [](const char* flag, const char* why) {
     return Error{ErrorCode::kInvalidValue, cat(why, "; leave it out"), flag};
   };
+  if (has_intensities && !arguments.colour_filter.empty()) {
+    return useless("--colour-filter", "colours are told by event images alone");
+  }
   if (as_images && arguments.no_triggers) return useless("--no-triggers", "event images hold no triggers anyway");
   if (!is_stream) return verb.refuse_options(kStreamOptions, "counts of whole patterns");
   const StreamFlags defaults;
@@ -347,6 +362,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   }
   hide_progress();
   if (!as_images && !output.is_stream()) note_setup(record, recorded_setup(arguments, setup), output.path());
+  if (!output.is_stream()) note_colour_filter(record, arguments.colour_filter, output.path());
   record.end_step("simulate");
   if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
@@ -367,6 +383,10 @@ int run_simulate(const std::vector<std::string>& arguments) {
       ->required();
   add_codes_options(app, simulation.codes);
   add_camera_option(app, simulation.camera, "the camera that records; default: the paper's event model");
+  app.add_option(
+      "--colour-filter", simulation.colour_filter,
+      "a sensor with colour filters over each 2x2 pixels, row by row, such as rggb; the input has colour, and "
+      "each pixel of it has such a block");
   add_light_field_options(app, simulation.light_field, /*has_views=*/false);
   app.add_option("--event-model", simulation.event_model,
                  "quantised (Eq. 8), reference-aware (Eq. 9, 10), esim or v2e; default: the model's");

@@ -52,7 +52,7 @@ Result<capture::EventImages> play(const StreamRun& run, streams::VirtualRig& rig
 Result<capture::EventImages> simulate_stream(const StreamRun& run, const fs::path& place, const fs::path& output,
                                              RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(StreamScene scene,
-                        open_stream_scene(run.input, run.flags, run.light_field, run.stream.map_seed, run.is_quiet));
+                        open_stream_scene(run.input, run.flags, run.scene, run.stream.map_seed, run.is_quiet));
   recordings::RecordingInfo info;
   info.width = scene.width;
   info.height = scene.height;

@@ -15,7 +15,7 @@ namespace e2lf::cli {
 struct StreamRun {
   std::filesystem::path input;
   StreamFlags flags;
-  LightFieldFlags light_field;
+  SceneOptions scene;
   capture::Codes codes;
   capture::Camera camera;
   RecordedSetup recorded;  ///< what the result says it was made with

@@ -16,16 +16,15 @@ namespace {
 
 constexpr int64_t kTurntableFieldUs = 10000;
 
-Result<StreamScene> still_scene(const fs::path& input, const LightFieldFlags& light_field, bool is_quiet) {
-  E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, load_scene(input, light_field, is_quiet));
+Result<StreamScene> still_scene(const fs::path& input, const SceneOptions& options, bool is_quiet) {
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, load_scene(input, options, is_quiet));
   StreamScene result{{}, field.shape().height, field.shape().width};
   result.scene.at = [field = std::move(field)](uint64_t) { return Result<lightfield::LightField>(field); };
   return result;
 }
 
 /// One light field after the other; the last one stays.
-Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const LightFieldFlags& light_field,
-                             bool is_quiet) {
+Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const SceneOptions& options, bool is_quiet) {
   std::vector<fs::path> fields;
   std::error_code error;
   for (fs::directory_iterator entry(input, error), end; !error && entry != end; entry.increment(error)) {
@@ -36,21 +35,21 @@ Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const Ligh
     return Error{ErrorCode::kNotFound, "there is no folder of light fields; --field-us needs one, a field each",
                  input.string()};
   }
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField first, load_scene(fields.front(), light_field, is_quiet));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField first, load_scene(fields.front(), options, is_quiet));
   StreamScene result{{}, first.shape().height, first.shape().width};
   result.scene.knot_us = field_us;
-  result.scene.at = [fields, light_field](uint64_t knot) {
-    return load_scene(fields[std::min<size_t>(knot, fields.size() - 1)], light_field, true);
+  result.scene.at = [fields, options](uint64_t knot) {
+    return load_scene(fields[std::min<size_t>(knot, fields.size() - 1)], options, true);
   };
   return result;
 }
 
-StreamScene turntable(const StreamFlags& flags, uint64_t seed) {
+StreamScene turntable(const StreamFlags& flags, const SceneOptions& options, uint64_t seed) {
   StreamScene result{{}, flags.height, flags.width};
   result.scene.knot_us = flags.field_us > 0 ? flags.field_us : kTurntableFieldUs;
   const double turn =
       flags.turntable_rpm / 60 * 2 * std::numbers::pi * static_cast<double>(result.scene.knot_us) * 1e-6;
-  const lightfield::Shape shape{8, 8, flags.height, flags.width, 1};
+  const lightfield::Shape shape{options.views_y, options.views_x, flags.height, flags.width, 1};
   result.scene.at = [=](uint64_t knot) -> Result<lightfield::LightField> {
     const auto angle = static_cast<float>(std::remainder(turn * static_cast<double>(knot), 2 * std::numbers::pi));
     return lightfield::render_light_field(lightfield::turntable_scene(angle, seed), shape);
@@ -133,11 +132,11 @@ Result<streams::StreamOptions> stream_options(const StreamFlags& flags, const st
   return options;
 }
 
-Result<StreamScene> open_stream_scene(const fs::path& input, const StreamFlags& flags,
-                                      const LightFieldFlags& light_field, uint64_t seed, bool is_quiet) {
-  if (flags.has_turntable()) return turntable(flags, seed);
-  if (flags.field_us > 0) return sequence(input, flags.field_us, light_field, is_quiet);
-  return still_scene(input, light_field, is_quiet);
+Result<StreamScene> open_stream_scene(const fs::path& input, const StreamFlags& flags, const SceneOptions& options,
+                                      uint64_t seed, bool is_quiet) {
+  if (flags.has_turntable()) return turntable(flags, options, seed);
+  if (flags.field_us > 0) return sequence(input, flags.field_us, options, is_quiet);
+  return still_scene(input, options, is_quiet);
 }
 
 }  // namespace e2lf::cli

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "e2lf/capture/camera.h"
-#include "e2lf/cli/light_field_flags.h"
+#include "e2lf/cli/scene_input.h"
 #include "e2lf/streams/virtual_rig.h"
 
 namespace e2lf::cli {
@@ -49,6 +49,6 @@ struct StreamScene {
 /// The turntable, a folder of light fields that follow on each other (--field-us), or one light field. Fails as
 /// load_scene(), with kInvalidValue and kNotFound.
 [[nodiscard]] Result<StreamScene> open_stream_scene(const std::filesystem::path& input, const StreamFlags& flags,
-                                                    const LightFieldFlags& light_field, uint64_t seed, bool is_quiet);
+                                                    const SceneOptions& options, uint64_t seed, bool is_quiet);
 
 }  // namespace e2lf::cli

@@ -23,34 +23,50 @@ Image fitted(const Image& image) {
   return lightfield::shrink(image, kMostWidth, std::max<size_t>(1, image.height * kMostWidth / image.width));
 }
 
+/// Grey becomes colour where the canvas has some.
 void paste(const Image& image, size_t top, size_t left, Image& canvas) {
   for (size_t y = 0; y < image.height; ++y) {
-    std::copy_n(image.pixels.data() + y * image.width, image.width,
-                canvas.pixels.data() + (top + y) * canvas.width + left);
+    for (size_t x = 0; x < image.width; ++x) {
+      const float* from = image.pixels.data() + (y * image.width + x) * image.channels;
+      float* to = canvas.pixels.data() + ((top + y) * canvas.width + left + x) * canvas.channels;
+      for (size_t c = 0; c < canvas.channels; ++c) to[c] = from[std::min(c, image.channels - 1)];
+    }
   }
 }
 
 /// Each pixel so many times.
 Image enlarged(const Image& image, size_t times_y, size_t times_x) {
-  Image large(image.width * times_x, image.height * times_y, 1);
+  Image large(image.width * times_x, image.height * times_y, image.channels);
   for (size_t y = 0; y < large.height; ++y) {
     for (size_t x = 0; x < large.width; ++x) {
-      large.pixels[y * large.width + x] = image.pixels[y / times_y * image.width + x / times_x];
+      std::copy_n(image.pixels.data() + (y / times_y * image.width + x / times_x) * image.channels, image.channels,
+                  large.pixels.data() + (y * large.width + x) * image.channels);
     }
   }
   return large;
+}
+
+/// How far the first view is off, the mean over its colours.
+Image error_image(const Image& view, const Image& truth) {
+  Image error(view.width, view.height, 1);
+  for (size_t i = 0; i < view.pixels.size(); ++i) {
+    const float difference = std::abs(std::clamp(view.pixels[i], 0.0F, 1.0F) - truth.pixels[i]);
+    error.pixels[i / view.channels] += difference / (kWhiteError * static_cast<float>(view.channels));
+  }
+  return error;
 }
 
 /// The middle of a picture, enlarged and in a white frame: a third of the view's sides at most.
 Image inset_of(const Image& view, const Image& shown) {
   const size_t times = 3;
   const size_t side = std::max<size_t>(1, std::min(shown.width, shown.height) / 3 / times);
-  Image part(side, side, 1);
+  Image part(side, side, view.channels);
   for (size_t y = 0; y < side; ++y) {
-    std::copy_n(view.pixels.data() + ((view.height - side) / 2 + y) * view.width + (view.width - side) / 2, side,
-                part.pixels.data() + y * side);
+    const size_t from = ((view.height - side) / 2 + y) * view.width + (view.width - side) / 2;
+    std::copy_n(view.pixels.data() + from * view.channels, side * view.channels,
+                part.pixels.data() + y * side * view.channels);
   }
-  Image framed(side * times + 2, side * times + 2, 1);
+  Image framed(side * times + 2, side * times + 2, view.channels);
   std::fill(framed.pixels.begin(), framed.pixels.end(), 1.0F);
   paste(enlarged(part, times, times), 1, 1, framed);
   return framed;
@@ -66,7 +82,7 @@ Image look(const LightField& field, const LightField* truth) {
   const Image strip =
       enlarged(epi.width > shown.width ? lightfield::shrink(epi, shown.width, epi.height) : epi, kRowsPerView, 1);
   const size_t columns = truth == nullptr ? 1 : 2;
-  Image canvas(columns * (shown.width + kGap) - kGap, shown.height + kGap + strip.height, 1);
+  Image canvas(columns * (shown.width + kGap) - kGap, shown.height + kGap + strip.height, field.shape().channels);
   std::fill(canvas.pixels.begin(), canvas.pixels.end(), 0.5F);
   paste(shown, 0, 0, canvas);
   const Image inset = inset_of(view, shown);
@@ -75,11 +91,7 @@ Image look(const LightField& field, const LightField* truth) {
   }
   paste(strip, shown.height + kGap, 0, canvas);
   if (truth == nullptr) return canvas;
-  Image error = lightfield::view_image(*truth, 0, 0);
-  for (size_t i = 0; i < error.pixels.size(); ++i) {
-    error.pixels[i] = std::abs(std::clamp(view.pixels[i], 0.0F, 1.0F) - error.pixels[i]) / kWhiteError;
-  }
-  paste(fitted(error), 0, shown.width + kGap, canvas);
+  paste(fitted(error_image(view, lightfield::view_image(*truth, 0, 0))), 0, shown.width + kGap, canvas);
   return canvas;
 }
 

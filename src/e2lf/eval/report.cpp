@@ -10,8 +10,6 @@
 namespace e2lf::eval {
 namespace {
 
-using Cells = std::vector<std::string>;
-
 std::string fixed(double value, int decimals) {
   std::ostringstream out;
   out << std::fixed << std::setprecision(decimals) << value;
@@ -28,78 +26,8 @@ void add_metrics(const Metrics& metrics, Json& json) {
   json["ssim_gaussian"] = number(metrics.ssim_gaussian);
 }
 
-/// A line of cells: text columns to the left, the numbers after them to the right.
-std::string aligned_line(const Cells& cells, const std::vector<size_t>& widths, size_t text_columns) {
-  std::ostringstream out;
-  for (size_t column = 0; column < cells.size(); ++column) {
-    if (column > 0) out << "  ";
-    out << (column < text_columns ? std::left : std::right) << std::setw(static_cast<int>(widths[column]))
-        << cells[column];
-  }
-  std::string line = std::move(out).str();
-  line.erase(line.find_last_not_of(' ') + 1);
-  return line + "\n";
-}
-
-std::string aligned(const std::vector<Cells>& lines, size_t text_columns) {
-  std::vector<size_t> widths(lines.front().size());
-  for (const Cells& line : lines) {
-    for (size_t column = 0; column < line.size(); ++column) {
-      widths[column] = std::max(widths[column], line[column].size());
-    }
-  }
-  std::string text;
-  for (const Cells& line : lines) text += aligned_line(line, widths, text_columns);
-  return text;
-}
-
-Cells quality_cells(const EvalRow& row) {
-  const Metrics& mean = row.quality.mean;
-  return {row.method,
-          row.scene,
-          fixed(mean.psnr_db, 2),
-          fixed(mean.ssim_uniform7, 4),
-          fixed(mean.ssim_gaussian, 4),
-          fixed(row.quality.epi.relative, 3)};
-}
-
-/// The cells for events: as many as the heading has, empty without events.
-Cells event_cells(const EvalRow& row) {
-  if (!row.events) return {"", "", ""};
-  return {fixed(row.events->total_events_per_pixel, 3), fixed(row.events->min_measurement_ms, 2),
-          fixed(row.events->bits_per_light_field_pixel, 2)};
-}
-
-void append(Cells& cells, const Cells& more) {
-  cells.insert(cells.end(), more.begin(), more.end());
-}
-
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
-std::string csv_line(const Cells& cells) {
-  std::string line;
-  for (const std::string& cell : cells) {
-    if (&cell != &cells.front()) line += ',';
-    line += csv_cell(cell);
-  }
-  return line + "\r\n";
-}
-
-std::string latex_text(const std::string& text) {
-  std::string escaped;
-  for (char c : text) {
-    if (std::string_view("&%$#_{}").find(c) != std::string_view::npos) escaped += '\\';
-    escaped += c;
-  }
-  return escaped;
+report::Cell quality_cell(double value, int decimals) {
+  return std::isinf(value) ? report::Cell{"inf", nullptr} : report::number_cell(value, decimals);
 }
 
 }  // namespace
@@ -134,15 +62,37 @@ Json to_json(const EvalRow& row) {
   return json;
 }
 
-std::string table_text(std::span<const EvalRow> rows) {
+report::Table quality_table(std::span<const EvalRow> rows) {
   const bool with_events = std::any_of(rows.begin(), rows.end(), [](const EvalRow& row) { return !!row.events; });
-  std::vector<Cells> lines{{"method", "scene", "PSNR dB", "SSIM 7x7", "SSIM Gauss", "EPI error"}};
-  if (with_events) append(lines.front(), {"events/px", "min ms", "bits/LF px"});
-  for (const EvalRow& row : rows) {
-    lines.push_back(quality_cells(row));
-    if (with_events) append(lines.back(), event_cells(row));
+  report::Table table;
+  const auto add_column = [&](const char* name, const char* key) {
+    table.columns.push_back({name, table.columns.size() > 1, false, key});
+  };
+  add_column("method", "method");
+  add_column("scene", "scene");
+  add_column("PSNR dB", "psnr_db");
+  add_column("SSIM 7x7", "ssim_uniform7");
+  add_column("SSIM Gauss", "ssim_gaussian");
+  add_column("EPI error", "epi_relative_error");
+  if (with_events) {
+    add_column("events/px", "events_per_pixel");
+    add_column("min ms", "min_measurement_ms");
+    add_column("bits/LF px", "bits_per_light_field_pixel");
   }
-  return aligned(lines, 2);
+  for (const EvalRow& row : rows) {
+    const Metrics& mean = row.quality.mean;
+    table.rows.push_back({report::text_cell(row.method), report::text_cell(row.scene), quality_cell(mean.psnr_db, 2),
+                          quality_cell(mean.ssim_uniform7, 4), quality_cell(mean.ssim_gaussian, 4),
+                          quality_cell(row.quality.epi.relative, 3)});
+    if (!with_events) continue;
+    const auto add = [&](double EventStatistics::*member, int decimals) {
+      table.rows.back().push_back(row.events ? report::number_cell((*row.events).*member, decimals) : report::Cell());
+    };
+    add(&EventStatistics::total_events_per_pixel, 3);
+    add(&EventStatistics::min_measurement_ms, 2);
+    add(&EventStatistics::bits_per_light_field_pixel, 2);
+  }
+  return table;
 }
 
 std::string view_grid_text(const LightFieldMetrics& quality) {
@@ -153,25 +103,6 @@ std::string view_grid_text(const LightFieldMetrics& quality) {
     text += fixed(quality.views[i].metrics.psnr_db, 2);
   }
   return text + "\n";
-}
-
-std::string csv_text(std::span<const EvalRow> rows) {
-  std::string text = csv_line({"method", "scene", "psnr_db", "ssim_uniform7", "ssim_gaussian", "epi_relative_error",
-                               "events_per_pixel", "min_measurement_ms", "bits_per_light_field_pixel"});
-  for (const EvalRow& row : rows) {
-    Cells cells = quality_cells(row);
-    append(cells, event_cells(row));
-    text += csv_line(cells);
-  }
-  return text;
-}
-
-std::string latex_row(const std::string& method, std::span<const EvalRow> scenes) {
-  std::string text = latex_text(method);
-  for (const EvalRow& row : scenes) {
-    text += " & " + fixed(row.quality.mean.psnr_db, 2) + "/" + fixed(row.quality.mean.ssim_uniform7, 4);
-  }
-  return text + " \\\\";
 }
 
 }  // namespace e2lf::eval

@@ -8,6 +8,7 @@
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
+#include "e2lf/report/table.h"
 
 namespace e2lf::eval {
 
@@ -28,17 +29,11 @@ struct EvalRow {
 /// {"method", "scene", the keys of the quality, "events": ... or absent}.
 [[nodiscard]] Json to_json(const EvalRow& row);
 
-/// A table for the terminal with a heading, one line for each row, and columns of even width. The columns for events
-/// are there when any row has them.
-[[nodiscard]] std::string table_text(std::span<const EvalRow> rows);
+/// A line for each row; the columns for events are there when any row has them. The infinite PSNR of equal pictures
+/// reads "inf" and has no value.
+[[nodiscard]] report::Table quality_table(std::span<const EvalRow> rows);
 
 /// The PSNR of each view in dB, in the order of the aperture: one text line for each row of views.
 [[nodiscard]] std::string view_grid_text(const LightFieldMetrics& quality);
-
-/// Comma-separated values (RFC 4180) with a heading; cells without a value are empty.
-[[nodiscard]] std::string csv_text(std::span<const EvalRow> rows);
-
-/// `method & 28.40/0.8330 & ... \\`: PSNR/SSIM (7x7 window) of one method on each scene, as in the tables of the field.
-[[nodiscard]] std::string latex_row(const std::string& method, std::span<const EvalRow> scenes);
 
 }  // namespace e2lf::eval

@@ -40,40 +40,42 @@ TEST(ReportJson, AddsEventsOnlyWhereTheyAreKnown) {
   EXPECT_EQ(to_json(row)["scene"], "lego, small");
 }
 
-TEST(ReportTable, AlignsItsColumns) {
+TEST(QualityTable, HasALineForEachRow) {
   EvalRow other{"Baseline", "cotton", {}, {}};
   other.quality.mean = {7.5, 0.1, 0.2};
   const std::vector<EvalRow> rows{lego_row(), other};
-  EXPECT_EQ(table_text(rows),
+  EXPECT_EQ(report::table_text(quality_table(rows)),
             "method    scene        PSNR dB  SSIM 7x7  SSIM Gauss  EPI error\n"
             "BF+RA     lego, small    28.40    0.8332      0.8512      0.456\n"
             "Baseline  cotton          7.50    0.1000      0.2000      0.000\n");
 }
 
-TEST(ReportTable, ShowsEventsWhenAnyRowHasThem) {
+TEST(QualityTable, ShowsEventsWhenAnyRowHasThem) {
   std::vector<EvalRow> rows{lego_row(), lego_row()};
   rows[1].events = event_cost(7.175);
-  EXPECT_EQ(table_text(rows),
+  EXPECT_EQ(report::table_text(quality_table(rows)),
             "method  scene        PSNR dB  SSIM 7x7  SSIM Gauss  EPI error  events/px  min ms  bits/LF px\n"
-            "BF+RA   lego, small    28.40    0.8332      0.8512      0.456\n"
+            "BF+RA   lego, small    28.40    0.8332      0.8512      0.456          -       -           -\n"
             "BF+RA   lego, small    28.40    0.8332      0.8512      0.456      7.175    6.20        3.25\n");
+}
+
+TEST(QualityTable, SaysThatEqualPicturesHaveNoPsnr) {
+  EvalRow row = lego_row();
+  row.quality.mean.psnr_db = std::numeric_limits<double>::infinity();
+  const report::Table table = quality_table({&row, 1});
+  EXPECT_EQ(table.rows[0][2].text, "inf");
+  EXPECT_TRUE(table.rows[0][2].value.is_null());
 }
 
 TEST(ReportViewGrid, PutsEachRowOfViewsOnALine) {
   EXPECT_EQ(view_grid_text(lego_row().quality), "28.00 29.00\n30.00\n");
 }
 
-TEST(ReportCsv, QuotesWhatNeedsIt) {
+TEST(QualityTable, HasTheNamesAndValuesOfTheJsonAsCsv) {
   const std::vector<EvalRow> rows{lego_row()};
-  EXPECT_EQ(csv_text(rows),
-            "method,scene,psnr_db,ssim_uniform7,ssim_gaussian,epi_relative_error,events_per_pixel,min_measurement_ms,"
-            "bits_per_light_field_pixel\r\n"
-            "BF+RA,\"lego, small\",28.40,0.8332,0.8512,0.456,,,\r\n");
-}
-
-TEST(ReportLatex, WritesPsnrAndSsimForEachScene) {
-  const std::vector<EvalRow> rows{lego_row(), lego_row()};
-  EXPECT_EQ(latex_row("e2lf_n4", rows), "e2lf\\_n4 & 28.40/0.8332 & 28.40/0.8332 \\\\");
+  EXPECT_EQ(report::table_csv(quality_table(rows)),
+            "method,scene,psnr_db,ssim_uniform7,ssim_gaussian,epi_relative_error\r\n"
+            "BF+RA,\"lego, small\",28.404,0.83321,0.8512,0.456\r\n");
 }
 
 }  // namespace

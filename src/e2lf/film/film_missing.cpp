@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A build without FFmpeg's libraries.
+#include "e2lf/film/draw_svg.h"
 #include "e2lf/film/film_file.h"
 
 namespace e2lf::film {
@@ -16,6 +17,13 @@ Result<FilmFile> FilmFile::create(const std::filesystem::path& path, const FilmO
                "this build writes no films; install libavcodec-dev, libavformat-dev, libavutil-dev and libswscale-dev "
                "and build again",
                path.string()};
+}
+
+Result<lightfield::Image> draw_svg(const std::string& /*svg*/, size_t /*width*/) {
+  return Error{ErrorCode::kMissingDependency,
+               "this build draws no PNG of charts; write the picture as .svg, or install libavcodec-dev, "
+               "libavformat-dev, libavutil-dev and libswscale-dev and build again",
+               ""};
 }
 
 FilmFile::FilmFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -7,7 +7,6 @@
 
 #include <ATen/Parallel.h>
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <thread>
 
@@ -18,6 +17,7 @@
 #include "e2lf/learn/device.h"
 #include "e2lf/learn/run_log.h"
 #include "e2lf/learn/trainer.h"
+#include "e2lf/report/chart.h"
 
 namespace e2lf::learn {
 namespace {
@@ -110,10 +110,16 @@ Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std
 }
 
 Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesystem::path& run, const Peers& peers,
-                                             const ProgressFn& progress, const std::function<bool()>& keep_going) {
+                                             const ProgressFn& progress, const std::function<bool()>& keep_going,
+                                             const ReportFiles& reports) {
   keep_freed_memory();
   if (peers.leads()) remove_dead_parts(run);
-  E2LF_RETURN_IF_ERROR(trainer.run(run, progress, keep_going));
+  const Result<void> trained = trainer.run(run, progress, keep_going);
+  if (peers.leads() && !reports.names.empty()) {
+    const Config& config = trainer.config();
+    E2LF_RETURN_IF_ERROR(write_reports(reports, RunLog(run).page(config.name, to_json(config))));
+  }
+  E2LF_RETURN_IF_ERROR(trained);
   const auto model = run / (trainer.config().name + ".safetensors");
   if (peers.leads()) E2LF_RETURN_IF_ERROR(model::write_model(model, trainer.to_model()));
   return model;
@@ -123,21 +129,24 @@ Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesy
 
 Result<std::filesystem::path> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
                                     const std::vector<std::string>& overrides, const ProgressFn& progress,
-                                    const std::function<bool()>& keep_going) {
+                                    const std::function<bool()>& keep_going, const ReportFiles& reports) {
   return guarded(config_path, [&]() -> Result<std::filesystem::path> {
+    E2LF_RETURN_IF_ERROR(check_reports(reports, run));
     E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
     E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
     if (peers.leads()) E2LF_RETURN_IF_ERROR(check_is_free(run, config));
     E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
     E2LF_RETURN_IF_ERROR(peers.connect(device));
     E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
-    return run_and_export(trainer, run, peers, progress, keep_going);
+    return run_and_export(trainer, run, peers, progress, keep_going, reports);
   });
 }
 
 Result<std::filesystem::path> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
-                                     const ProgressFn& progress, const std::function<bool()>& keep_going) {
+                                     const ProgressFn& progress, const std::function<bool()>& keep_going,
+                                     const ReportFiles& reports) {
   return guarded(run, [&]() -> Result<std::filesystem::path> {
+    E2LF_RETURN_IF_ERROR(check_reports(reports, run));
     E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
     E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides, peers));
     E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
@@ -148,7 +157,7 @@ Result<std::filesystem::path> resume(const std::filesystem::path& run, const std
     if (peers.leads() && std::filesystem::exists(run / kCheckpoint, error)) {
       E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
     }
-    return run_and_export(trainer, run, peers, progress, keep_going);
+    return run_and_export(trainer, run, peers, progress, keep_going, reports);
   });
 }
 
@@ -195,24 +204,50 @@ Result<std::string> evaluate_run(const std::filesystem::path& run, const std::ve
   });
 }
 
-Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress) {
-  return guarded("bench train", [&]() -> Result<std::string> {
-    E2LF_ASSIGN_OR_RETURN(const auto rows, benchmark_training({.batch = batch, .steps = steps}, progress));
-    Json list = Json::array();
-    std::string table = cat("training: samples of 64x64x8x8, batch ", batch, "; synthesis: light fields of 96x96x8x8; ",
-                            at::get_num_threads(), " threads\n");
+namespace {
+
+report::Table benchmark_table(const std::vector<BenchmarkRow>& rows) {
+  report::Table table{"Ratios to the first row of the same job.",
+                      {{"job"},
+                       {"what", false, false, "name"},
+                       {"precision"},
+                       {"samples/s", true, false, "samples_per_s"},
+                       {"ratio", true}},
+                      {}};
+  for (const BenchmarkRow& row : rows) {
+    table.rows.push_back({report::text_cell(row.job), report::text_cell(row.name), report::text_cell(row.precision),
+                          report::number_cell(row.samples_per_s, 2), report::number_cell(row.ratio, 2)});
+  }
+  return table;
+}
+
+report::Page benchmark_page(const std::vector<BenchmarkRow>& rows, const std::string& about) {
+  report::Page page("Speed of training");
+  page.paragraph(about).table(benchmark_table(rows));
+  for (const char* const job : {"training", "synthesis"}) {
+    report::BarChart chart{cat(job, ", samples per second"), true, 2, {}, {{job, {}}}};
     for (const BenchmarkRow& row : rows) {
-      char line[128];
-      std::snprintf(line, sizeof line, "%-9s %-32s %-9s %8.2f /s  %5.2f x\n", row.job.c_str(), row.name.c_str(),
-                    row.precision.c_str(), row.samples_per_s, row.ratio);
-      table += line;
-      list.push_back({{"job", row.job},
-                      {"name", row.name},
-                      {"precision", row.precision},
-                      {"samples_per_s", row.samples_per_s},
-                      {"ratio", row.ratio}});
+      if (row.job != job) continue;
+      chart.groups.push_back(cat(row.name, ", ", row.precision));
+      chart.series[0].values.emplace_back(row.samples_per_s);
     }
-    return json ? json_text(list) : table;
+    page.drawing(report::chart_svg(chart));
+  }
+  return page;
+}
+
+}  // namespace
+
+Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress,
+                              const ReportFiles& reports) {
+  return guarded("bench train", [&]() -> Result<std::string> {
+    E2LF_RETURN_IF_ERROR(check_reports(reports));
+    E2LF_ASSIGN_OR_RETURN(const auto rows, benchmark_training({.batch = batch, .steps = steps}, progress));
+    const std::string about = cat("training: samples of 64x64x8x8, batch ", batch,
+                                  "; synthesis: light fields of 96x96x8x8; ", at::get_num_threads(), " threads");
+    E2LF_RETURN_IF_ERROR(write_reports(reports, benchmark_page(rows, about)));
+    const report::Table table = benchmark_table(rows);
+    return json ? json_text(report::table_json(table)["rows"]) : cat(about, "\n", report::table_text(table));
   });
 }
 

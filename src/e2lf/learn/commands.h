@@ -8,25 +8,28 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
+#include "e2lf/learn/report_files.h"
 
 namespace e2lf::learn {
 
 /// What the command line does. No torch type appears here and no torch exception leaves: they become kInternal.
 /// `overrides` are "a.b=value" on the configuration. `keep_going` returning false stops after a checkpoint
-/// (kCancelled).
+/// (kCancelled). Reports tell of a run that was stopped, too.
 
 /// Starts a run in a folder that does not hold one yet (kExists), and exports its model at the end. Returns the model's
 /// file.
 [[nodiscard]] Result<std::filesystem::path> train(const std::filesystem::path& config, const std::filesystem::path& run,
                                                   const std::vector<std::string>& overrides = {},
                                                   const ProgressFn& progress = {},
-                                                  const std::function<bool()>& keep_going = {});
+                                                  const std::function<bool()>& keep_going = {},
+                                                  const ReportFiles& reports = {});
 
 /// Continues a run from its last checkpoint, and exports its model at the end. Returns the model's file.
 [[nodiscard]] Result<std::filesystem::path> resume(const std::filesystem::path& run,
                                                    const std::vector<std::string>& overrides = {},
                                                    const ProgressFn& progress = {},
-                                                   const std::function<bool()>& keep_going = {});
+                                                   const std::function<bool()>& keep_going = {},
+                                                   const ReportFiles& reports = {});
 
 /// The averaged weights of the last checkpoint as a model file. Fails with kExists when it is there and `overwrite` is
 /// false, and with kInvalidValue where it is a file that the run needs, overwritten or not.
@@ -39,6 +42,7 @@ namespace e2lf::learn {
                                                const std::vector<std::string>& overrides = {});
 
 /// What benchmark_training() measures as a table (text), or as JSON.
-[[nodiscard]] Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress = {});
+[[nodiscard]] Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress = {},
+                                            const ReportFiles& reports = {});
 
 }  // namespace e2lf::learn

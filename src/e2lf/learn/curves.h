@@ -4,16 +4,10 @@
 #include <string>
 #include <vector>
 
-namespace e2lf::learn {
+#include "e2lf/report/chart.h"
+#include "e2lf/report/page.h"
 
-/// y over the samples seen.
-struct Curve {
-  struct Point {
-    double samples = 0, y = 0;
-  };
-  std::string name;
-  std::vector<Point> points;
-};
+namespace e2lf::learn {
 
 /// The patterns at one time: 8x8 cells in [0, 1] each, row by row, one pattern after another.
 struct PatternState {
@@ -21,9 +15,15 @@ struct PatternState {
   std::vector<double> cells;
 };
 
-/// A page of HTML with nothing outside it: the loss on a logarithmic axis, its running mean; PSNR in dB; the patterns
-/// at up to eight times.
-[[nodiscard]] std::string curves_page(const std::string& title, const Curve& loss, const std::vector<Curve>& psnr_db,
-                                      const std::vector<PatternState>& patterns);
+/// What a training run has come to, over the samples seen (x).
+struct RunCurves {
+  report::Line loss, learning_rate, samples_per_s;
+  std::vector<report::Line> psnr_db, events_per_pixel;  ///< of each validation scene, by its name
+  std::vector<PatternState> patterns;
+};
+
+/// A page: what validation gave; the loss on a logarithmic axis with its running mean; PSNR, events per pixel, learning
+/// rate and speed; the patterns at up to eight times; the configuration.
+[[nodiscard]] report::Page curves_page(const std::string& title, const RunCurves& curves, const Json& config);
 
 }  // namespace e2lf::learn

@@ -92,29 +92,41 @@ Result<void> RunLog::add(const PatternRow& row) const {
   return append_line(folder_ / kPatterns, "step,samples,cells of pattern 0 row by row then pattern 1 ...", line);
 }
 
-Result<void> RunLog::draw_curves(const std::string& title) const {
-  Curve loss{"mean squared error", {}};
+report::Page RunLog::page(const std::string& title, const Json& config) const {
+  RunCurves curves;
+  curves.loss.name = "mean squared error";
   for (const std::string& line : table_lines(folder_ / kSteps)) {
     const auto field = fields(line);
-    if (field.size() > 3) loss.points.push_back({number(field[1]), number(field[3])});
+    if (field.size() < 7) continue;
+    const double samples = number(field[1]);
+    curves.loss.points.push_back({samples, number(field[3])});
+    curves.learning_rate.points.push_back({samples, number(field[4])});
+    curves.samples_per_s.points.push_back({samples, number(field[6])});
   }
-  std::vector<Curve> psnr;
   for (const std::string& line : table_lines(folder_ / kScores)) {
     const auto field = fields(line);
-    if (field.size() < 4) continue;
-    const auto same = [&](const Curve& curve) { return curve.name == field[2]; };
-    auto found = std::find_if(psnr.begin(), psnr.end(), same);
-    if (found == psnr.end()) found = psnr.insert(psnr.end(), Curve{field[2], {}});
-    found->points.push_back({number(field[1]), number(field[3])});
+    if (field.size() < 5) continue;
+    const auto same = [&](const report::Line& curve) { return curve.name == field[2]; };
+    const auto found = std::find_if(curves.psnr_db.begin(), curves.psnr_db.end(), same) - curves.psnr_db.begin();
+    const auto scene = static_cast<size_t>(found);
+    if (scene == curves.psnr_db.size()) {
+      curves.psnr_db.push_back({field[2], {}});
+      curves.events_per_pixel.push_back({field[2], {}});
+    }
+    curves.psnr_db[scene].points.push_back({number(field[1]), number(field[3])});
+    curves.events_per_pixel[scene].points.push_back({number(field[1]), number(field[4])});
   }
-  std::vector<PatternState> patterns;
   for (const std::string& line : table_lines(folder_ / kPatterns)) {
     const auto field = fields(line);
     PatternState state{field.size() > 1 ? number(field[1]) : 0, {}};
     for (size_t i = 2; i < field.size(); ++i) state.cells.push_back(number(field[i]));
-    patterns.push_back(std::move(state));
+    curves.patterns.push_back(std::move(state));
   }
-  return write_file(folder_ / kCurves, curves_page(title, loss, psnr, patterns));
+  return curves_page(title, curves, config);
+}
+
+Result<void> RunLog::draw_curves(const std::string& title, const Json& config) const {
+  return write_file(folder_ / kCurves, page(title, config).html());
 }
 
 }  // namespace e2lf::learn

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/report/page.h"
 
 namespace e2lf::learn {
 
@@ -46,8 +47,11 @@ class RunLog {
   [[nodiscard]] Result<void> add(const ScoreRow& row) const;
   [[nodiscard]] Result<void> add(const PatternRow& row) const;
 
-  /// Writes curves.html: loss, PSNR of the validation scenes and patterns, over the samples seen. It stands alone.
-  [[nodiscard]] Result<void> draw_curves(const std::string& title) const;
+  /// What the tables tell, and the configuration: see curves_page().
+  [[nodiscard]] report::Page page(const std::string& title, const Json& config) const;
+
+  /// Writes the page as curves.html. It stands alone.
+  [[nodiscard]] Result<void> draw_curves(const std::string& title, const Json& config) const;
 
  private:
   std::filesystem::path folder_;

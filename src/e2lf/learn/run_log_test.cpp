@@ -44,16 +44,18 @@ TEST(RunLog, DrawsAPageThatStandsAlone) {
     }
     ASSERT_TRUE(log.add(PatternRow{step, step, std::vector<float>(4 * 64, 0.25F)}));
   }
-  ASSERT_TRUE(log.draw_curves("a run"));
+  ASSERT_TRUE(log.draw_curves("a run", {{"train", {{"batch", 4}}}}));
   const auto page = content(data.folder() / "curves.html");
   const auto count = [&](const std::string& part) {
     size_t found = 0;
     for (size_t at = page.find(part); at != std::string::npos; at = page.find(part, at + 1)) ++found;
     return found;
   };
-  EXPECT_EQ(count("<polyline"), 4U);  // loss, its mean, two scenes
-  EXPECT_EQ(count("<rect"), 3U * 4 * 64);
-  EXPECT_EQ(count("second&lt;"), 1U);
+  // Loss and its mean, two scenes' PSNR and events, learning rate, speed.
+  EXPECT_EQ(count("<polyline"), 8U);
+  EXPECT_EQ(count("stroke-width=\"0.4\"/>"), 3U * 4 * 64);
+  EXPECT_EQ(count("<td class=\"\">second&lt;</td>"), 1U);
+  EXPECT_EQ(count("<td class=\"\">train batch</td><td class=\"\">4</td>"), 1U);
   EXPECT_EQ(count("src="), 0U);
   EXPECT_EQ(count("nan"), 0U);
 }

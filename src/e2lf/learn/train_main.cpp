@@ -19,6 +19,8 @@ void print_usage(std::FILE* where) {
       "       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed data)\n"
       "       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n"
       "       e2lf-train bench [--batch B] [--steps S] [--json]\n"
+      "--report FILE: also write a page (.html) or its tables (.csv, .tex), with train, resume and bench; --overwrite\n"
+      "replaces it\n"
       "--quiet: no progress\n",
       where);
 }
@@ -62,15 +64,19 @@ e2lf::Result<void> print(const e2lf::Result<std::string>& report) {
 int main(int argc, char** argv) {
   std::vector<std::string> names, overrides;
   std::string output;
+  e2lf::learn::ReportFiles reports;
   uint64_t batch = 4, steps = 5;
   bool json = false, overwrite = false, quiet = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    const bool takes_value = argument == "-o" || argument == "--set" || argument == "--batch" || argument == "--steps";
+    const bool takes_value = argument == "-o" || argument == "--set" || argument == "--batch" ||
+                             argument == "--steps" || argument == "--report";
     if (takes_value && i + 1 == argc) return usage_error();
     if (argument == "-h" || argument == "--help") return print_help();
     if (argument == "-o") {
       output = argv[++i];
+    } else if (argument == "--report") {
+      reports.names.emplace_back(argv[++i]);
     } else if (argument == "--set") {
       overrides.emplace_back(argv[++i]);
     } else if (argument == "--batch" || argument == "--steps") {
@@ -90,6 +96,7 @@ int main(int argc, char** argv) {
       names.push_back(argument);
     }
   }
+  reports.overwrite = overwrite;
   const bool benches = names.size() == 1 && names[0] == "bench";
   if (names.size() < 2 && !benches) return usage_error();
   // The first signal ends the step and writes the checkpoint; everything else has nothing to keep.
@@ -100,15 +107,15 @@ int main(int argc, char** argv) {
   e2lf::ProgressBar bar(names[0], quiet);
   e2lf::Result<void> result;
   if (names[0] == "train" && names.size() == 2 && !output.empty()) {
-    result = print_model(e2lf::learn::train(names[1], output, overrides, bar.callback(), keep_going), quiet);
+    result = print_model(e2lf::learn::train(names[1], output, overrides, bar.callback(), keep_going, reports), quiet);
   } else if (names[0] == "resume" && names.size() == 2) {
-    result = print_model(e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going), quiet);
+    result = print_model(e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going, reports), quiet);
   } else if (names[0] == "evaluate" && names.size() > 2) {
     result = print(e2lf::learn::evaluate_run(names[1], {names.begin() + 2, names.end()}, overrides));
   } else if (names[0] == "export" && names.size() == 2 && !output.empty()) {
     result = e2lf::learn::export_run(names[1], output, overwrite);
   } else if (benches) {
-    result = print(e2lf::learn::benchmark(batch, steps, json, bar.callback()));
+    result = print(e2lf::learn::benchmark(batch, steps, json, bar.callback(), reports));
   } else {
     return usage_error();
   }

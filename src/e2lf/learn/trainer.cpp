@@ -303,7 +303,7 @@ Result<void> Trainer::log_evaluation(const RunLog& log) const {
   const auto codes = current_codes().detach().to(torch::kCPU, torch::kFloat).contiguous();
   const float* cells = codes.data_ptr<float>();
   E2LF_RETURN_IF_ERROR(log.add(PatternRow{step_, samples, {cells, cells + codes.numel()}}));
-  return log.draw_curves(config_.name);
+  return log.draw_curves(config_.name, to_json(config_));
 }
 
 Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn& progress,

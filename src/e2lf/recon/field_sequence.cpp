@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/field_sequence.h"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
+#include "e2lf/base/text.h"
 #include "e2lf/recon/gain.h"
 
 namespace e2lf::recon {
@@ -12,6 +14,39 @@ Method network_method(Reconstructor reconstructor, size_t passes, size_t cycles)
   const auto shared = std::make_shared<Reconstructor>(std::move(reconstructor));
   return [shared, passes, cycles](const capture::Measurement& measurement, const ProgressFn& progress) {
     return shared->reconstruct(measurement, progress, passes, cycles);
+  };
+}
+
+Method colour_method(Method grey, const capture::ColourFilter& filter) {
+  return [grey = std::move(grey), filter](const capture::Measurement& measurement,
+                                          const ProgressFn& progress) -> Result<lightfield::LightField> {
+    if (measurement.kind != capture::MeasurementKind::kEventImages) {
+      return Error{ErrorCode::kInvalidValue, "colours are told by event images alone; leave the filter out", ""};
+    }
+    const capture::EventImages& images = measurement.events;
+    if (images.height % 2 != 0 || images.width % 2 != 0) {
+      return Error{ErrorCode::kShape,
+                   cat("event images of ", images.width, "x", images.height,
+                       " px do not divide into blocks of 2x2 colour filters; leave the filter out or crop the events"),
+                   ""};
+    }
+    lightfield::LightField colour;
+    for (size_t place = 0; place < 4; ++place) {
+      const size_t channel = filter.channels[place];
+      const ProgressFn part = [&](size_t done, size_t total) {
+        if (progress) progress(place * total + done, 4 * total);
+      };
+      E2LF_ASSIGN_OR_RETURN(const lightfield::LightField one,
+                            grey(capture::Measurement(capture::behind_filter(images, place)), part));
+      if (place == 0) {
+        lightfield::Shape shape = one.shape();
+        shape.channels = 3;
+        colour = lightfield::LightField(shape);
+      }
+      const auto share = static_cast<float>(std::count(filter.channels.begin(), filter.channels.end(), channel));
+      for (size_t i = 0; i < one.data().size(); ++i) colour.data()[3 * i + channel] += one.data()[i] / share;
+    }
+    return colour;
   };
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 
+#include "e2lf/capture/colour_filter.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/reconstruct.h"
 
@@ -15,6 +16,11 @@ using Method =
 
 /// A Reconstructor as a method. It makes `passes` over sums of `cycles` cycles; see Reconstructor::reconstruct().
 [[nodiscard]] Method network_method(Reconstructor reconstructor, size_t passes = 1, size_t cycles = 1);
+
+/// Each colour on its own, from the pixels behind its filter, by a method for grey; of two filters of one colour the
+/// mean. The light field has a pixel for each block of 2x2. Fails as `grey` does, and with kShape where the images have
+/// an odd side.
+[[nodiscard]] Method colour_method(Method grey, const capture::ColourFilter& filter);
 
 /// The light field of one cycle.
 struct Field {

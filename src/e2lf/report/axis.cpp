@@ -38,6 +38,30 @@ Ticks round_ticks(double low, double high, size_t most) {
   }
 }
 
+std::vector<double> log_ticks(double low, double high, size_t most) {
+  E2LF_REQUIRE(std::isfinite(low) && std::isfinite(high) && low > 0 && low <= high && most >= 2,
+               "a logarithmic axis needs a range of positive numbers");
+  const auto enclosing = [&](const std::vector<double>& factors, int decades) {
+    std::vector<double> values;
+    const int first = static_cast<int>(std::floor(std::log10(low) / decades - 1e-9)) * decades;
+    for (int exponent = first; values.size() < 2 || values.back() < high; exponent += decades) {
+      for (const double factor : factors) values.push_back(factor * std::pow(10.0, exponent));
+    }
+    // What lies outside is left out, but for the last before and the first behind.
+    while (values.size() > 2 && values[1] <= low) values.erase(values.begin());
+    while (values.size() > 2 && values[values.size() - 2] >= high) values.pop_back();
+    return values;
+  };
+  for (const std::vector<double>& factors : {std::vector{1.0, 2.0, 5.0}, std::vector{1.0}}) {
+    std::vector<double> values = enclosing(factors, 1);
+    if (values.size() <= most + 2) return values;
+  }
+  for (int decades = 2;; ++decades) {
+    std::vector<double> values = enclosing({1.0}, decades);
+    if (values.size() <= most + 2) return values;
+  }
+}
+
 std::string tick_text(double value, int decimals) {
   std::ostringstream out;
   out << std::fixed << std::setprecision(decimals) << value;

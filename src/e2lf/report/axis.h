@@ -17,6 +17,11 @@ struct Ticks {
 /// both finite; else the contract is broken.
 [[nodiscard]] Ticks round_ticks(double low, double high, size_t most);
 
+/// Numbers along a logarithmic axis that enclose [low, high]: 1, 2 and 5 times powers of ten, or of many powers the
+/// tens alone, or every so manyth; `most` at most, besides the two ends. Both must be positive and finite, low at most
+/// high.
+[[nodiscard]] std::vector<double> log_ticks(double low, double high, size_t most);
+
 /// "28.50"; without "-" before zeros.
 [[nodiscard]] std::string tick_text(double value, int decimals);
 

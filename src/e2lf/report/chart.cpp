@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kWidth = 900, kPlotHeight = 260, kRight = 30, kFont = 13, kLegendRow = 20;
 constexpr size_t kMostTicks = 8;
-constexpr const char* kColours[] = {"#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#888888"};
+constexpr const char* kColours[] = {"#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#997700"};
+constexpr const char* kBandColour = "#228833";
 
 const char* colour_of(size_t series) {
   return kColours[series % std::size(kColours)];
@@ -41,24 +42,30 @@ std::string svg_begin(double width, double height) {
              width, " ", height, "\" font-family=\"sans-serif\" font-size=\"", kFont, "\" fill=\"currentColor\">\n");
 }
 
-/// Names with their colours in as many rows as they need.
+struct LegendEntry {
+  std::string name;
+  const char* colour;
+};
+
+/// Names with their colours in as many rows as they need; none for what has no name.
 struct Legend {
   std::string svg;
   double height = 0;
 
-  explicit Legend(const std::vector<std::string>& names) {
+  explicit Legend(const std::vector<LegendEntry>& entries) {
     constexpr double kMark = 12, kSpace = 18;
     double x = 0;
-    if (!names.empty()) height = kLegendRow;
-    for (size_t i = 0; i < names.size(); ++i) {
-      const double width = kMark + 5 + text_width(names[i]) + kSpace;
+    for (const LegendEntry& entry : entries) {
+      if (entry.name.empty()) continue;
+      height = std::max(height, kLegendRow);
+      const double width = kMark + 5 + text_width(entry.name) + kSpace;
       if (x > 0 && x + width > kWidth) {
         x = 0;
         height += kLegendRow;
       }
       svg += cat("<rect x=\"", x, "\" y=\"", height - kMark - 3, "\" width=\"", kMark, "\" height=\"", kMark,
-                 "\" fill=\"", colour_of(i), "\"/>\n");
-      svg += label(x + kMark + 5, height - 4, "start", names[i]);
+                 "\" fill=\"", entry.colour, "\"/>\n");
+      svg += label(x + kMark + 5, height - 4, "start", entry.name);
       x += width;
     }
   }
@@ -80,31 +87,74 @@ struct Range {
   }
 };
 
-/// The y axis: its range ends at ticks.
+/// The y axis: its range ends at ticks. A logarithmic one is linear in the logarithms, which at() takes.
 struct VerticalAxis {
-  Ticks ticks;
+  std::vector<double> places;
   Axis axis;
   std::vector<std::string> texts;
 
-  VerticalAxis(const Range& range, double top) {
+  VerticalAxis(const Range& range, double top, bool has_signs = true) {
     const Ticks inner = round_ticks(range.low, range.high, kMostTicks - 2);
     axis.low = std::floor(range.low / inner.step + 1e-9) * inner.step;
     axis.high = std::ceil(range.high / inner.step - 1e-9) * inner.step;
-    ticks = round_ticks(axis.low, axis.high, kMostTicks);
-    axis.page_low = top + kPlotHeight;
-    axis.page_high = top;
-    for (const double value : ticks.values) texts.push_back(tick_text(value, ticks.decimals));
+    const Ticks ticks = round_ticks(axis.low, axis.high, kMostTicks);
+    places = ticks.values;
+    set_page(top);
+    for (const double value : places) {
+      texts.push_back(tick_text(has_signs ? value : std::abs(value), ticks.decimals));
+    }
   }
 
-  [[nodiscard]] std::string svg(double left, const std::string& name) const {
+  /// `range` of the logarithms.
+  [[nodiscard]] static VerticalAxis logarithmic(const Range& range, double top) {
+    VerticalAxis made;
+    for (const double value : log_ticks(std::pow(10, range.low), std::pow(10, range.high), kMostTicks)) {
+      made.places.push_back(std::log10(value));
+      made.texts.push_back(cat(value));
+    }
+    made.axis.low = made.places.front();
+    made.axis.high = made.places.back();
+    made.set_page(top);
+    return made;
+  }
+
+  [[nodiscard]] std::string svg(double left, double right, const std::string& name) const {
     std::string text = label(0, axis.page_high - 10, "start", name);
-    for (size_t i = 0; i < ticks.values.size(); ++i) {
-      const double y = axis.at(ticks.values[i]);
-      text += cat("<line x1=\"", left, "\" x2=\"", kWidth - kRight, "\" y1=\"", y, "\" y2=\"", y,
+    for (size_t i = 0; i < places.size(); ++i) {
+      const double y = axis.at(places[i]);
+      text += cat("<line x1=\"", left, "\" x2=\"", right, "\" y1=\"", y, "\" y2=\"", y,
                   "\" stroke=\"currentColor\" stroke-opacity=\"0.2\"/>\n");
       text += label(left - 6, y + 4, "end", texts[i]);
     }
     return text;
+  }
+
+ private:
+  VerticalAxis() = default;
+  void set_page(double top) {
+    axis.page_low = top + kPlotHeight;
+    axis.page_high = top;
+  }
+};
+
+/// The x axis of lines, with room for half of its last number.
+struct HorizontalAxis {
+  Ticks ticks;
+  Axis axis;
+
+  HorizontalAxis(const Range& range, double left) : ticks(round_ticks(range.low, range.high, kMostTicks)) {
+    const double last = text_width(tick_text(ticks.values.back(), ticks.decimals));
+    axis = {range.low, range.high, left, kWidth - std::max(kRight, last / 2 + 2)};
+  }
+
+  [[nodiscard]] double clamped_at(double value) const { return axis.at(std::clamp(value, axis.low, axis.high)); }
+
+  [[nodiscard]] std::string svg(double bottom, const std::string& name) const {
+    std::string text;
+    for (const double value : ticks.values) {
+      text += label(axis.at(value), bottom + 18, "middle", tick_text(value, ticks.decimals));
+    }
+    return text + label((axis.page_low + axis.page_high) / 2, bottom + 38, "middle", name);
   }
 };
 
@@ -149,41 +199,115 @@ std::string bar(double x, double width, double base, double y, size_t series, co
 }
 
 template <typename Named>
-std::vector<std::string> names_of(const std::vector<Named>& list) {
-  std::vector<std::string> names;
-  for (const Named& named : list) names.push_back(named.name);
-  return names;
+std::vector<LegendEntry> entries_of(const std::vector<Named>& list) {
+  std::vector<LegendEntry> entries;
+  for (const Named& named : list) entries.push_back({named.name, colour_of(entries.size())});
+  return entries;
+}
+
+const char* colour_of(const Marks& marks) {
+  return marks.as_line ? colour_of(*marks.as_line) : "#888888";
+}
+
+std::vector<LegendEntry> entries_of(const LineChart& chart) {
+  std::vector<LegendEntry> entries = entries_of(chart.lines);
+  if (!chart.bands.bands.empty()) entries.push_back({chart.bands.name, kBandColour});
+  for (const Marks& marks : chart.marks) {
+    if (!marks.marks.empty()) entries.push_back({marks.name, colour_of(marks)});
+  }
+  return entries;
+}
+
+/// Where a value is on the y axis; not finite where it is nowhere.
+double height_of(const LineChart& chart, double y) {
+  return chart.is_logarithmic ? (y > 0 ? std::log10(y) : NAN) : y;
+}
+
+std::pair<Range, Range> ranges_of(const LineChart& chart) {
+  Range x, y;
+  for (const Line& line : chart.lines) {
+    for (const auto& point : line.points) {
+      const double height = height_of(chart, point.y);
+      if (!std::isfinite(point.x) || !std::isfinite(height)) continue;
+      x.add(point.x);
+      y.add(height);
+    }
+    if (line.is_filled && !chart.is_logarithmic) y.add(0);
+  }
+  if (x.low > x.high) {
+    for (const auto& band : chart.bands.bands) {
+      x.add(band.begin);
+      x.add(band.end);
+    }
+    for (const Marks& marks : chart.marks) {
+      for (const auto& mark : marks.marks) x.add(mark.x);
+    }
+  }
+  return {x, y};
+}
+
+std::string bands_svg(const Bands& bands, const HorizontalAxis& x, double top, double bottom) {
+  std::string svg;
+  double text_end = x.axis.page_low;
+  for (const auto& band : bands.bands) {
+    const double begin = x.clamped_at(band.begin), end = x.clamped_at(band.end);
+    svg += cat("<rect x=\"", begin, "\" y=\"", top, "\" width=\"", std::max(end - begin, 0.5), "\" height=\"",
+               bottom - top, "\" fill=\"", kBandColour, "\" fill-opacity=\"", band.opacity, "\"/>\n");
+    const double width = text_width(band.text);
+    if (band.text.empty() || begin < text_end || begin + width > kWidth) continue;
+    svg += label(begin, top + 12, "start", band.text);
+    text_end = begin + width + 8;
+  }
+  return svg;
+}
+
+std::string marks_svg(const Marks& marks, const HorizontalAxis& x, double bottom) {
+  std::string svg;
+  for (const auto& mark : marks.marks) {
+    if (mark.x < x.axis.low || mark.x > x.axis.high) continue;
+    const double at = x.axis.at(mark.x);
+    svg += cat("<line x1=\"", at, "\" y1=\"", bottom - 7, "\" x2=\"", at, "\" y2=\"", bottom, "\" stroke=\"",
+               colour_of(marks), "\" stroke-width=\"1.5\" stroke-opacity=\"", mark.opacity, "\"/>\n");
+  }
+  return svg;
+}
+
+std::string line_svg(const Line& line, const char* colour, bool is_filled, const std::vector<Line::Point>& on_page,
+                     double base) {
+  std::string points;
+  if (is_filled && !on_page.empty()) points += cat(on_page.front().x, ',', base, ' ');
+  for (const auto& point : on_page) points += cat(point.x, ',', point.y, ' ');
+  if (is_filled && !on_page.empty()) points += cat(on_page.back().x, ',', base);
+  const std::string look = is_filled ? cat("fill=\"", colour, "\" stroke=\"none\"")
+                                     : cat("fill=\"none\" stroke=\"", colour, "\" stroke-width=\"1.8\"");
+  return cat("<polyline ", look, " points=\"", points, "\"><title>", escaped(line.name), "</title></polyline>\n");
 }
 
 }  // namespace
 
 std::string chart_svg(const LineChart& chart) {
-  Range x_range, y_range;
-  for (const Line& line : chart.lines) {
-    for (const auto& point : line.points) {
-      if (!std::isfinite(point.x) || !std::isfinite(point.y)) continue;
-      x_range.add(point.x);
-      y_range.add(point.y);
-    }
-  }
-  const Legend legend(names_of(chart.lines));
-  const VerticalAxis y(y_range.open(), legend.height + 30);
-  const double left = widest(y.texts) + 12, bottom = y.axis.page_low;
-  const Range open = x_range.open();
-  const Axis x{open.low, open.high, left, kWidth - kRight};
-  std::string svg = svg_begin(kWidth, bottom + 48) + legend.svg + y.svg(left, chart.y_label);
-  const Ticks ticks = round_ticks(open.low, open.high, kMostTicks);
-  for (const double value : ticks.values) {
-    svg += label(x.at(value), bottom + 18, "middle", tick_text(value, ticks.decimals));
-  }
-  svg += label((left + kWidth - kRight) / 2, bottom + 38, "middle", chart.x_label);
+  const auto [x_range, y_range] = ranges_of(chart);
+  const Legend legend(entries_of(chart));
+  const double top = legend.height + 30;
+  const VerticalAxis y = chart.is_logarithmic ? VerticalAxis::logarithmic(y_range.open(), top)
+                                              : VerticalAxis(y_range.open(), top, chart.has_signs);
+  const HorizontalAxis x(x_range.open(), widest(y.texts) + 12);
+  const bool has_marks =
+      std::any_of(chart.marks.begin(), chart.marks.end(), [](const Marks& marks) { return !marks.marks.empty(); });
+  const double bottom = y.axis.page_low + (has_marks ? 9 : 0);
+  std::string svg = svg_begin(kWidth, bottom + 48) + legend.svg;
+  svg += bands_svg(chart.bands, x, top, y.axis.page_low);
+  svg += y.svg(x.axis.page_low, x.axis.page_high, chart.y_label) + x.svg(bottom, chart.x_label);
   for (size_t i = 0; i < chart.lines.size(); ++i) {
-    svg += cat("<polyline fill=\"none\" stroke=\"", colour_of(i), "\" stroke-width=\"1.8\" points=\"");
-    for (const auto& point : chart.lines[i].points) {
-      if (std::isfinite(point.x) && std::isfinite(point.y)) svg += cat(x.at(point.x), ',', y.axis.at(point.y), ' ');
+    const Line& line = chart.lines[i];
+    std::vector<Line::Point> on_page;
+    for (const auto& point : line.points) {
+      const double height = height_of(chart, point.y);
+      if (std::isfinite(point.x) && std::isfinite(height)) on_page.push_back({x.axis.at(point.x), y.axis.at(height)});
     }
-    svg += "\"/>\n";
+    svg += line_svg(line, colour_of(i), line.is_filled && !chart.is_logarithmic, on_page, y.axis.at(0));
   }
+  for (const Marks& marks : chart.marks) svg += marks_svg(marks, x, bottom);
   return svg + "</svg>\n";
 }
 
@@ -191,7 +315,7 @@ std::string chart_svg(const BarChart& chart) {
   for (const auto& series : chart.series) {
     E2LF_REQUIRE(series.values.size() == chart.groups.size(), "a series of bars needs a value for each group");
   }
-  const Legend legend(names_of(chart.series));
+  const Legend legend(entries_of(chart.series));
   const VerticalAxis y(bar_range(chart), legend.height + 30);
   const GroupNames names(chart.groups, widest(y.texts) + 12);
   const double bottom = y.axis.page_low;
@@ -199,7 +323,8 @@ std::string chart_svg(const BarChart& chart) {
   const double group_width =
       (kWidth - kRight - names.left) / static_cast<double>(std::max<size_t>(chart.groups.size(), 1));
   const double bar_width = 0.8 * group_width / static_cast<double>(std::max<size_t>(chart.series.size(), 1));
-  std::string svg = svg_begin(kWidth, bottom + names.height) + legend.svg + y.svg(names.left, chart.y_label);
+  std::string svg =
+      svg_begin(kWidth, bottom + names.height) + legend.svg + y.svg(names.left, kWidth - kRight, chart.y_label);
   for (size_t group = 0; group < chart.groups.size(); ++group) {
     const double begin = names.left + group_width * static_cast<double>(group);
     for (size_t i = 0; i < chart.series.size(); ++i) {
@@ -231,6 +356,11 @@ std::string grid_svg(const CellGrid& grid) {
                  level < 128 ? " fill=\"#fff\"" : " fill=\"#000\"");
   }
   return svg + "</svg>\n";
+}
+
+std::string file_svg(const std::string& svg) {
+  const size_t begin = svg.find('>') + 1;
+  return cat(svg.substr(0, begin), "\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>", svg.substr(begin));
 }
 
 }  // namespace e2lf::report

@@ -16,13 +16,40 @@ struct Line {
     double x = 0, y = 0;
   };
   std::vector<Point> points;
+  bool is_filled = false;  ///< between the line and zero
+};
+
+/// Stretches of the x axis that are shaded over the whole height, each with a text above it where there is room.
+struct Bands {
+  std::string name;
+  struct Band {
+    double begin = 0, end = 0, opacity = 0.3;
+    std::string text;
+  };
+  std::vector<Band> bands;
+};
+
+/// Ticks below the x axis.
+struct Marks {
+  std::string name;
+  struct Mark {
+    double x = 0, opacity = 1;
+  };
+  std::vector<Mark> marks;
+  std::optional<size_t> as_line;  ///< in the colour of this line; else grey
 };
 
 struct LineChart {
   std::string x_label, y_label;
   std::vector<Line> lines;
+  bool is_logarithmic = false;  ///< the y axis; values of 0 and less are left out, nothing is filled
+  bool has_signs = true;        ///< else -2 reads 2 along the y axis
+  Bands bands = {};
+  std::vector<Marks> marks = {};
 };
 
+/// Bands and marks do not widen the x axis, which goes over the points; what lies outside is cut off. An x axis without
+/// points is that of the bands and marks.
 [[nodiscard]] std::string chart_svg(const LineChart& chart);
 
 /// A bar of each series for every group.
@@ -51,5 +78,8 @@ struct CellGrid {
 };
 
 [[nodiscard]] std::string grid_svg(const CellGrid& grid);
+
+/// A chart as a file of its own: black on white.
+[[nodiscard]] std::string file_svg(const std::string& svg);
 
 }  // namespace e2lf::report

@@ -54,6 +54,17 @@ TEST(RoundTicks, LieInTheRangeAndAreMultiplesForAnyRange) {
   }
 }
 
+TEST(LogTicks, EncloseTheRange) {
+  EXPECT_THAT(log_ticks(0.03, 7, 8), Pointwise(DoubleNear(1e-12), {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0}));
+  EXPECT_THAT(log_ticks(1, 10, 8), Pointwise(DoubleNear(1e-12), {1.0, 2.0, 5.0, 10.0}));
+  EXPECT_THAT(log_ticks(3, 3, 8), Pointwise(DoubleNear(1e-12), {2.0, 5.0}));
+  EXPECT_THAT(log_ticks(1e-5, 1, 8), Pointwise(DoubleNear(1e-12), {1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0}));
+  const std::vector<double> many = log_ticks(3e-12, 4e15, 8);
+  EXPECT_LE(many.size(), 10U);
+  EXPECT_LE(many.front(), 3e-12);
+  EXPECT_GE(many.back(), 4e15);
+}
+
 TEST(TickText, HasNoNegativeZero) {
   EXPECT_EQ(tick_text(-0.0001, 2), "0.00");
   EXPECT_EQ(tick_text(-0.5, 1), "-0.5");
@@ -116,6 +127,54 @@ TEST(LineChart, PointsLieWhereTheTicksSay) {
   ASSERT_TRUE(std::regex_search(svg, match, points));
   EXPECT_NEAR(std::stod(match[2]) - std::stod(match[4]), 260, 1e-3);
   EXPECT_NEAR(std::stod(match[3]), 870, 1e-3);
+}
+
+TEST(LineChart, EqualRatiosAreEqualStepsOnALogarithmicAxis) {
+  LineChart chart{"time", "loss", {{"a", {{0, 1}, {1, 0}, {2, 10}, {3, 100}}}}, /*is_logarithmic=*/true};
+  const std::string svg = chart_svg(chart);
+  const std::regex points("points=\"([0-9.]+),([0-9.]+) ([0-9.]+),([0-9.]+) ([0-9.]+),([0-9.]+) \"");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(svg, match, points)) << "the zero is left out";
+  EXPECT_NEAR(std::stod(match[2]) - std::stod(match[4]), 130, 1e-2);
+  EXPECT_NEAR(std::stod(match[4]) - std::stod(match[6]), 130, 1e-2);
+}
+
+TEST(LineChart, AFilledLineEndsAtZero) {
+  const LineChart chart{"x", "y", {{"a", {{0, -2}, {1, -1}}, /*is_filled=*/true}}, false, /*has_signs=*/false};
+  const std::string svg = chart_svg(chart);
+  const std::regex points("points=\"[0-9.]+,([0-9.]+) [0-9.]+,([0-9.]+) [0-9.]+,([0-9.]+) [0-9.]+,([0-9.]+)\"");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(svg, match, points));
+  EXPECT_EQ(match[1], match[4]);
+  EXPECT_NEAR(std::stod(match[2]) - std::stod(match[1]), 260, 1e-3);
+  EXPECT_THAT(svg, HasSubstr(">2.0<"));
+  EXPECT_THAT(svg, Not(HasSubstr(">-2.0<")));
+}
+
+TEST(LineChart, BandsAndMarksLieWhereTheTicksSay) {
+  LineChart chart{"x", "y", {{"a", {{0, 1}, {10, 2}}}}};
+  chart.bands = {"found", {{5, 10, 0.25, "7: 0.90"}, {20, 30, 0.25, "outside"}}};
+  chart.marks = {{"ticks", {{5, 1}, {11, 1}}, {}}, {"none", {}, {}}};
+  const std::string svg = chart_svg(chart);
+  const std::regex band("<rect x=\"([0-9.]+)\" y=\"[0-9.]+\" width=\"([0-9.]+)\"[^>]*fill-opacity=\"0.25\"");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(svg, match, band));
+  const double begin = std::stod(match[1]), end = begin + std::stod(match[2]);
+  EXPECT_NEAR(end, 870, 1e-3);
+  const std::regex mark("<line x1=\"([0-9.]+)\"[^>]*stroke-width=\"1.5\"");
+  std::sregex_iterator found(svg.begin(), svg.end(), mark);
+  EXPECT_NEAR(std::stod((*found)[1]), begin, 1e-3);
+  EXPECT_EQ(++found, std::sregex_iterator()) << "what lies outside is left out";
+  EXPECT_THAT(svg, HasSubstr(">7: 0.90<"));
+  EXPECT_THAT(svg, HasSubstr(">ticks<"));
+  EXPECT_THAT(svg, Not(HasSubstr(">none<")));
+}
+
+TEST(FileSvg, IsBlackOnWhite) {
+  const std::string svg = file_svg(chart_svg(LineChart{}));
+  const size_t background = svg.find("fill=\"white\"");
+  ASSERT_NE(background, std::string::npos);
+  EXPECT_LT(background, svg.find("<text"));
 }
 
 TEST(LineChart, WhatIsNotFiniteIsLeftOut) {

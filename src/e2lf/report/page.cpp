@@ -42,6 +42,15 @@ Page& Page::code(std::string_view text) {
 }
 
 Page& Page::table(const Table& table) {
+  tables_.push_back(table);
+  return add(table);
+}
+
+Page& Page::facts(const Json& facts) {
+  return add(facts_table(facts));
+}
+
+Page& Page::add(const Table& table) {
   body_ += "<div class=\"wide\"><table>\n";
   if (!table.caption.empty()) body_ += cat("<caption>", escaped(table.caption), "</caption>\n");
   body_ += "<thead><tr>";
@@ -95,6 +104,24 @@ std::string Page::html() const {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width\"><title>",
       title, "</title><style>", kStyle, "</style></head><body>\n<h1>", title, "</h1>\n", body_, "</body></html>\n");
+}
+
+Result<FileFormat> file_format_of(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".html") return FileFormat::kHtml;
+  if (extension == ".csv") return FileFormat::kCsv;
+  if (extension == ".tex") return FileFormat::kLatex;
+  return Error{ErrorCode::kUnsupported, "a report is a page (.html) or its tables (.csv, .tex); give it such a name",
+               path.string()};
+}
+
+std::string file_text(const Page& page, FileFormat format) {
+  if (format == FileFormat::kHtml) return page.html();
+  E2LF_REQUIRE(!page.tables().empty(), "there is a table where one is asked for");
+  if (format == FileFormat::kCsv) return table_csv(page.tables().front());
+  std::string text;
+  for (const Table& table : page.tables()) text += (text.empty() ? "" : "\n") + table_latex(table);
+  return text;
 }
 
 }  // namespace e2lf::report

@@ -69,5 +69,26 @@ TEST(Page, HoldsEverythingAndEscapesTexts) {
   EXPECT_THAT(html, Not(HasSubstr("http")));
 }
 
+TEST(FileText, IsThePageOrItsTables) {
+  Table first{"one", {{"n", true, false, "number"}}, {{number_cell(1.25, 1)}}};
+  Table second{"two", {{"m"}}, {{text_cell("x")}}};
+  Page page("title");
+  page.facts({{"threads", 2}}).table(first).table(second);
+  EXPECT_EQ(file_text(page, FileFormat::kHtml), page.html());
+  EXPECT_EQ(file_text(page, FileFormat::kCsv), "number\r\n1.25\r\n");
+  const std::string latex = file_text(page, FileFormat::kLatex);
+  EXPECT_LT(latex.find("\\caption{one}"), latex.find("\\caption{two}"));
+  EXPECT_THAT(latex, Not(HasSubstr("threads")));
+}
+
+TEST(FileFormat, IsTheExtension) {
+  EXPECT_EQ(file_format_of("a/b.html").value(), FileFormat::kHtml);
+  EXPECT_EQ(file_format_of("b.csv").value(), FileFormat::kCsv);
+  EXPECT_EQ(file_format_of("b.tex").value(), FileFormat::kLatex);
+  const auto other = file_format_of("b.pdf");
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, ErrorCode::kUnsupported);
+}
+
 }  // namespace
 }  // namespace e2lf::report

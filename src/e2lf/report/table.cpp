@@ -20,6 +20,10 @@ void check(const Table& table) {
   }
 }
 
+const std::string& key_of(const Column& column) {
+  return column.key.empty() ? column.name : column.key;
+}
+
 bool has_best(const Table& table, size_t column) {
   return std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return row[column].is_best; });
 }
@@ -72,7 +76,44 @@ std::optional<double> rank_of(const Cell& cell) {
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
+constexpr size_t kMostListed = 16;
+
+std::string scalar_text(const Json& value) {
+  if (value.is_null()) return "-";
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return cat(value.get<double>());
+  return json_line(value);
+}
+
+std::string fact_text(const Json& value) {
+  if (!value.is_array()) return scalar_text(value);
+  const bool is_plain = std::none_of(value.begin(), value.end(), [](const Json& each) { return each.is_structured(); });
+  if (!is_plain || value.size() > kMostListed) return cat(value.size(), " entries");
+  std::vector<std::string> texts;
+  for (const Json& each : value) texts.push_back(scalar_text(each));
+  return texts.empty() ? "none" : join(texts, ", ");
+}
+
+void add_facts(const Json& facts, const std::string& prefix, Table& table) {
+  for (const auto& [key, value] : facts.items()) {
+    std::string name = prefix + key;
+    std::replace(name.begin(), name.end(), '_', ' ');
+    if (value.is_object()) {
+      add_facts(value, name + " ", table);
+    } else {
+      table.rows.push_back({text_cell(name), {fact_text(value), value}});
+    }
+  }
+}
+
 }  // namespace
+
+Table facts_table(const Json& facts) {
+  Table table{"", {{"name"}, {"value"}}, {}};
+  add_facts(facts, "", table);
+  return table;
+}
 
 Cell text_cell(std::string text) {
   Json value = text;
@@ -131,8 +172,8 @@ std::string table_csv(const Table& table) {
   std::vector<std::vector<std::string>> keys;
   for (size_t i = 0; i < table.columns.size(); ++i) {
     keys.push_back(keys_of(table, i));
-    if (keys[i].empty()) heading.push_back(csv_cell(table.columns[i].name));
-    for (const std::string& key : keys[i]) heading.push_back(csv_cell(cat(table.columns[i].name, ' ', key)));
+    if (keys[i].empty()) heading.push_back(csv_cell(key_of(table.columns[i])));
+    for (const std::string& key : keys[i]) heading.push_back(csv_cell(cat(key_of(table.columns[i]), ' ', key)));
   }
   std::string text = csv_line(heading);
   for (const auto& row : table.rows) {
@@ -154,7 +195,7 @@ Json table_json(const Table& table) {
   Json rows = Json::array();
   for (const auto& row : table.rows) {
     Json object = Json::object();
-    for (size_t i = 0; i < row.size(); ++i) object[table.columns[i].name] = row[i].value;
+    for (size_t i = 0; i < row.size(); ++i) object[key_of(table.columns[i])] = row[i].value;
     rows.push_back(std::move(object));
   }
   return {{"caption", table.caption}, {"rows", std::move(rows)}};

@@ -20,6 +20,7 @@ struct Column {
   std::string name;
   bool is_number = false;    ///< set to the right
   bool begins_part = false;  ///< a line stands before it in LaTeX
+  std::string key = {};      ///< its name for programs; empty: the same
 };
 
 /// Rows of cells under named columns; every row has a cell for each column.
@@ -35,6 +36,10 @@ struct Table {
 
 /// Marks the cell with the largest number in a column (the smallest, with `is_least`) and those that read the same.
 void mark_best(Table& table, size_t column, bool is_least = false);
+
+/// The values of an object as rows "name", "value": members of objects within have the name before theirs, "_" in a
+/// name becomes a space. Lists of numbers and texts stand in one cell, of other lists the length.
+[[nodiscard]] Table facts_table(const Json& facts);
 
 /// For a terminal: a heading, a line for each row, columns of even width; "-" where there is no value, "*" after the
 /// best of a column that has one.

@@ -71,5 +71,16 @@ TEST(Table, EqualTextsShareTheMark) {
   EXPECT_TRUE(table.rows[2][0].is_best);
 }
 
+TEST(FactsTable, HasALineForEachValue) {
+  const Json facts = {{"least_confidence", 0.5},
+                      {"found", {{"complete", 3}, {"is_live", true}, {"channels", {1, 2}}}},
+                      {"nothing", nullptr},
+                      {"rows", Json::array({{{"a", 1}}, {{"a", 2}}})}};
+  std::vector<std::string> lines;
+  for (const auto& row : facts_table(facts).rows) lines.push_back(row[0].text + ": " + row[1].text);
+  EXPECT_THAT(lines, testing::UnorderedElementsAre("least confidence: 0.5", "found complete: 3", "found is live: yes",
+                                                   "found channels: 1, 2", "nothing: -", "rows: 2 entries"));
+}
+
 }  // namespace
 }  // namespace e2lf::report

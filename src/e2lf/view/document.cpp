@@ -55,8 +55,9 @@ size_t Document::add_part(Part part) {
   return parts_.size() - 1;
 }
 
-void Document::add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles) {
-  const lightfield::Shape& shape = cycles->shape();
+void Document::add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles,
+                               const std::vector<std::string>& notes) {
+  const lightfield::Shape shape = cycles->shape();
   Json described = Json::array();
   for (size_t cycle = 0; cycle < cycles->size(); ++cycle) {
     Json views = Json::array();
@@ -64,6 +65,7 @@ void Document::add_light_field(const std::string& name, const std::shared_ptr<Li
       views.push_back(add_part([cycles, cycle, view] { return cycles->png(cycle, view); }));
     }
     described.push_back({{"label", cycles->label(cycle)}, {"views", std::move(views)}});
+    if (!notes.empty()) described.back()["note"] = notes.at(cycle);
   }
   add_item({{"kind", "light_field"},
             {"name", name},
@@ -117,7 +119,8 @@ void Document::add_comparison(size_t first, size_t second, const std::vector<std
 }
 
 std::string Document::description() const {
-  const Json json = {{"format", "e2lf-view"}, {"version", 1}, {"items", items_}, {"comparisons", comparisons_}};
+  Json json = {{"format", "e2lf-view"}, {"version", 1}, {"items", items_}, {"comparisons", comparisons_}};
+  if (is_growing_) json["is_growing"] = true;
   std::string text;
   // File names may hold anything; bytes that are no UTF-8 are replaced. No "</script>" may end the element.
   for (const char letter : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {

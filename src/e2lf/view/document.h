@@ -25,8 +25,13 @@ using Part = std::function<Result<std::vector<uint8_t>>()>;
 /// viewer/src/document.ts reads it.
 class Document {
  public:
-  /// A light field of one or more cycles. Each view becomes an 8-bit PNG: round(255 * clamp(value)).
-  void add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles);
+  /// A light field of one or more cycles. Each view becomes an 8-bit PNG: round(255 * clamp(value)). `notes` are shown
+  /// beside the labels of the cycles: one for each, or none.
+  void add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles,
+                       const std::vector<std::string>& notes = {});
+
+  /// More will come: the page asks for the description again and again.
+  void set_growing() { is_growing_ = true; }
 
   /// The disparity maps of a light field that was added, its number among the items: one map, or one for each cycle, px
   /// per view step of the pixels of view (view_y, view_x). Maps of another size than the views break the contract.
@@ -57,6 +62,7 @@ class Document {
  private:
   Json items_ = Json::array(), comparisons_ = Json::array();
   std::vector<Part> parts_;
+  bool is_growing_ = false;
 };
 
 /// A part that holds these counts: int16, little-endian, deflated (zlib).

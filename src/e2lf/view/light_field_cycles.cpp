@@ -17,6 +17,14 @@ uint64_t browser_bytes(const lightfield::Shape& shape) {
 
 }  // namespace
 
+Result<void> check_browser_memory(const lightfield::Shape& shape, const fs::path& path) {
+  if (browser_bytes(shape) <= LightFieldCycles::kMostBytes) return {};
+  return Error{ErrorCode::kUnsupported,
+               cat("its ", shape.num_views(), " views need ", browser_bytes(shape) >> 20,
+                   " MiB in the browser, more than ", LightFieldCycles::kMostBytes >> 20, "; show fewer"),
+               path.string(), Setting::kViews};
+}
+
 Result<std::shared_ptr<LightFieldCycles>> LightFieldCycles::open(const fs::path& path,
                                                                  const lightfield::ReadOptions& options) {
   std::vector<fs::path> paths = lightfield::cycle_folders(path);
@@ -24,13 +32,31 @@ Result<std::shared_ptr<LightFieldCycles>> LightFieldCycles::open(const fs::path&
   std::shared_ptr<LightFieldCycles> cycles(new LightFieldCycles(std::move(paths), options));
   E2LF_ASSIGN_OR_RETURN(const auto first, lightfield::read_light_field(cycles->paths_.front(), options));
   cycles->shape_ = first.shape();
-  if (browser_bytes(first.shape()) > kMostBytes) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("its ", first.shape().num_views(), " views need ", browser_bytes(first.shape()) >> 20,
-                     " MiB in the browser, more than ", kMostBytes >> 20, "; show fewer"),
-                 path.string(), Setting::kViews};
-  }
+  E2LF_RETURN_IF_ERROR(check_browser_memory(first.shape(), path));
   return cycles;
+}
+
+void LightFieldCycles::add(const std::string& name, lightfield::LightField light_field) {
+  const std::lock_guard lock(mutex_);
+  E2LF_REQUIRE(paths_.empty() || light_field.shape() == shape_, "the cycles of a recording have one shape");
+  shape_ = light_field.shape();
+  newest_ = std::make_shared<const lightfield::LightField>(std::move(light_field));
+  paths_.emplace_back(name);
+}
+
+void LightFieldCycles::set_folder(const fs::path& folder) {
+  const std::lock_guard lock(mutex_);
+  folder_ = folder;
+}
+
+size_t LightFieldCycles::size() const {
+  const std::lock_guard lock(mutex_);
+  return paths_.size();
+}
+
+lightfield::Shape LightFieldCycles::shape() const {
+  const std::lock_guard lock(mutex_);
+  return shape_;
 }
 
 std::string LightFieldCycles::label(size_t cycle) const {
@@ -41,10 +67,12 @@ std::string LightFieldCycles::label(size_t cycle) const {
 
 Result<std::shared_ptr<const lightfield::LightField>> LightFieldCycles::read(size_t cycle) {
   const std::lock_guard lock(mutex_);
+  if (newest_ && cycle + 1 == paths_.size()) return newest_;
   if (kept_ && kept_cycle_ == cycle) return kept_;
-  E2LF_ASSIGN_OR_RETURN(auto light_field, lightfield::read_light_field(paths_[cycle], options_));
+  const fs::path path = folder_ / paths_[cycle];
+  E2LF_ASSIGN_OR_RETURN(auto light_field, lightfield::read_light_field(path, options_));
   if (!(light_field.shape() == shape_)) {
-    return Error{ErrorCode::kShape, "has other sizes than the first cycle; show it alone", paths_[cycle].string()};
+    return Error{ErrorCode::kShape, "has other sizes than the first cycle; show it alone", path.string()};
   }
   kept_ = std::make_shared<const lightfield::LightField>(std::move(light_field));
   kept_cycle_ = cycle;
@@ -53,8 +81,9 @@ Result<std::shared_ptr<const lightfield::LightField>> LightFieldCycles::read(siz
 
 Result<std::vector<uint8_t>> LightFieldCycles::png(size_t cycle, size_t view) {
   E2LF_ASSIGN_OR_RETURN(const auto light_field, read(cycle));
-  const std::span<const float> pixels = light_field->view(view / shape_.views_x, view % shape_.views_x);
-  lightfield::Image image(shape_.width, shape_.height, shape_.channels);
+  const lightfield::Shape& shape = light_field->shape();
+  const std::span<const float> pixels = light_field->view(view / shape.views_x, view % shape.views_x);
+  lightfield::Image image(shape.width, shape.height, shape.channels);
   image.pixels.assign(pixels.begin(), pixels.end());
   return lightfield::encode_png(lightfield::to_bytes(image));
 }

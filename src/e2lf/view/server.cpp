@@ -4,6 +4,7 @@
 #include <charconv>
 #include <chrono>
 #include <httplib.h>
+#include <mutex>
 #include <random>
 #include <thread>
 
@@ -54,8 +55,8 @@ void refuse(httplib::Response& response, int status, const char* text) {
 
 class Server::Impl {
  public:
-  Impl(Document document, std::string secret)
-      : document_(std::move(document)), description_(document_.description()), secret_(std::move(secret)) {
+  Impl(Document document, std::string secret) : secret_(std::move(secret)) {
+    replace(std::move(document));
     server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       answer(request, response);
       return httplib::Server::HandlerResponse::Handled;
@@ -79,6 +80,15 @@ class Server::Impl {
     return {};
   }
 
+  void replace(Document document) {
+    std::string description = document.description();
+    const std::lock_guard lock(mutex_);
+    const uint64_t version = shown_ ? shown_->version + 1 : 0;
+    shown_ = std::make_shared<const Shown>(Shown{version, std::move(description), std::move(document)});
+  }
+
+  void end() { has_ended_ = true; }
+
   [[nodiscard]] std::string url() const { return cat("http://", kHost, ":", port_, "/", secret_, "/"); }
 
   Result<void> run() {
@@ -87,9 +97,9 @@ class Server::Impl {
       server_.stop();
     });
     const bool is_good = server_.listen_after_bind();
-    has_ended_ = true;
+    const bool is_wanted = has_ended_.exchange(true);
     stopper.join();
-    if (is_good || stop_requested()) return {};
+    if (is_good || is_wanted || stop_requested()) return {};
     return Error{ErrorCode::kIo, "the server failed; try again", url()};
   }
 
@@ -119,23 +129,37 @@ class Server::Impl {
     send(path.substr(end + 1), response);
   }
 
+  struct Shown {
+    uint64_t version;
+    std::string description;
+    Document document;
+  };
+
+  [[nodiscard]] std::shared_ptr<const Shown> shown() const {
+    const std::lock_guard lock(mutex_);
+    return shown_;
+  }
+
   void send(const std::string& name, httplib::Response& response) const {
+    const auto now = shown();
     if (name.empty()) return response.set_content(empty_page().data(), empty_page().size(), "text/html; charset=utf-8");
-    if (name == "document.json") return response.set_content(description_, "application/json");
+    if (name == "version") return response.set_content(std::to_string(now->version), "text/plain");
+    if (name == "document.json") return response.set_content(now->description, "application/json");
     size_t number = 0;
     const char* const end = name.data() + name.size();
     const bool is_part = name.starts_with("part/") && name.size() > 5 &&
                          std::from_chars(name.data() + 5, end, number) == std::from_chars_result{end, std::errc()};
-    if (!is_part || number >= document_.parts().size()) {
+    if (!is_part || number >= now->document.parts().size()) {
       return refuse(response, 404, "there is no such part");
     }
-    const auto bytes = document_.parts()[number]();
+    const auto bytes = now->document.parts()[number]();
     if (!bytes) return refuse(response, 500, bytes.error().text().c_str());
     response.set_content(reinterpret_cast<const char*>(bytes->data()), bytes->size(), "application/octet-stream");
   }
 
-  Document document_;
-  std::string description_, secret_;
+  std::string secret_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Shown> shown_;
   int port_ = 0;
   std::atomic<bool> has_ended_ = false;
   httplib::Server server_;
@@ -154,6 +178,14 @@ Result<Server> Server::create(Document document, uint16_t port) {
 
 std::string Server::url() const {
   return impl_->url();
+}
+
+void Server::replace(Document document) {
+  impl_->replace(std::move(document));
+}
+
+void Server::end() {
+  impl_->end();
 }
 
 Result<void> Server::run() {

@@ -23,11 +23,18 @@ class Server {
   Server& operator=(Server&&) noexcept;
   ~Server();
 
+  /// Shows another document from now on. Parts of the one before that are being made are finished. May be called from
+  /// any thread.
+  void replace(Document document);
+
   /// Where the page is: http://127.0.0.1:<port>/<secret>/
   [[nodiscard]] std::string url() const;
 
-  /// Answers until stop_requested(). Fails with kIo.
+  /// Answers until stop_requested() or end(). Fails with kIo.
   [[nodiscard]] Result<void> run();
+
+  /// Ends run(), soon. May be called from any thread.
+  void end();
 
  private:
   class Impl;

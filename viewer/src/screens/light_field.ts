@@ -39,6 +39,11 @@ export class LightFieldScreen implements Screen {
   private readonly quality = element('p', { class: 'quality' });
   private swipeSlider: HTMLElement | null = null;
   private boostSlider: HTMLElement | null = null;
+  private cycleSlider: HTMLElement | null = null;
+  private readonly note = element('p', { class: 'figures', 'aria-live': 'polite' });
+  private readonly isLive: boolean; // cycles come while one looks
+  private numLoading = 0;
+  private isJumping = false;
   private readonly disparity: DisparityMap | null = null;
   private isRecording = false;
   private isClosed = false;
@@ -49,6 +54,7 @@ export class LightFieldScreen implements Screen {
     private readonly comparison?: { item: LightFieldItem; figures: Comparison },
   ) {
     const { source, painter, state } = context;
+    this.isLive = context.document.is_growing === true;
     this.first = new LightFieldViews(item, source, painter);
     this.second = comparison ? new LightFieldViews(comparison.item, source, painter) : this.first;
     this.camera = new Camera(painter);
@@ -87,6 +93,7 @@ export class LightFieldScreen implements Screen {
     } else {
       panel.group('Show', panel.choice('show', 'Show', { picture: 'one picture', grid: 'all views' }));
     }
+    this.addTimeControls();
     panel.group('Viewpoint', this.map.canvas,
       panel.slider('x', 'To the right', { low: -(columns - 1) / 2, high: (columns - 1) / 2, step: 0.05, text: signed }),
       panel.slider('y', 'Down', { low: -(rows - 1) / 2, high: (rows - 1) / 2, step: 0.05, text: signed }));
@@ -100,14 +107,19 @@ export class LightFieldScreen implements Screen {
     panel.group('Brightness',
       panel.slider('gain', 'Gain', { low: 0.1, high: 8, step: 0.05 }),
       panel.slider('gamma', 'Gamma', { low: 0.4, high: 3, step: 0.05 }));
-    if (this.item.cycles.length > 1) {
-      const label = (cycle: number) => this.item.cycles[cycle]?.label ?? '';
-      panel.group('Time', panel.slider('cycle', 'Cycle', { low: 0, high: this.item.cycles.length - 1, step: 1, text: label }));
-    }
     this.addDisparityControls();
     panel.group('Film', panel.choice('path', 'Path', paths),
       panel.button('Save WebM', () => this.record('webm', recordWebm)), panel.button('Save GIF', () => this.record('gif', recordGif)));
     panel.root.append(panel.button('Reset', () => state.reset()));
+  }
+
+  private addTimeControls(): void {
+    const { panel } = this.context;
+    if (this.item.cycles.length < 2 && !this.isLive) return;
+    const label = (cycle: number) => this.item.cycles[cycle]?.label ?? '';
+    this.cycleSlider = panel.slider('cycle', 'Cycle', { low: 0, high: this.item.cycles.length - 1, step: 1, text: label });
+    const newest = this.isLive ? [panel.choice('newest', 'New cycles', { show: 'show each', stay: 'stay at this one' })] : [];
+    panel.group('Time', this.cycleSlider, this.note, ...newest);
   }
 
   private addDisparityControls(): void {
@@ -127,17 +139,40 @@ export class LightFieldScreen implements Screen {
       this.disparity.load(cycle).then(() => this.clock.ask(false, this.units())).catch((error) => this.context.fail(error)).finally(end);
     }
     const all = this.comparison ? [this.first, this.second] : [this.first];
+    this.note.textContent = this.item.cycles[Math.round(cycle)]?.note ?? '';
     for (const views of all) {
       const end = busy();
+      ++this.numLoading;
       views.load(cycle, (share) => {
         if (this.isClosed) return;
         this.context.say(share < 1 ? `loading views, ${Math.round(100 * share)} %` : '');
         this.clock.ask(false, this.units());
-      }).catch((error) => this.context.fail(error)).finally(end);
+      }).catch((error) => this.context.fail(error)).finally(() => {
+        --this.numLoading;
+        end();
+        this.showNewest();
+      });
     }
   }
 
+  grow(): void {
+    const slider = this.cycleSlider?.querySelector('input');
+    if (slider) slider.max = String(this.item.cycles.length - 1);
+    this.showNewest();
+  }
+
+  /** Not before the one that is loading is there: views that come fast would never be seen whole. */
+  private showNewest(): void {
+    const { state } = this.context;
+    if (!this.isLive || this.isClosed || this.numLoading > 0 || state.get('newest') !== 'show') return;
+    this.isJumping = true;
+    state.set('cycle', this.item.cycles.length - 1);
+    this.isJumping = false;
+  }
+
   follow(key: Key): void {
+    if (key === 'cycle' && this.isLive && !this.isJumping) this.context.state.set('newest', 'stay');
+    if (key === 'newest') this.showNewest();
     if (key === 'cycle' || key === 'tab') this.load();
     if (key === 'show' || key === 'compare' || key === 'tab') this.layout();
     if (this.isRecording) return; // each frame is painted when it is its turn
