@@ -67,6 +67,9 @@ for camera in paper evk4-lcos; do
 done
 [ "$(json chosen-paper/run.json 'j["inputs"][-1]["path"].split("/")[-1], j["inputs"][0]["path"].split("/")[-1]')" = "('own-paper.npz', 'e2lf-n4.safetensors')" ] || fail "a network for the paper's pixels"
 [ "$(json chosen-evk4-lcos/run.json 'j["inputs"][0]["path"].split("/")[-1]')" = e2lf-n4-camera.safetensors ] || fail "a network for physical pixels"
+"$E2LF" simulate scene -m "$models/e2lf-n8.safetensors" -o eight.npz --quiet
+"$E2LF" reconstruct eight.npz -o eight --quiet
+[ "$(json eight/run.json 'j["inputs"][0]["path"].split("/")[-1]')" = e2lf-n8.safetensors ] || fail "a network for eight patterns"
 "$E2LF" reconstruct own-evk4-lcos.npz -m "$models/e2lf-n4.safetensors" -o never_seen 2>warned.txt
 grep -q "physical pixels (evk4-lcos), which e2lf-n4 has never seen" warned.txt || fail "no warning: $(cat warned.txt)"
 # The check simulates that camera: the right network explains the events better.
