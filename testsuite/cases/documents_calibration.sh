@@ -5,7 +5,7 @@ calibration() {
 import json
 import numpy as np
 values = 0.01 * 1.35 ** (np.arange(15) * 7 % 15)
-scene = np.kron(values.reshape(3, 5), np.ones((60, 60)))
+scene = np.kron(values.reshape(3, 5), np.ones((100, 100)))
 np.save("scene.npy", np.broadcast_to(scene, (8, 8, *scene.shape)).astype(np.float32))
 rows = [["".join("1" if 8 * row + column < count else "0" for column in range(8)) for row in range(8)] for count in (0, 8, 48, 16)]
 json.dump({"patterns": rows}, open("codes.json", "w"))

@@ -150,14 +150,14 @@ def main():
     parser.add_argument("trials", nargs="?", type=int, default=200)
     parser.add_argument("--seed", type=int, default=random.randrange(1 << 32))
     parser.add_argument("--only", help="one fault")
-    parser.add_argument("--verb", help="one verb")
+    parser.add_argument("--verb", action="append", help="one verb; may be given again")
     arguments = parser.parse_args()
     print(f"faults: seed {arguments.seed}")
     names = [*faults.FAULTS, "full disk"]
     with tempfile.TemporaryDirectory(prefix="e2lf_faults_") as folder:
         e2lf = pathlib.Path(arguments.e2lf).resolve()
         machine = Machine(e2lf, pathlib.Path(folder), random.Random(arguments.seed))
-        verbs = [verb for verb in prepare(e2lf, machine.folder) if arguments.verb in (None, verb.name)]
+        verbs = [verb for verb in prepare(e2lf, machine.folder) if not arguments.verb or verb.name in arguments.verb]
         for verb in verbs:
             machine.learn(verb)
         try:

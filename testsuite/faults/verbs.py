@@ -174,8 +174,8 @@ def write_training_data(folder):
 
 def write_calibration_data(folder):
     """A light field of fifteen even patches, and three patterns after black that pass an eighth, three quarters and a quarter."""
-    height, width = 60, 100
-    row = [[0.01 * 1.35 ** ((y // 20 * 5 + x // 20) * 7 % 15) for x in range(width)] for y in range(height)]
+    height, width = 75, 100
+    row = [[0.01 * 1.35 ** ((y // 25 * 5 + x // 20) * 7 % 15) for x in range(width)] for y in range(height)]
     view = struct.pack(f"<{height * width}f", *(value for line in row for value in line))
     header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': (8, 8, {height}, {width}), }}"
     header = header.ljust(117) + "\n"
@@ -209,7 +209,8 @@ def newer_verbs(e2lf, folder, run):
         verb("depth ply", "depth", "{source}", "-o", "{result}", result="points.ply"),
         verb("refocus", "refocus", "{source}", "--disparity=-1,0", "-o", "{result}", result="near.png"),
         verb("epi", "epi", "{source}", "-o", "{result}", result="epi.png"),
-        verb("codes render", "codes", "render", "-o", "{result}", result="display"),
+        verb("codes render", "codes", "render", "--codes", "{source}", "-o", "{result}", result="display",
+             source=folder / "codes.json"),
         verb("calibrate", "calibrate", "{source}", "--even", "-o", "{result}", result="mine.json",
              source=folder / "still.npz"),
         Comparison("compare", e2lf, ["compare", "{source}", "-o", "{result}", "--quiet"], "tables",
