@@ -71,7 +71,8 @@ Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const Kn
         sensor::EventModelOptions options{.model = model, .constants = known.constants, .seed = common.seed};
         options.constants.tau = tau;
         options.constants.sigma_w *= noise;
-        options.constants.sigma_z *= noise;
+        // A share of the threshold: as wide as the smallest ones it would leave hardly any threshold at all.
+        options.constants.sigma_z *= noise * tau / known.constants.tau;
         Row row{sensor::event_model_name(model), tau, noise, {}};
         E2LF_ASSIGN_OR_RETURN(row.found, recon::measure_equivalence(known.codes, order, scene, options));
         rows.push_back(std::move(row));

@@ -6,6 +6,7 @@
 
 #include "e2lf/compare/pictures.h"
 #include "e2lf/eval/metrics.h"
+#include "e2lf/model/model.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/sensor/event_model.h"
 #include "testing/test_files.h"
