@@ -21,7 +21,7 @@ got, scene = np.load("colour/lightfield.npy"), np.load("scene.npy")
 assert got.shape == scene.shape == (8, 8, 48, 64, 3), got.shape
 for channel in range(3):
     correlation = np.corrcoef(got[4, 4, ..., channel].ravel(), scene[4, 4, ..., channel].ravel())[0, 1]
-    assert correlation > 0.8, (channel, correlation)
+    assert correlation > 0.7, (channel, correlation)
 PY
 # A grey reconstruction of the same scene is compared in grey.
 "$E2LF" simulate scene.npy -m "$model" -o grey.npz --quiet

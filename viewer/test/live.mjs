@@ -27,6 +27,9 @@ export const tests = {
     rmSync('live', { recursive: true, force: true });
     const arguments_ = ['reconstruct', '-', '--source', 'triggers', '-m', process.env.E2LF_MODEL, '-o', 'live', '--format', 'npy', '--view', '--quiet'];
     const program = spawn(process.env.E2LF, arguments_);
+    const recording = readFileSync('six.raw');
+    const middle = Math.floor(recording.length / 2);
+    program.stdin.write(recording.subarray(0, middle)); // a pipe without a byte has no format
     let said = '';
     const address = await new Promise((resolve, reject) => {
       program.stderr.on('data', (data) => {
@@ -38,10 +41,6 @@ export const tests = {
     });
     const ended = new Promise((resolve) => program.on('exit', resolve));
     const ask = async (path) => (await fetch(address + path)).text();
-    assert.deepEqual(JSON.parse(await ask('document.json')).items, []);
-    const recording = readFileSync('six.raw');
-    const middle = Math.floor(recording.length / 2);
-    program.stdin.write(recording.subarray(0, middle));
     await withPage(`${address}#x=0.5&y=0.5`, {}, async (page) => {
       await waitForCycle(page, 0);
       const first = Number((await shown(page)).slice(-1));

@@ -90,10 +90,9 @@ report::Table cycle_table(const Json& cycles) {
                       {}};
   const bool is_live = !cycles.empty() && cycles[0].contains("latency_s");
   if (is_live) table.columns.push_back({"latency, s", true});
+  const auto whole = [](const Json& number) { return report::Cell{number.dump(), number}; };
   for (const Json& cycle : cycles) {
-    table.rows.push_back({report::number_cell(cycle["number"].get<double>(), 0),
-                          report::number_cell(cycle["events"].get<double>(), 0),
-                          report::number_cell(cycle["begin_us"].get<double>(), 0),
+    table.rows.push_back({whole(cycle["number"]), whole(cycle["events"]), whole(cycle["begin_us"]),
                           report::number_cell(cycle["confidence"].get<double>(), 3)});
     if (is_live) table.rows.back().push_back(report::number_cell(cycle["latency_s"].get<double>(), 3));
   }
@@ -102,7 +101,7 @@ report::Table cycle_table(const Json& cycles) {
 
 /// A member of each cycle over the numbers of the cycles.
 std::string cycle_curve(const Json& cycles, const char* member, const char* label) {
-  report::LineChart chart{"cycle", label, {{label, {}}}};
+  report::LineChart chart{"cycle", label, {{"", {}, /*is_filled=*/true}}};
   for (const Json& cycle : cycles) {
     chart.lines[0].points.push_back({cycle["number"].get<double>(), cycle[member].get<double>()});
   }

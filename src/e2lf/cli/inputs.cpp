@@ -74,14 +74,4 @@ Result<lightfield::LightField> read_with_progress(const fs::path& path, const li
   return lightfield::read_light_field(path, options, bar.callback());
 }
 
-Result<lightfield::LightField> load_scene(const fs::path& path, const LightFieldFlags& flags, bool is_quiet) {
-  return read_with_progress(path, read_options(flags), is_quiet);
-}
-
-Result<lightfield::LightField> load_reconstruction(const fs::path& path, bool is_quiet) {
-  lightfield::ReadOptions options;
-  options.range = lightfield::RangePolicy::kKeep;
-  return read_with_progress(path, options, is_quiet);
-}
-
 }  // namespace e2lf::cli

@@ -59,11 +59,4 @@ void add_codes_options(CLI::App& app, CodesSource& source);
 [[nodiscard]] Result<lightfield::LightField> read_with_progress(const std::filesystem::path& path,
                                                                 const lightfield::ReadOptions& options, bool is_quiet);
 
-/// Reads a light field of any supported format as 8x8 grey views in [0, 1].
-[[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path, const LightFieldFlags& flags,
-                                                        bool is_quiet);
-
-/// The same for a reconstruction: values outside [0, 1] are kept.
-[[nodiscard]] Result<lightfield::LightField> load_reconstruction(const std::filesystem::path& path, bool is_quiet);
-
 }  // namespace e2lf::cli

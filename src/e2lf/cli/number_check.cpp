@@ -79,13 +79,4 @@ CLI::Validator positive_number() {
   return {check, "above 0"};
 }
 
-CLI::Validator svg_name() {
-  const auto check = [](std::string& text) {
-    return std::filesystem::path(text).extension() == ".svg"
-               ? std::string()
-               : cat("the picture is SVG; give it a name that ends in .svg, not ", text);
-  };
-  return {check, ""};
-}
-
 }  // namespace e2lf::cli

@@ -16,7 +16,4 @@ void check_numbers(CLI::App& app);
 /// Refuses 0 and what is below.
 [[nodiscard]] CLI::Validator positive_number();
 
-/// Refuses names that do not end in .svg.
-[[nodiscard]] CLI::Validator svg_name();
-
 }  // namespace e2lf::cli

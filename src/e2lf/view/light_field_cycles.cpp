@@ -40,6 +40,10 @@ void LightFieldCycles::add(const std::string& name, lightfield::LightField light
   const std::lock_guard lock(mutex_);
   E2LF_REQUIRE(paths_.empty() || light_field.shape() == shape_, "the cycles of a recording have one shape");
   shape_ = light_field.shape();
+  // It is read back as it was made: all views, in colour, with values outside [0, 1].
+  options_.views_y.count = options_.views_x.count = 0;
+  options_.colour = true;
+  options_.range = lightfield::RangePolicy::kKeep;
   newest_ = std::make_shared<const lightfield::LightField>(std::move(light_field));
   paths_.emplace_back(name);
 }
