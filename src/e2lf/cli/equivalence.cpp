@@ -11,6 +11,7 @@
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
+#include "e2lf/cli/scene_input.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
@@ -137,8 +138,8 @@ Result<void> run(const EquivalenceArguments& arguments, const Verb& verb) {
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> order, order_of(arguments, known.codes.num_patterns));
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene,
-                        load_scene(arguments.input, arguments.light_field, common.quiet));
+  const SceneOptions options{arguments.light_field, known.codes.views_y, known.codes.views_x};
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, options, common.quiet));
   record.end_step("read");
   E2LF_ASSIGN_OR_RETURN(const std::vector<Row> rows, measure(arguments, known, order, scene, common));
   hide_progress();
