@@ -14,7 +14,17 @@ video() {
 }
 page docs/recordings.md recordings
 exists recordings/display/contact_sheet.png recordings/out/mine/cycle_00001/07_07.png
-page docs/simulation.md scene
-exists simulation/out/lf/cycle_00004/00_00.png
+simulation() {
+  scene
+  mkdir -p out COLOUR_SCENE && ln -s ../demo out/demo
+  e2lf convert demo/scene grey.npy --quiet
+  py - <<'EOF'
+import numpy as np
+grey = np.load("grey.npy").astype(np.float32)
+np.save("COLOUR_SCENE/lightfield.npy", np.stack([grey, 0.8 * grey, 0.5 * grey], -1))
+EOF
+}
+page docs/simulation.md simulation
+exists simulation/out/colour simulation/out/equivalence/index.html simulation/out/lf/cycle_00004/00_00.png
 page docs/video.md video
 exists video/out/frames/frame_000000.png

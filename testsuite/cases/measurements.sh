@@ -62,15 +62,15 @@ train() { # name, input, further settings
   local name=$1 input=$2
   shift 2
   "$E2LF" train tiny.json -o "run_$name" --quiet --set "name=$name" --set "input=$input" --set patterns.black_first=false "$@"
-  "$E2LF" simulate demo/scene -m "run_$name/$name.safetensors" -o "$name.npz" --quiet
-  "$E2LF" reconstruct "$name.npz" -m "run_$name/$name.safetensors" --gain 1 --precision float32 --format npy -o "lf_$name" --quiet
+  "$E2LF" simulate demo/scene -m "run_$name/$name.safetensors" -o "own_$name.npz" --quiet
+  "$E2LF" reconstruct "own_$name.npz" -m "run_$name/$name.safetensors" --gain 1 --precision float32 --format npy -o "lf_$name" --quiet
   "$E2LF" eval demo/scene "lf_$name" --json >"$name.json"
 }
 train ca1 '[{"kind": "images", "scale": 4}]' --set patterns.num_patterns=1
 train hybrid '[{"kind": "counts", "scale": 0.125}, {"kind": "image-sum", "scale": 1}]' --set patterns.complementary=true
 train lens '[{"kind": "lens-array", "scale": 1}]' --set patterns.num_patterns=1
 "$E2LF" model info run_hybrid/hybrid.safetensors | grep -q "measurement  *hybrid" || fail "model info"
-fails 1 "takes lens-array" "$E2LF" reconstruct ca1.npz -m run_lens/lens.safetensors -o no
+fails 1 "takes lens-array" "$E2LF" reconstruct own_ca1.npz -m run_lens/lens.safetensors -o no
 fails 1 "exported networks take event images" "$E2LF" model export run_lens/lens.safetensors -o no.onnx
 cat >c.json <<'JSON'
 {"methods": [{"name": "ca1", "model": "run_ca1/ca1.safetensors"}, {"name": "hybrid", "model": "run_hybrid/hybrid.safetensors"},
