@@ -60,7 +60,7 @@ grep -q '^float32,' bench.csv || fail "bench.csv: $(cat bench.csv)"
 page decode.html "evt3 dense" "scalar reference"
 "$E2LF" bench simulate --width 64 --height 48 --seconds 0 --report simulate.html --quiet
 page simulate.html "light_field_to_events"
-"$E2LF" bench rig --width 64 --height 48 --report rig.html --quiet
+"$E2LF" bench rig --width 96 --height 64 --report rig.html --quiet
 page rig.html "decode and accumulate"
 
 fails 1 "(--overwrite)" "$E2LF" eval demo/scene demo/recon --report eval.html
