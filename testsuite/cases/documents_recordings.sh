@@ -28,3 +28,4 @@ page docs/simulation.md simulation
 exists simulation/out/colour simulation/out/equivalence/index.html simulation/out/lf/cycle_00004/00_00.png
 page docs/video.md video
 exists video/out/frames/frame_000000.png
+page docs/viewer.md

@@ -12,3 +12,4 @@ page docs/training-elsewhere.md
 page docs/experiments/network-comparison.md
 page docs/experiments/camera-fit.md
 page docs/experiments/imperfections.md
+page docs/experiments/capture-at-equal-tones.md
