@@ -10,6 +10,11 @@ grep -q '^<svg' rate.svg || fail "no plot"
 [ "$(json bursts.json "[cycle['number'] for cycle in j['each']]")" = "[0, 1, 2, 3]" ] || fail "the cycles found"
 check "$(json bursts.json "min(cycle['confidence'] for cycle in j['each'])") == $(json bursts.json "j['least_confidence']") > 0.2"
 [ "$(grep -o 'fill="#228833" fill-opacity' cycles.svg | wc -l)" -eq 12 ] || fail "the picture does not show four cycles of three images"
+# Of eight patterns, too: the recording says how many.
+"$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n8.safetensors" -o eight.npz --cycles 2 --quiet
+"$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n8.safetensors" -o eight.raw --cycles 2 --quiet
+"$E2LF" accumulate eight.raw -o eight_found.npz --source triggers --quiet
+py -c 'import numpy as np; a, b = (np.load(f)["events"] for f in ("eight.npz", "eight_found.npz")); assert a.shape[1] == 7 and (a == b).all()'
 "$E2LF" accumulate - -o piped.npz --source triggers --quiet <recording.raw
 py - <<'PY'
 import numpy as np

@@ -6,6 +6,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/number_check.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/open/open_named_recording.h"
@@ -14,9 +15,14 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-Result<cycles::Schedule> schedule_of(const CycleFlags& flags) {
+/// Of a recording that says its patterns, the paper's schedule has as many.
+Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& input,
+                                     const recordings::RecordingInfo& info) {
+  constexpr size_t kUsual = 4, kFewest = 2;
   if (!flags.schedule.empty()) return cycles::read_schedule(flags.schedule);
-  return cycles::paper_schedule(flags.num_patterns);
+  if (flags.num_patterns) return cycles::paper_schedule(*flags.num_patterns);
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(input, info));
+  return cycles::paper_schedule(setup.codes ? std::max(setup.codes->num_patterns, kFewest) : kUsual);
 }
 
 /// What was named, or what other flags imply.
@@ -46,9 +52,9 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
                  "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
       ->check(CLI::ExistingFile)
       ->group(group);
-  app.add_option("--patterns", flags.num_patterns, "number N of coding patterns of the paper's schedule")
+  app.add_option("--patterns", flags.num_patterns,
+                 "number N of coding patterns of the paper's schedule; default: as many as the recording says, else 4")
       ->check(whole_number(2, 64))
-      ->capture_default_str()
       ->group(group);
   app.add_option("--edge", flags.edge, "trigger edge: rising, falling, both")
       ->check(CLI::IsMember({"rising", "falling", "both"}))
@@ -93,12 +99,12 @@ Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Sche
 
 Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
   E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags.recording));
-  E2LF_ASSIGN_OR_RETURN(cycles::Schedule schedule, schedule_of(flags));
+  E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
+  say_assumptions(*reader);
+  E2LF_ASSIGN_OR_RETURN(cycles::Schedule schedule, schedule_of(flags, input, reader->info()));
   E2LF_ASSIGN_OR_RETURN(cycles::CycleOptions options, cycle_options(flags, std::move(schedule)));
   options.on_batch = observer.on_batch;
   options.on_mark = observer.on_mark;
-  E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
-  say_assumptions(*reader);
   return cycles::CycleReader::open(std::move(reader), options);
 }
 

@@ -18,7 +18,7 @@ namespace e2lf::cli {
 struct CycleFlags {
   std::string source = "auto", edge = "rising";
   std::filesystem::path schedule;
-  size_t num_patterns = 4;  ///< for the paper's schedule
+  std::optional<size_t> num_patterns;  ///< for the paper's schedule; nothing = as many as the recording says, else 4
   std::optional<uint16_t> channel;
   std::optional<size_t> first_pattern;
   bool one_trigger_per_cycle = false, filter_pixels = false;
