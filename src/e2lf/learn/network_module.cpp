@@ -169,17 +169,29 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
   return x.to(input.scalar_type());
 }
 
+namespace {
+
+/// Whether a layer reads the input, or its pixels unshuffled.
+bool reads_input(const model::Network& network, const Layer& layer) {
+  const auto is_unshuffled_input = [&](const std::string& name) {
+    return std::any_of(network.layers.begin(), network.layers.end(), [&](const Layer& other) {
+      return other.name == name && other.op == Op::kPixelUnshuffle && other.inputs.front() == "input";
+    });
+  };
+  return layer.op == Op::kConv && (layer.inputs.front() == "input" || is_unshuffled_input(layer.inputs.front()));
+}
+
+}  // namespace
+
 model::Weights widen_inputs(const model::Network& network, model::Weights weights, const model::Network& wider,
                             const std::vector<InputOrigin>& origins) {
   E2LF_REQUIRE(origins.size() == wider.input_channels, "one origin for each input channel");
-  if (network.layers != wider.layers || network.input_channels == wider.input_channels) return weights;
-  const auto narrow = model::weight_shapes(network), wide = model::weight_shapes(wider);
-  for (size_t i = 0; i < narrow.size(); ++i) {
-    if (narrow[i].shape == wide[i].shape) continue;
+  if (network.layers != wider.layers) return weights;
+  for (const Layer& layer : network.layers) {
     // [out, in, kernel, kernel], where `in` is each input channel, or each followed by the pixels unshuffled from it.
-    const auto found = weights.find(narrow[i].name);
-    const size_t outputs = narrow[i].shape[0];
-    if (found == weights.end() || outputs == 0) continue;
+    const auto found = weights.find(layer.name + ".weight");
+    const size_t outputs = layer.out_channels;
+    if (!reads_input(network, layer) || found == weights.end()) continue;
     const size_t block = found->second.size() / outputs / network.input_channels;
     std::vector<float> values(outputs * wider.input_channels * block);
     for (size_t out = 0; out < outputs; ++out) {

@@ -139,6 +139,27 @@ TEST(Trainer, ContinuesANetworkWithMorePatternsAndOtherInputs) {
   EXPECT_LT((before - after).abs().max().item<float>(), 1e-4F);
 }
 
+TEST(Trainer, ContinuesANetworkWhoseInputsAreInAnotherOrder) {
+  torch::manual_seed(4);
+  model::Model start;
+  start.num_patterns = 3;
+  start.input = {{model::InputKind::kCounts, 0.125F}, {model::InputKind::kCumulative, 1.0F}};
+  const std::vector<model::InputGroup> groups = {{model::InputKind::kCumulative, 0.5F},
+                                                 {model::InputKind::kCounts, 0.125F}};
+  const auto description = model::unet({.input_channels = 4, .widths = {8}, .blocks = {1}, .head_width = 4});
+  const NetworkModule first(description, torch::kCPU), second(description, torch::kCPU);
+  torch::NoGradGuard no_grad;
+  for (auto [name, tensor] : first.parameters()) tensor.normal_(0.0, 0.2);
+  const auto weights =
+      widen_inputs(description, to_weights(first.parameters()), description, input_origins(start, groups, 3));
+  ASSERT_TRUE(load_weights(second.parameters(), weights, "start"));
+  const auto counts = torch::randn({1, 2, 8, 8}), sums = torch::randn({1, 2, 8, 8});
+  const auto before = first.forward(torch::cat({counts, sums}, 1), torch::kFloat);
+  const auto after = second.forward(torch::cat({sums * 0.5, counts}, 1), torch::kFloat);
+  EXPECT_GT(before.abs().max().item<float>(), 0.1F);
+  EXPECT_LT((before - after).abs().max().item<float>(), 1e-4F);
+}
+
 TEST(Trainer, RefusesDevicesThatAreNotThere) {
   const TestData data;
   auto config = data.config();
