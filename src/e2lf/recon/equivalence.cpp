@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/equivalence.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <optional>
 
 #include "e2lf/recon/inversion.h"
+#include "e2lf/recon/placed_images.h"
 #include "e2lf/sensor/coded_intensity.h"
 
 namespace e2lf::recon {
@@ -14,14 +13,6 @@ namespace {
 
 /// Seeds of the three recordings differ by this, so that neighbouring seeds of a user stay apart.
 constexpr uint64_t kSeedStep = uint64_t{1} << 40;
-
-std::optional<size_t> find_black(const capture::Codes& codes) {
-  for (size_t n = 0; n < codes.num_patterns; ++n) {
-    const auto pattern = codes.pattern(n);
-    if (std::all_of(pattern.begin(), pattern.end(), [](float cell) { return cell == 0.0F; })) return n;
-  }
-  return std::nullopt;
-}
 
 double relative_error(const capture::CodedIntensities& found, const capture::CodedIntensities& truth, size_t black,
                       float gain) {
@@ -53,20 +44,16 @@ double events_per_pixel(const capture::EventImages& images) {
 
 Result<Equivalence> measure_equivalence(const capture::Codes& codes, const std::vector<size_t>& order,
                                         const lightfield::LightField& scene, const sensor::EventModelOptions& options) {
-  const std::optional<size_t> black = find_black(codes);
-  if (!black) {
-    return Error{ErrorCode::kInvalidValue, "no pattern is black, so events tell no intensity; give patterns with one",
-                 ""};
-  }
   E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities truth, sensor::coded_intensities(codes, scene));
   E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, sensor::simulate_events(truth, options));
+  E2LF_ASSIGN_OR_RETURN(const size_t black, black_pattern(images, codes));
   E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities plain,
-                        invert_events(images, {*black, options.constants, false}));
+                        invert_events(images, {black, options.constants, false}));
   E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities centred,
-                        invert_events(images, {*black, options.constants, true}));
+                        invert_events(images, {black, options.constants, true}));
   Equivalence result;
-  result.intensity_error = relative_error(plain, truth, *black, options.gain);
-  result.centred_error = relative_error(centred, truth, *black, options.gain);
+  result.intensity_error = relative_error(plain, truth, black, options.gain);
+  result.centred_error = relative_error(centred, truth, black, options.gain);
 
   const capture::Codes other = capture::permuted(codes, order);
   sensor::EventModelOptions again = options;
