@@ -74,3 +74,5 @@ fails 2 "the record of another verb's run" "$E2LF" reconstruct --config events.n
 "$E2LF" simulate demo/scene -m "$model" --seed 8 -o events.npz --overwrite --quiet
 "$E2LF" reconstruct --config out/run.json -o changed >out.txt 2>err.txt
 grep -q "events.npz is not what it was in the earlier run" err.txt || fail "$(cat err.txt)"
+fails 1 "a port is for --view alone" "$E2LF" reconstruct events.npz -m "$model" --port 5000 -o port
+absent port

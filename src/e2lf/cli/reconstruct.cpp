@@ -305,6 +305,9 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
 }
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
+  if (arguments.port != 0 && !arguments.view) {
+    return Error{ErrorCode::kInvalidValue, "a port is for --view alone; leave it out, or add --view", "--port"};
+  }
   const CommonOptions& common = verb.common();
   const OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes,
                                      arguments.cycles.schedule, arguments.camera},
