@@ -63,16 +63,18 @@ Result<capture::Measurement> simulate(const Method& method, const Sensor& sensor
   return measured;
 }
 
-/// Of event images.
+/// The sum of the events, beside the mean of the images, where there are some.
 capture::Measurement sum_of(const std::vector<capture::Measurement>& cycles) {
-  EventImages sum = cycles.front().events;
+  capture::Measurement all = cycles.front();
+  std::vector<int16_t>& counts = all.events.counts;
   for (size_t i = 1; i < cycles.size(); ++i) {
-    for (size_t k = 0; k < sum.counts.size(); ++k) {
-      sum.counts[k] =
-          static_cast<int16_t>(std::clamp(sum.counts[k] + cycles[i].events.counts[k], INT16_MIN, INT16_MAX));
+    for (size_t k = 0; k < counts.size(); ++k) {
+      counts[k] = static_cast<int16_t>(std::clamp(counts[k] + cycles[i].events.counts[k], INT16_MIN, INT16_MAX));
     }
+    for (size_t k = 0; k < all.images.values.size(); ++k) all.images.values[k] += cycles[i].images.values[k];
   }
-  return sum;
+  for (float& value : all.images.values) value /= static_cast<float>(cycles.size());
+  return all;
 }
 
 /// Makes a light field of the measurement of a cycle, or of the sum of several.

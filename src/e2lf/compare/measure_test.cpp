@@ -55,22 +55,22 @@ TEST(Measure, IsWhatSimulationInversionAndComparisonGive) {
   EXPECT_NEAR(measured.figures["cycle_ms"].get<double>(), 94.7, 0.1);
 }
 
-/// A model of four coded images that shows the second one in every view.
-model::Model coded_images_model() {
+/// A model of four patterns that shows one of its input channels in every view.
+model::Model channel_model(std::vector<model::InputGroup> input, size_t channel) {
   model::Model model;
-  model.name = "coded";
+  model.name = "channel";
   model.num_patterns = 4;
   model.codes = capture::default_codes();
-  model.input = {{model::InputKind::kImages, 1.0F}};
+  model.input = std::move(input);
   model::Layer layer;
   layer.name = "a";
   layer.inputs = {"input"};
   layer.out_channels = 64;
-  model.network = {4, {layer}};
+  const size_t channels = model::num_input_channels(model.input, model.num_patterns);
+  model.network = {channels, {layer}};
   model.weights["a.bias"].resize(64);
-  for (size_t view = 0; view < 64; ++view) {
-    for (const float weight : {0.0F, 1.0F, 0.0F, 0.0F}) model.weights["a.weight"].push_back(weight);
-  }
+  model.weights["a.weight"].resize(64 * channels);
+  for (size_t view = 0; view < 64; ++view) model.weights["a.weight"][view * channels + channel] = 1.0F;
   return model;
 }
 
@@ -81,7 +81,7 @@ TEST(Measure, IntensityImagesCostNoEvents) {
   method.config.algorithm = "network";
   method.model = folder / "m.safetensors";
   method.measurement = capture::MeasurementKind::kCodedImages;
-  ASSERT_TRUE(model::write_model(method.model, coded_images_model()));
+  ASSERT_TRUE(model::write_model(method.model, channel_model({{model::InputKind::kImages, 1.0F}}, 1)));
   plan.sensors[0].camera.constants.sigma_i = 0;
   const LightField truth = load_scene(plan.scenes[0]).value();
   const Measurement measured = measure(plan, plan.jobs[0], truth).value();
@@ -93,6 +93,30 @@ TEST(Measure, IntensityImagesCostNoEvents) {
   const auto intensities = sensor::coded_intensities(method.codes, truth).value();
   for (size_t i = 0; i < intensities.image_size(); ++i) {
     ASSERT_NEAR(measured.light_field.data()[i], intensities.image(1)[i], 1e-5);
+  }
+}
+
+TEST(Measure, NetworksThatAreToldTheCameraKeepTheImageOfAHybrid) {
+  const TestFolder folder;
+  const std::vector<model::InputGroup> input = {
+      {model::InputKind::kCounts, 1.0F}, {model::InputKind::kImageSum, 1.0F}, {model::InputKind::kCamera, 1.0F}};
+  for (const size_t cycles : {1, 3}) {
+    Plan plan = inversion_plan(cycles, 1.0F);
+    Method& method = plan.methods[0];
+    method.config.algorithm = "network";
+    method.model = folder / cat("m", cycles, ".safetensors");
+    method.measurement = capture::MeasurementKind::kHybrid;
+    ASSERT_TRUE(model::write_model(method.model, channel_model(input, 3)));
+    plan.sensors[0].camera.constants.sigma_i = 0;
+    const LightField truth = load_scene(plan.scenes[0]).value();
+    const auto measured = measure(plan, plan.jobs[0], truth);
+    ASSERT_TRUE(measured) << measured.error().text();
+    const auto intensities = sensor::coded_intensities(method.codes, truth).value();
+    for (size_t i = 0; i < intensities.image_size(); ++i) {
+      float sum = 0;
+      for (size_t n = 0; n < 4; ++n) sum += intensities.image(n)[i];
+      ASSERT_NEAR(measured->light_field.data()[i], sum, 1e-5);
+    }
   }
 }
 
