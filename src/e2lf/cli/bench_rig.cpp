@@ -87,6 +87,8 @@ Result<capture::EventImages> accumulate(const std::vector<uint8_t>& bytes, size_
   cycles::CycleOptions options;
   options.source = cycles::CycleSource::kTriggers;
   options.schedule = cycles::paper_schedule(num_patterns);
+  // A few thousand pixels make too few events to tell by them with which half the cycle begins.
+  options.tracker.first_pattern = 0;
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader cycles, cycles::CycleReader::open(std::move(reader), options));
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> cycle, cycles.next());
   if (!cycle) return Error{ErrorCode::kNotFound, "the cycle was not found again; this is a bug", ""};
