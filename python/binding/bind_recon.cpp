@@ -150,26 +150,30 @@ void bind_recon(py::module_& module) {
       .def_property_readonly("precision", &Network::precision, "What \"auto\" became.")
       .def_property_readonly("kernels", &Network::kernels, "The kernel of each layer.")
       .def("__repr__", [](const Network& self) { return "<e2lf.Reconstructor in " + self.precision() + ">"; });
-  module.def(
-      "invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
-      py::arg("gain") = "auto", py::arg("colour_filter") = "",
-      "A light field without any training: event images int16 [transition, y, x] and patterns [N, view_y, view_x] "
-      "-> float32 [view_y, view_x, y, x].\n\n"
-      "gain: \"auto\" or a number.\n"
-      "colour_filter: as for Reconstructor.reconstruct().");
+  module.def("invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
+             py::arg("gain") = "auto", py::arg("colour_filter") = "",
+             "A light field without any training: float32 [view_y, view_x, y, x].\n\n"
+             "images: int16 [transition, y, x]. codes: the patterns, [N, view_y, view_x].\n"
+             "constants: SensorConstants of the camera; None = the paper's.\n"
+             "gain: \"auto\" or a number.\n"
+             "colour_filter: as for Reconstructor.reconstruct().");
   module.def(
       "auto_gain",
       [](const py::array& light_field) {
         const auto field = light_field_of(light_field, "light_field");
         return without_gil([&]() -> Result<float> { return recon::auto_gain(*field); });
       },
-      py::arg("light_field"), "The factor that brings a light field to a well-exposed picture.");
+      py::arg("light_field"),
+      "The factor that brings a light field to a well-exposed picture.\n\n"
+      "light_field: [view_y, view_x, y, x], or with [channel].");
   module.def(
       "event_error", &event_error, py::arg("light_field"), py::arg("images"), py::arg("codes"), py::kw_only(),
       py::arg("gain") = 1.0F, py::arg("constants") = py::none(), py::arg("event_model") = "reference-aware",
       py::arg("camera") = nullptr,
       "How well a light field explains event images: means of |simulated - given| over pixels and transitions.\n\n"
+      "light_field: grey, [view_y, view_x, y, x]. images: int16 [transition, y, x]. codes: [N, view_y, view_x].\n"
       "gain: what the light field has been multiplied with.\n"
+      "constants, event_model: as for simulate().\n"
       "camera: a Camera with physical pixels, in place of constants and event_model.\n"
       "Returns a dict: at_first (references at the first intensity), least (references `residue` thresholds above "
       "it), residue.");

@@ -82,7 +82,8 @@ void bind_sensor(py::module_& module) {
         return py::array_t<float>(std::vector<size_t>{seen.num_patterns, seen.height, seen.width}, seen.values.data());
       },
       py::arg("light_field"), py::arg("codes"),
-      "What the sensor sees under each pattern (Eq. 1): float32 [N, y, x], divided by the number of views.");
+      "What the sensor sees under each pattern (Eq. 1): float32 [N, y, x], divided by the number of views.\n\n"
+      "light_field: grey, [view_y, view_x, y, x]. codes: [N, view_y, view_x].");
 }
 
 }  // namespace e2lf::python
