@@ -148,9 +148,10 @@ BenchReport rig_report(const Json& json) {
   }
   char about[200];
   std::snprintf(about, sizeof about,
-                "%s px, %d threads, %.2f M events in a cycle, %.2f M in its event images, %.1f MB of RAW",
-                json["image"].dump().c_str(), json["threads"].get<int>(), json["events"].get<double>() * 1e-6,
-                json["events_in_images"].get<double>() * 1e-6, json["raw_bytes"].get<double>() * 1e-6);
+                "%dx%d px, %d threads, %lld events in a cycle, %lld in its event images, %.1f MB of RAW",
+                json["image"][1].get<int>(), json["image"][0].get<int>(), json["threads"].get<int>(),
+                json["events"].get<long long>(), json["events_in_images"].get<long long>(),
+                json["raw_bytes"].get<double>() * 1e-6);
   return {"One cycle from light field to light field",
           about,
           {table},

@@ -86,11 +86,11 @@ int print_completion(const std::string& shell, const std::string& example, const
 int run_completion(const std::vector<std::string>& arguments) {
   return run_subverb(
       "completion",
-      {{"bash", "for ~/.bashrc: source <(e2lf completion bash)",
+      {{"bash", "print the script for bash",
         [](const auto& rest) { return print_completion("bash", "source <(e2lf completion bash)", rest); }},
-       {"zsh", "for a folder in $fpath, as _e2lf",
+       {"zsh", "print the script for zsh: _e2lf in a folder of $fpath",
         [](const auto& rest) { return print_completion("zsh", "e2lf completion zsh >_e2lf", rest); }},
-       {"fish", "for config.fish: e2lf completion fish | source",
+       {"fish", "print the script for fish",
         [](const auto& rest) { return print_completion("fish", "e2lf completion fish | source", rest); }}},
       arguments);
 }
