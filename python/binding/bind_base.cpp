@@ -37,7 +37,7 @@ void bind_base(py::module_& module) {
         if (threads < 0) throw py::value_error("the number of threads cannot be negative; 0 is all cores");
         set_num_threads(threads);
       },
-      py::arg("threads"), "Sets it for the whole process; 0 = all cores.");
+      py::arg("threads"), "Sets the number of threads of the whole process.\n\nthreads: 0 = all cores.");
   module.def("instruction_set", &current_isa,
              "What kernels run as: \"scalar\", \"sse4\", \"avx2\", \"avx512\" or \"amx\". The environment's "
              "E2LF_MAX_ISA caps it.");

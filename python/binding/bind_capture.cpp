@@ -34,10 +34,10 @@ void bind_constants(py::module_& module) {
            py::arg("tau") = json_number(SensorConstants().tau).get<double>(),
            py::arg("sigma_w") = json_number(SensorConstants().sigma_w).get<double>(),
            py::arg("sigma_z") = json_number(SensorConstants().sigma_z).get<double>())
-      .def_readwrite("eps", &SensorConstants::eps)
-      .def_readwrite("tau", &SensorConstants::tau)
-      .def_readwrite("sigma_w", &SensorConstants::sigma_w)
-      .def_readwrite("sigma_z", &SensorConstants::sigma_z)
+      .def_readwrite("eps", &SensorConstants::eps, "Dark level added to the intensity.")
+      .def_readwrite("tau", &SensorConstants::tau, "Contrast threshold, natural logarithm.")
+      .def_readwrite("sigma_w", &SensorConstants::sigma_w, "Standard deviation of the log-intensity noise.")
+      .def_readwrite("sigma_z", &SensorConstants::sigma_z, "Standard deviation of the threshold.")
       .def("__eq__", [](const SensorConstants& self, const SensorConstants& other) { return self == other; })
       .def("__repr__",
            [](const SensorConstants& self) {
@@ -55,7 +55,7 @@ void bind_constants(py::module_& module) {
 void bind_camera(py::module_& module) {
   using capture::Camera;
   py::class_<Camera>(module, "Camera", "What is known of a camera: how its pixels make events. See read_camera().")
-      .def_readonly("name", &Camera::name)
+      .def_readonly("name", &Camera::name, "As its file says.")
       .def_readonly("event_model", &Camera::event_model, "\"reference-aware\", \"quantised\" or \"pixel\".")
       .def_readonly("constants", &Camera::constants, "Of the paper's models; of \"pixel\" eps and the mean threshold.")
       .def(
@@ -83,7 +83,7 @@ void bind_codes(py::module_& module) {
         write_output(path, overwrite, [&](const fs::path& place) { return capture::write_codes(place, values); });
       },
       py::arg("path"), py::arg("codes"), py::kw_only(), py::arg("overwrite") = false,
-      "Writes patterns [N, view_y, view_x] as .json, .npy or .npz.");
+      "Writes patterns as .json, .npy or .npz.\n\ncodes: [N, view_y, view_x], 0 = closed, 1 = open.");
   module.def(
       "default_codes", [] { return to_array(capture::default_codes()); },
       "Four binary patterns of 8x8 for demonstrations, black first: float32 [4, 8, 8].");
@@ -121,10 +121,12 @@ void bind_event_images(py::module_& module) {
       "read_event_images", &read_event_images, py::arg("path"),
       "EventImageFile(cycles, codes, camera) of an .npz, an .npy or a folder of event_image_00000.npy ...: a list of "
       "int16 [transition, y, x], one for each cycle, the patterns and the camera, each None where the file lacks it.");
-  module.def("write_event_images", &write_event_images, py::arg("path"), py::arg("cycles"),
-             py::arg("codes") = py::none(), py::kw_only(), py::arg("camera") = nullptr, py::arg("overwrite") = false,
-             "Writes an .npz: `events` int16 [cycle, transition, y, x], `codes` and `camera` where given.\n\n"
-             "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].");
+  module.def(
+      "write_event_images", &write_event_images, py::arg("path"), py::arg("cycles"), py::arg("codes") = py::none(),
+      py::kw_only(), py::arg("camera") = nullptr, py::arg("overwrite") = false,
+      "Writes an .npz: `events` int16 [cycle, transition, y, x], `codes` [N, view_y, view_x] and `camera` where given."
+      "\n\n"
+      "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].");
   module.def(
       "event_picture",
       [](const py::array& images) {

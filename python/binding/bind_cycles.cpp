@@ -48,21 +48,22 @@ void bind_schedule(py::module_& module) {
            }),
            py::arg("name"), py::arg("duration_us") = 10000, py::arg("overhead_us") = 0, py::arg("image") = py::none(),
            py::arg("sign") = "any")
-      .def_readonly("name", &ScheduledPattern::name)
-      .def_readonly("duration_us", &ScheduledPattern::duration_us)
-      .def_readonly("overhead_us", &ScheduledPattern::overhead_us)
-      .def_readonly("image", &ScheduledPattern::image)
-      .def_property_readonly("sign",
-                             [](const ScheduledPattern& self) { return kSignNames[static_cast<size_t>(self.sign)]; })
+      .def_readonly("name", &ScheduledPattern::name, "Of its picture.")
+      .def_readonly("duration_us", &ScheduledPattern::duration_us, "How long it is shown, us.")
+      .def_readonly("overhead_us", &ScheduledPattern::overhead_us, "From its end to the start of the next, us.")
+      .def_readonly("image", &ScheduledPattern::image, "The event image that its events go to, or None.")
+      .def_property_readonly(
+          "sign", [](const ScheduledPattern& self) { return kSignNames[static_cast<size_t>(self.sign)]; },
+          "Of the events that the change to it makes: \"any\", \"on\" or \"off\".")
       .def("__eq__", [](const ScheduledPattern& self, const ScheduledPattern& other) { return self == other; })
       .def("__repr__", [](const ScheduledPattern& self) { return "<e2lf.ScheduledPattern " + self.name + ">"; });
 
   py::class_<Schedule>(module, "Schedule", "The patterns of one cycle in the order in which they are shown.")
       .def(py::init([](std::vector<ScheduledPattern> patterns) { return checked({std::move(patterns)}); }),
            py::arg("patterns"))
-      .def_readonly("patterns", &Schedule::patterns)
+      .def_readonly("patterns", &Schedule::patterns, "A list of ScheduledPattern.")
       .def_property_readonly("num_images", &Schedule::num_images, "Event images in a cycle.")
-      .def_property_readonly("cycle_us", &Schedule::cycle_us, "Duration of a cycle.")
+      .def_property_readonly("cycle_us", &Schedule::cycle_us, "Duration of a cycle, us.")
       .def("to_json", &cycles::schedule_text, "The text of a schedule's file.")
       .def("__eq__", [](const Schedule& self, const Schedule& other) { return self == other; })
       .def("__len__", &Schedule::size)
@@ -82,11 +83,14 @@ void bind_schedule(py::module_& module) {
         if (num_codes < 2) throw py::value_error("a schedule needs at least 2 codes");
         return cycles::paper_schedule(num_codes);
       },
-      py::arg("num_codes") = 4, "The paper's: the inverses of all patterns, then the patterns; 94.7 ms for 4 codes.");
+      py::arg("num_codes") = 4,
+      "The paper's: the inverses of all patterns, then the patterns; 94.7 ms for 4 codes.\n\n"
+      "num_codes: patterns, at least 2.");
   module.def(
       "plain_schedule",
       [](size_t num_codes, int64_t duration_us) { return checked(cycles::plain_schedule(num_codes, duration_us)); },
-      py::arg("num_codes"), py::arg("duration_us"), "The patterns without inverses, each for duration_us.");
+      py::arg("num_codes"), py::arg("duration_us"),
+      "The patterns without inverses.\n\nnum_codes: patterns. duration_us: of each.");
 }
 
 using ScheduleArgument = std::variant<std::monostate, Schedule, fs::path>;
@@ -272,7 +276,9 @@ void bind_cycles(py::module_& module) {
              "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].\n"
              "codes: the patterns [N, view_y, view_x], kept in the header, as is the camera.\n"
              "schedule: a Schedule or the path of its file; None = the paper's.\n"
-             "begin_us: start of the first cycle.");
+             "begin_us: start of the first cycle.\n"
+             "triggers: whether to write a rising edge at the start of each pattern.\n"
+             "seed: of the times within a pattern.");
 }
 
 }  // namespace e2lf::python

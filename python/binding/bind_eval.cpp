@@ -65,13 +65,15 @@ py::object compare(const py::array& truth, const py::array& reconstruction, bool
 void bind_eval(py::module_& module) {
   module.def("psnr", &psnr, py::arg("a"), py::arg("b"),
              "Peak signal-to-noise ratio in dB of two arrays of one shape with values in [0, 1]; inf where they are "
-             "equal.");
+             "equal.\n\na, b: floating-point numbers, of any axes.");
   module.def("ssim", &ssim, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("window") = "uniform7",
-             "Mean SSIM of two pictures [y, x] with values in [0, 1]; window \"uniform7\" or \"gaussian\".");
+             "Mean SSIM of two pictures with values in [0, 1].\n\n"
+             "a, b: [y, x].\nwindow: \"uniform7\" or \"gaussian\" (11x11).");
   module.def("compare", &compare, py::arg("truth"), py::arg("reconstruction"), py::kw_only(), py::arg("clamp") = true,
              py::arg("progress") = py::none(),
              "How well a light field was reconstructed: the dict that `e2lf eval --json` prints, with psnr_db, "
              "ssim_uniform7, ssim_gaussian, epi_rms_error, epi_relative_error and views.\n\n"
+             "truth, reconstruction: [view_y, view_x, y, x], or both with [channel].\n"
              "clamp: clamp the reconstruction to [0, 1] first.\n"
              "progress: called with (views done, views).");
   module.def(

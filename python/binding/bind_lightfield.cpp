@@ -94,6 +94,7 @@ void bind_pictures(py::module_& module) {
       py::arg("light_field"), py::arg("disparity"), py::kw_only(), py::arg("radius") = py::none(),
       py::arg("centre_y") = 0.0F, py::arg("centre_x") = 0.0F, py::arg("weights") = py::none(),
       "The picture of a camera that is focused at a disparity (px per view step): float32 [y, x], or [y, x, 3].\n\n"
+      "light_field: [view_y, view_x, y, x], or with [channel].\n"
       "radius: of the aperture, in view steps; None = all views.\n"
       "centre_y, centre_x: of the aperture, in view steps from the middle: another viewpoint.\n"
       "weights: float32 [view_y, view_x] in place of a disc.");
@@ -107,7 +108,9 @@ void bind_pictures(py::module_& module) {
       },
       py::arg("light_field"), py::arg("view_y"), py::arg("y"),
       "The epipolar plane image of one row: float32 [view_x, x]; a point of disparity d moves by d px from row to "
-      "row.");
+      "row.\n\n"
+      "light_field: [view_y, view_x, y, x], or with [channel].\n"
+      "view_y, y: the row of views and the row of pixels, from 0.");
   module.def(
       "vertical_epi",
       [](const py::array& light_field, size_t view_x, size_t x) {
@@ -117,7 +120,9 @@ void bind_pictures(py::module_& module) {
         return picture([&] { return lightfield::vertical_epi(*field, view_x, x); });
       },
       py::arg("light_field"), py::arg("view_x"), py::arg("x"),
-      "The epipolar plane image of one column: float32 [y, view_y].");
+      "The epipolar plane image of one column: float32 [y, view_y].\n\n"
+      "light_field: [view_y, view_x, y, x], or with [channel].\n"
+      "view_x, x: the column of views and the column of pixels, from 0.");
   module.def(
       "epi_picture",
       [](const py::array& light_field, std::optional<size_t> y, std::optional<size_t> x) {
@@ -130,8 +135,9 @@ void bind_pictures(py::module_& module) {
         return picture([&] { return lightfield::epi_picture(*field, options); });
       },
       py::arg("light_field"), py::kw_only(), py::arg("y") = py::none(), py::arg("x") = py::none(),
-      "A view with the EPIs of a row and a column beside it, as papers show them: float32 [y, x, 3]; None = the "
-      "middle.");
+      "A view with the EPIs of a row and a column beside it, as papers show them: float32 [y, x, 3].\n\n"
+      "light_field: [view_y, view_x, y, x], or with [channel].\n"
+      "y, x: the row and the column of pixels; None = the middle.");
   module.def(
       "contact_sheet",
       [](const py::array& light_field, size_t max_width) {
@@ -143,7 +149,9 @@ void bind_pictures(py::module_& module) {
         return picture([&] { return lightfield::contact_sheet(*field, options); });
       },
       py::arg("light_field"), py::kw_only(), py::arg("max_width") = 1600,
-      "All views in one picture, float32 [y, x] or [y, x, 3].");
+      "All views in one picture, float32 [y, x] or [y, x, 3].\n\n"
+      "light_field: [view_y, view_x, y, x], or with [channel].\n"
+      "max_width: px; views are reduced where all do not fit.");
 }
 
 void bind_images(py::module_& module) {
@@ -161,7 +169,9 @@ void bind_images(py::module_& module) {
                      [&](const fs::path& place) { return lightfield::write_png(place, values, depth); });
       },
       py::arg("path"), py::arg("image"), py::kw_only(), py::arg("bits") = 8, py::arg("overwrite") = false,
-      "Writes floating-point numbers [y, x] or [y, x, 3] as a PNG: 0 is black, 1 is white, what is beyond is clamped.");
+      "Writes a picture as PNG.\n\n"
+      "image: floating-point numbers [y, x] or [y, x, 3]: 0 is black, 1 is white, what is beyond is clamped.\n"
+      "bits: 8 or 16 for each number.");
 }
 
 void bind_scenes(py::module_& module) {
@@ -179,7 +189,8 @@ void bind_scenes(py::module_& module) {
         return render(lightfield::demo_scene(seed), width, height, views);
       },
       py::arg("width") = 512, py::arg("height") = 384, py::kw_only(), py::arg("views") = 8, py::arg("seed") = 1,
-      "The scene of `e2lf demo`: float32 [view_y, view_x, y, x], disparities of about -2 to 1.5 px.");
+      "The scene of `e2lf demo`: float32 [view_y, view_x, y, x], disparities of about -2 to 1.5 px.\n\n"
+      "width, height: px. views: per axis. seed: another one is another scene.");
   module.def(
       "turntable_scene",
       [render](float turn, size_t width, size_t height, size_t views, uint64_t seed) {
@@ -187,7 +198,8 @@ void bind_scenes(py::module_& module) {
       },
       py::arg("turn"), py::arg("width") = 512, py::arg("height") = 384, py::kw_only(), py::arg("views") = 8,
       py::arg("seed") = 1,
-      "A still life on a table that is turned by so many radians: float32 [view_y, view_x, y, x].");
+      "A still life on a table: float32 [view_y, view_x, y, x].\n\n"
+      "turn: of the table, radians. width, height: px. views: per axis. seed: another one is another still life.");
 }
 
 }  // namespace
@@ -208,7 +220,8 @@ void bind_lightfield(py::module_& module) {
   module.def(
       "write_light_field", &write, py::arg("path"), py::arg("light_field"), py::kw_only(), py::arg("format") = "",
       py::arg("overwrite") = false, py::arg("progress") = py::none(),
-      "Writes a light field [view_y, view_x, y, x] or with [channel].\n\n"
+      "Writes a light field.\n\n"
+      "light_field: [view_y, view_x, y, x], or with [channel].\n"
       "format: \"png\", \"png16\", \"hci\", \"stanford\" (folders), \"npy\", \"lenslet\", \"mat\", \"h5\"; by the "
       "extension where empty.\n"
       "progress: called with (views done, views).");

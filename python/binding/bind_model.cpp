@@ -13,7 +13,7 @@ namespace e2lf::python {
 void bind_model(py::module_& module) {
   using model::Model;
   py::class_<Model, std::shared_ptr<Model>>(module, "Model", "What a model file holds; see read_model().")
-      .def_readonly("name", &Model::name)
+      .def_readonly("name", &Model::name, "As its file says.")
       .def_readonly("num_patterns", &Model::num_patterns, "N; reconstruction takes N - 1 event images.")
       .def_property_readonly(
           "views", [](const Model& self) { return py::make_tuple(self.views_y, self.views_x); }, "(view_y, view_x).")

@@ -2,7 +2,9 @@
 #include <pybind11/stl.h>
 #include <variant>
 
+#include "e2lf/capture/colour_filter.h"
 #include "e2lf/recon/event_check.h"
+#include "e2lf/recon/field_sequence.h"
 #include "e2lf/recon/gain.h"
 #include "e2lf/recon/inversion.h"
 #include "e2lf/recon/linear_estimate.h"
@@ -28,6 +30,16 @@ void check_gain(const GainArgument& gain) {
   if (word == nullptr && !(std::get<double>(gain) > 0)) throw py::value_error("a gain is \"auto\" or above 0");
 }
 
+/// The light field of event images, each colour on its own where a filter is named.
+Result<lightfield::LightField> by_method(recon::Method method, const std::string& colour_filter,
+                                         const capture::EventImages& images, const ProgressFn& progress) {
+  if (!colour_filter.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const capture::ColourFilter filter, capture::colour_filter_from_name(colour_filter));
+    method = recon::colour_method(std::move(method), filter);
+  }
+  return method(capture::Measurement(images), progress);
+}
+
 /// A network that is ready to run.
 class Network {
  public:
@@ -35,7 +47,7 @@ class Network {
       : reconstructor_(make(model, precision, camera)) {}
 
   py::array reconstruct(const py::array& images, const GainArgument& gain, size_t passes, size_t cycles,
-                        const ProgressArgument& progress) {
+                        const std::string& colour_filter, const ProgressArgument& progress) {
     check_gain(gain);
     if (passes < 1 || cycles < 1) throw py::value_error("passes and cycles are at least 1");
     if (cycles > 1 && !model::is_told_the_camera(reconstructor_.model())) {
@@ -47,7 +59,10 @@ class Network {
     const ProgressFn told = progress_of(progress);
     const OneAtATime::Use use(use_, "reconstructor");
     return to_array(without_gil([&]() -> Result<lightfield::LightField> {
-      E2LF_ASSIGN_OR_RETURN(auto field, reconstructor_.reconstruct(*counts, told, passes, cycles));
+      const recon::Method method = [&](const capture::Measurement& measurement, const ProgressFn& part) {
+        return reconstructor_.reconstruct(measurement, part, passes, cycles);
+      };
+      E2LF_ASSIGN_OR_RETURN(auto field, by_method(method, colour_filter, *counts, told));
       const auto& camera = reconstructor_.model().camera;
       if (std::holds_alternative<std::string>(gain) && camera && camera->is_pixel()) {
         recon::apply_tone(field, recon::auto_black(field), 1.0F);
@@ -78,13 +93,17 @@ class Network {
 };
 
 py::array invert(const py::array& images, const py::array& codes,
-                 const std::optional<capture::SensorConstants>& constants, const GainArgument& gain) {
+                 const std::optional<capture::SensorConstants>& constants, const GainArgument& gain,
+                 const std::string& colour_filter) {
   check_gain(gain);
   const auto counts = event_images_of(images, "images");
   const capture::Codes patterns = codes_of(codes, "codes");
   return to_array(without_gil([&]() -> Result<lightfield::LightField> {
-    E2LF_ASSIGN_OR_RETURN(
-        auto field, recon::reconstruct_by_inversion(*counts, patterns, constants.value_or(capture::SensorConstants())));
+    const recon::Method method = [&](const capture::Measurement& measurement, const ProgressFn& /*progress*/) {
+      return recon::reconstruct_by_inversion(measurement.events, patterns,
+                                             constants.value_or(capture::SensorConstants()));
+    };
+    E2LF_ASSIGN_OR_RETURN(auto field, by_method(method, colour_filter, *counts, {}));
     apply_gain(field, gain);
     return field;
   }));
@@ -118,34 +137,43 @@ void bind_recon(py::module_& module) {
       .def(py::init<const model::Model&, const std::string&, const capture::Camera*>(), py::arg("model"), py::kw_only(),
            py::arg("precision") = "auto", py::arg("camera") = nullptr)
       .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
-           py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("progress") = py::none(),
+           py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("colour_filter") = "",
+           py::arg("progress") = py::none(),
            "Event images int16 [transition, y, x] -> light field float32 [view_y, view_x, y, x], not clamped.\n\n"
            "gain: \"auto\" (well exposed; of physical pixels the darkest parts become black) or a number; 1 = the "
            "network's plain output.\n"
            "passes: the mean over so many positions on the network's pixel grid.\n"
            "cycles: the images are sums over so many cycles, for networks that are told the camera.\n"
+           "colour_filter: over each 2x2 pixels of the sensor, row by row, such as \"rggb\": the light field has "
+           "[channel] and half the width and height.\n"
            "progress: called with (done, total); an exception ends the work.")
       .def_property_readonly("precision", &Network::precision, "What \"auto\" became.")
       .def_property_readonly("kernels", &Network::kernels, "The kernel of each layer.")
       .def("__repr__", [](const Network& self) { return "<e2lf.Reconstructor in " + self.precision() + ">"; });
-  module.def(
-      "invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
-      py::arg("gain") = "auto",
-      "A light field without any training: event images int16 [transition, y, x] and patterns [N, view_y, view_x] "
-      "-> float32 [view_y, view_x, y, x].");
+  module.def("invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
+             py::arg("gain") = "auto", py::arg("colour_filter") = "",
+             "A light field without any training: float32 [view_y, view_x, y, x].\n\n"
+             "images: int16 [transition, y, x]. codes: the patterns, [N, view_y, view_x].\n"
+             "constants: SensorConstants of the camera; None = the paper's.\n"
+             "gain: \"auto\" or a number.\n"
+             "colour_filter: as for Reconstructor.reconstruct().");
   module.def(
       "auto_gain",
       [](const py::array& light_field) {
         const auto field = light_field_of(light_field, "light_field");
         return without_gil([&]() -> Result<float> { return recon::auto_gain(*field); });
       },
-      py::arg("light_field"), "The factor that brings a light field to a well-exposed picture.");
+      py::arg("light_field"),
+      "The factor that brings a light field to a well-exposed picture.\n\n"
+      "light_field: [view_y, view_x, y, x], or with [channel].");
   module.def(
       "event_error", &event_error, py::arg("light_field"), py::arg("images"), py::arg("codes"), py::kw_only(),
       py::arg("gain") = 1.0F, py::arg("constants") = py::none(), py::arg("event_model") = "reference-aware",
       py::arg("camera") = nullptr,
       "How well a light field explains event images: means of |simulated - given| over pixels and transitions.\n\n"
+      "light_field: grey, [view_y, view_x, y, x]. images: int16 [transition, y, x]. codes: [N, view_y, view_x].\n"
       "gain: what the light field has been multiplied with.\n"
+      "constants, event_model: as for simulate().\n"
       "camera: a Camera with physical pixels, in place of constants and event_model.\n"
       "Returns a dict: at_first (references at the first intensity), least (references `residue` thresholds above "
       "it), residue.");

@@ -170,12 +170,12 @@ void bind_recording(py::module_& module) {
           py::arg("delta_t") = py::none(), py::arg("n_events") = py::none(),
           "The same with the events alone: structured arrays with fields x, y (uint16, px), p (int16, 1 = ON, 0 = "
           "OFF), "
-          "t (int64, us).")
+          "t (int64, us).\n\ndelta_t, n_events: as for slices().")
       .def(
           "between",
           [](Recording& self, int64_t begin_us, int64_t end_us) { return slice_of(self.between(begin_us, end_us)); },
           py::arg("begin_us"), py::arg("end_us"),
-          "The slice begin_us <= t < end_us, in any order; reading goes on behind it. Not of streams.")
+          "The Slice begin_us <= t < end_us, in any order; reading goes on behind it. Not of streams.")
       .def("seek", &Recording::seek, py::arg("t_us"), "Goes to the first event or trigger with t >= t_us.")
       .def("close", &Recording::close, "Closes the file; so does leaving a with block.")
       .def("__iter__",
@@ -216,7 +216,9 @@ void bind_recordings(py::module_& module) {
       py::arg("path"), py::kw_only(), py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0,
       py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("progress") = py::none(),
       "What a file or folder is: a dict with `kind` and what `e2lf info --json` says. Recordings are read to their "
-      "end.");
+      "end.\n\n"
+      "format, width, height, columns, time_unit: as for open_recording().\n"
+      "progress: called with (done, total); an exception ends the work.");
 }
 
 }  // namespace e2lf::python

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <pybind11/stl.h>
 
+#include "e2lf/capture/colour_filter.h"
 #include "e2lf/sensor/coded_intensity.h"
+#include "e2lf/sensor/colour_filter_light.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 #include "python/binding/arrays.h"
@@ -11,11 +13,24 @@
 namespace e2lf::python {
 namespace {
 
+/// What falls on the pixels: the light field, or with the name of a filter each block's colours.
+Borrowed<lightfield::LightField> light_on_sensor(const py::array& light_field, const std::string& colour_filter) {
+  auto scene = light_field_of(light_field, "light_field");
+  if (colour_filter.empty()) return scene;
+  const capture::ColourFilter filter = take(capture::colour_filter_from_name(colour_filter));
+  if (scene->shape().channels != 3) {
+    throw ResultError({ErrorCode::kShape, "the light field is grey; colour filters need one in colour", "light_field"});
+  }
+  return Borrowed<lightfield::LightField>(
+      without_gil([&]() -> Result<lightfield::LightField> { return sensor::light_behind(filter, *scene); }));
+}
+
 /// Of the paper's model, or of a camera's physical pixels; refuses what does not apply.
 py::array simulate(const py::array& light_field, const py::array& codes, const capture::Camera* camera,
                    const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
-                   float scene_gain, float residue, uint64_t seed, std::optional<uint64_t> map_seed) {
-  const auto scene = light_field_of(light_field, "light_field");
+                   float scene_gain, float residue, uint64_t seed, std::optional<uint64_t> map_seed,
+                   const std::string& colour_filter) {
+  const auto scene = light_on_sensor(light_field, colour_filter);
   const capture::Codes patterns = codes_of(codes, "codes");
   const bool is_pixel = camera != nullptr && camera->is_pixel();
   if (is_pixel && (constants || !event_model.empty() || residue != 0.0F)) {
@@ -47,7 +62,7 @@ void bind_sensor(py::module_& module) {
   module.def(
       "simulate", &simulate, py::arg("light_field"), py::arg("codes"), py::kw_only(), py::arg("camera") = nullptr,
       py::arg("constants") = py::none(), py::arg("event_model") = "", py::arg("scene_gain") = 1.0F,
-      py::arg("residue") = 0.0F, py::arg("seed") = 1, py::arg("map_seed") = py::none(),
+      py::arg("residue") = 0.0F, py::arg("seed") = 1, py::arg("map_seed") = py::none(), py::arg("colour_filter") = "",
       "The event images of one cycle: int16 [transition, y, x], N - 1 transitions for N patterns.\n\n"
       "light_field: grey, [view_y, view_x, y, x]. codes: [N, view_y, view_x].\n"
       "camera: a Camera; one with physical pixels takes no constants, event_model and residue.\n"
@@ -55,7 +70,9 @@ void bind_sensor(py::module_& module) {
       "event_model: \"reference-aware\" (Eq. 9, 10) or \"quantised\" (Eq. 8); empty = the camera's or the first.\n"
       "scene_gain: multiplies every intensity.\n"
       "residue: references start at random up to this many thresholds (0 to 1) too high.\n"
-      "seed: of the noise; give each cycle its own. map_seed: of what stays with physical pixels; None = seed.");
+      "seed: of the noise; give each cycle its own. map_seed: of what stays with physical pixels; None = seed.\n"
+      "colour_filter: of a sensor with filters over each 2x2 pixels, row by row, such as \"rggb\"; the light field has "
+      "[channel] then, and the images are twice as high and wide.");
   module.def(
       "coded_intensities",
       [](const py::array& light_field, const py::array& codes) {
@@ -65,7 +82,8 @@ void bind_sensor(py::module_& module) {
         return py::array_t<float>(std::vector<size_t>{seen.num_patterns, seen.height, seen.width}, seen.values.data());
       },
       py::arg("light_field"), py::arg("codes"),
-      "What the sensor sees under each pattern (Eq. 1): float32 [N, y, x], divided by the number of views.");
+      "What the sensor sees under each pattern (Eq. 1): float32 [N, y, x], divided by the number of views.\n\n"
+      "light_field: grey, [view_y, view_x, y, x]. codes: [N, view_y, view_x].");
 }
 
 }  // namespace e2lf::python

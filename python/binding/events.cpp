@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <string>
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -17,30 +18,46 @@
 namespace e2lf::python {
 namespace {
 
-/// Memory that arrays have given back, for the arrays that come next.
+/// Memory that arrays have given back, for the arrays that come next. While recordings are read it holds what large
+/// slices need: fresh memory costs several times what the events in it do.
 class RecordBuffers {
  public:
+  /// The largest one: slices grow.
   EventRecords take() {
     const std::lock_guard lock(mutex_);
     if (free_.empty()) return {};
     EventRecords records = std::move(free_.back());
     free_.pop_back();
-    events_ -= records.capacity();
     records.clear();
     return records;
   }
   void give_back(EventRecords records) {
     const std::lock_guard lock(mutex_);
-    if (events_ + records.capacity() > kMostEvents || free_.size() == kMostBuffers) return;
-    events_ += records.capacity();
-    free_.push_back(std::move(records));
+    const auto is_smaller = [](const EventRecords& a, const EventRecords& b) { return a.capacity() < b.capacity(); };
+    free_.insert(std::upper_bound(free_.begin(), free_.end(), records, is_smaller), std::move(records));
+    trim();
+  }
+  void count_readers(int change) {
+    const std::lock_guard lock(mutex_);
+    readers_ += change;
+    trim();
   }
 
  private:
-  static constexpr size_t kMostBuffers = 4, kMostEvents = size_t{1} << 23;  // 128 MB in all
+  void trim() {
+    const size_t most_events = readers_ > 0 ? kMostEvents : kMostIdleEvents;
+    const auto room = [](size_t sum, const EventRecords& records) { return sum + records.capacity(); };
+    while (free_.size() > kMostBuffers || std::accumulate(free_.begin(), free_.end(), size_t{0}, room) > most_events) {
+      free_.erase(free_.begin());
+    }
+  }
+
+  static constexpr size_t kMostBuffers = 4;
+  static constexpr size_t kMostEvents = size_t{1} << 25;      // 512 MB in all
+  static constexpr size_t kMostIdleEvents = size_t{1} << 23;  // 128 MB
   std::mutex mutex_;
-  std::vector<EventRecords> free_;
-  size_t events_ = 0;  ///< that have room in them
+  std::vector<EventRecords> free_;  ///< by their room, the largest last
+  int readers_ = 0;
 };
 
 /// Never destroyed: arrays may outlive everything.
@@ -70,9 +87,19 @@ void interleave_one_by_one(const Columns& from, size_t begin, size_t end, std::b
 }
 
 #ifdef __SSE2__
-/// Eight events at a time: half the time of one by one, and iterating spends a third of its time here.
-void interleave(const Columns& from, size_t count, std::byte* records) {
+/// Eight events at a time: half the time of one by one, and iterating spends a third of its time here. `kIsLarge`:
+/// writes past the caches, which saves reading the memory that is overwritten; `records` is a multiple of 16 bytes
+/// then.
+template <bool kIsLarge>
+void interleave_eights(const Columns& from, size_t count, std::byte* records) {
   const auto load = [](const auto* values) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(values)); };
+  const auto store = [](__m128i* to, __m128i record) {
+    if constexpr (kIsLarge) {
+      _mm_stream_si128(to, record);
+    } else {
+      _mm_storeu_si128(to, record);
+    }
+  };
   const __m128i zero = _mm_setzero_si128();
   size_t i = 0;
   for (; i + 8 <= count; i += 8) {
@@ -85,15 +112,24 @@ void interleave(const Columns& from, size_t count, std::byte* records) {
       const __m128i heads[2] = {_mm_unpacklo_epi32(xy[half], p0[half]), _mm_unpackhi_epi32(xy[half], p0[half])};
       for (size_t pair = 0; pair < 2; ++pair) {
         const __m128i t = load(from.t + i + 4 * half + 2 * pair);
-        _mm_storeu_si128(to++, _mm_unpacklo_epi64(heads[pair], t));
-        _mm_storeu_si128(to++, _mm_unpackhi_epi64(heads[pair], t));
+        store(to++, _mm_unpacklo_epi64(heads[pair], t));
+        store(to++, _mm_unpackhi_epi64(heads[pair], t));
       }
     }
   }
+  if constexpr (kIsLarge) _mm_sfence();
   interleave_one_by_one(from, i, count, records);
 }
+
+void interleave(const Columns& from, size_t count, std::byte* records, bool is_large) {
+  if (is_large && reinterpret_cast<uintptr_t>(records) % sizeof(__m128i) == 0) {
+    interleave_eights<true>(from, count, records);
+  } else {
+    interleave_eights<false>(from, count, records);
+  }
+}
 #else
-void interleave(const Columns& from, size_t count, std::byte* records) {
+void interleave(const Columns& from, size_t count, std::byte* records, bool /*is_large*/) {
   interleave_one_by_one(from, 0, count, records);
 }
 #endif
@@ -135,17 +171,24 @@ const py::dtype& trigger_dtype() {
   return *dtype;
 }
 
+/// A slice with more is not in the caches when it is whole.
+constexpr size_t kCachedEvents = size_t{1} << 16;
+
 void append_records(const recordings::EventColumns& events, size_t begin, size_t end, EventRecords& records) {
   static_assert(std::endian::native == std::endian::little);
   const size_t known = records.size();
   records.resize(known + end - begin);
   const Columns from = {events.x.data() + begin, events.y.data() + begin, events.p.data() + begin,
                         events.t.data() + begin};
-  interleave(from, end - begin, reinterpret_cast<std::byte*>(records.data() + known));
+  interleave(from, end - begin, reinterpret_cast<std::byte*>(records.data() + known), known >= kCachedEvents);
 }
 
 EventRecords take_records() {
   return buffers().take();
+}
+
+void count_readers(int change) {
+  buffers().count_readers(change);
 }
 
 py::array to_array(EventRecords records) {

@@ -46,6 +46,9 @@ void append_records(const recordings::EventColumns& events, size_t begin, size_t
 /// the events in it. Needs no GIL.
 [[nodiscard]] EventRecords take_records();
 
+/// Says that a recording is read, or no longer: with how many there are, so does the memory that take_records() keeps.
+void count_readers(int change);
+
 /// An array over the records; nothing is copied.
 [[nodiscard]] py::array to_array(EventRecords records);
 [[nodiscard]] py::array to_array(std::span<const recordings::Trigger> triggers);

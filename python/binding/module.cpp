@@ -26,4 +26,5 @@ PYBIND11_MODULE(_e2lf, module) {
   python::bind_model(module);
   python::bind_recon(module);
   python::bind_eval(module);
+  python::bind_depth(module);
 }

@@ -20,6 +20,7 @@ void bind_sensor(py::module_& module);
 void bind_model(py::module_& module);
 void bind_recon(py::module_& module);
 void bind_eval(py::module_& module);
+void bind_depth(py::module_& module);
 
 /// As dict, list, str, numbers, bool and None.
 [[nodiscard]] py::object to_python(const Json& json);

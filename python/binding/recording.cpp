@@ -62,7 +62,13 @@ Recording::Recording(std::string name, std::unique_ptr<recordings::RecordingRead
       is_live_(recordings::is_live_recording(name_)),
       reader_(std::move(reader)),
       most_events_(reader_->options().threads == 1 ? kCachedBatch : recordings::RecordingReader::kDefaultBatch),
-      slice_begin_us_(from_us) {}
+      slice_begin_us_(from_us) {
+  count_readers(+1);
+}
+
+Recording::~Recording() {
+  count_readers(-1);
+}
 
 const recordings::RecordingReader& Recording::reader() const {
   if (!reader_) throw py::value_error("the recording is closed");

@@ -45,6 +45,9 @@ struct Slice {
 class Recording {
  public:
   Recording(std::string name, std::unique_ptr<recordings::RecordingReader> reader, std::optional<int64_t> from_us);
+  ~Recording();
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const recordings::RecordingReader& reader() const;

@@ -27,6 +27,7 @@ from ._e2lf import (
     convert,
     create_recording,
     default_codes,
+    depth,
     demo_scene,
     epi_picture,
     event_dtype,
@@ -62,6 +63,6 @@ from ._e2lf import (
     write_light_field,
     write_png,
 )
-from ._types import Cycle, EventImageFile, Slice
+from ._types import Cycle, DisparityMap, EventImageFile, Slice
 
 __all__ = [name for name in dir() if not name.startswith("_")]

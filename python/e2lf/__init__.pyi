@@ -37,6 +37,12 @@ class Cycle(NamedTuple):
     saturated: int
     confidence: float
 
+class DisparityMap(NamedTuple):
+    disparity: Floats
+    confidence: Floats
+    view: Tuple[int, int]
+    range_px: Tuple[float, float]
+
 class EventImageFile(NamedTuple):
     cycles: List[Counts]
     codes: Optional[Floats]
@@ -170,6 +176,7 @@ class Reconstructor:
         gain: Union[float, str] = "auto",
         passes: int = 1,
         cycles: int = 1,
+        colour_filter: str = "",
         progress: Optional[Progress] = None,
     ) -> Floats: ...
     @property
@@ -358,11 +365,17 @@ def simulate(
     residue: float = 0.0,
     seed: int = 1,
     map_seed: Optional[int] = None,
+    colour_filter: str = "",
 ) -> Counts: ...
 def coded_intensities(light_field: Array, codes: Array) -> Floats: ...
 def read_model(path: Path) -> Model: ...
 def invert(
-    images: Array, codes: Array, *, constants: Optional[SensorConstants] = None, gain: Union[float, str] = "auto"
+    images: Array,
+    codes: Array,
+    *,
+    constants: Optional[SensorConstants] = None,
+    gain: Union[float, str] = "auto",
+    colour_filter: str = "",
 ) -> Floats: ...
 def auto_gain(light_field: Array) -> float: ...
 def event_error(
@@ -375,6 +388,14 @@ def event_error(
     event_model: str = "reference-aware",
     camera: Optional[Camera] = None,
 ) -> Dict[str, float]: ...
+
+def depth(
+    light_field: Array,
+    *,
+    view: Optional[Tuple[int, int]] = None,
+    range_px: Optional[Tuple[float, float]] = None,
+    progress: Optional[Progress] = None,
+) -> DisparityMap: ...
 
 # Measures
 def psnr(a: Array, b: Array) -> float: ...

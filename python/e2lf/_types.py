@@ -27,6 +27,15 @@ class Cycle(NamedTuple):
     confidence: float  #: 0..1, that the patterns changed when they are said to
 
 
+class DisparityMap(NamedTuple):
+    """How far each pixel of a view moves from view to view."""
+
+    disparity: np.ndarray  #: float32 [y, x], px per view step; a point at x in one view is at x + disparity in the next
+    confidence: np.ndarray  #: float32 [y, x], 0..1; 0.5 where an error of 0.07 px is to be expected
+    view: Tuple[int, int]  #: (view_y, view_x), whose pixels these are
+    range_px: Tuple[float, float]  #: (least, most) that was looked for, px per view step
+
+
 class EventImageFile(NamedTuple):
     """What a file of event images holds."""
 

@@ -91,6 +91,45 @@ class PipelineTest(InFolder):
         self.assertGreaterEqual(error["at_first"], error["least"])
         self.assertGreater(error["least"], 0)
 
+    def test_colour_filters(self):
+        colour = np.stack([self.scene, 0.2 + 0.6 * self.scene, 0.9 - 0.7 * self.scene], axis=-1)
+        np.save("colour.npy", colour)
+        command_line("simulate", "colour.npy", "--colour-filter", "grbg", "-m", self.path, "-o", "events.npz", "--quiet")
+        images = e2lf.simulate(colour, self.model.codes, constants=self.model.constants,
+                               event_model=self.model.event_model, colour_filter="grbg")
+        self.assertTrue(same(images, e2lf.read_event_images("events.npz").cycles[0]))
+        self.assertEqual(images.shape, (3, 64, 96))
+        command_line("reconstruct", "events.npz", "-m", self.path, "-o", "out", "--format", "npy", "--gain", 1, "--quiet")
+        own = e2lf.Reconstructor(self.model).reconstruct(images, gain=1, colour_filter="grbg")
+        self.assertEqual(own.shape, (8, 8, 32, 48, 3))
+        self.assertTrue(same(own, np.load("out/lightfield.npy")))
+        self.assertEqual(e2lf.invert(images, self.model.codes, colour_filter="grbg").shape, own.shape)
+        for wrong in (lambda: e2lf.simulate(self.scene, self.model.codes, colour_filter="rggb"),
+                      lambda: e2lf.invert(images, self.model.codes, colour_filter="rgb"),
+                      lambda: e2lf.invert(images[:, 1:], self.model.codes, colour_filter="rggb")):
+            with self.assertRaises(e2lf.Error):
+                wrong()
+
+    def test_depth(self):
+        command_line("depth", "scene.npy", "-o", "depth", "--quiet")
+        told = []
+        found = e2lf.depth(self.scene, progress=lambda done, total: told.append(done == total))
+        self.assertTrue(same(found.disparity, np.load("depth/disparity.npy")))
+        self.assertTrue(same(found.confidence, np.load("depth/confidence.npy")))
+        self.assertEqual(found.view, (4, 4))
+        self.assertTrue(told[-1])
+        self.assertTrue(np.all((found.confidence >= 0) & (found.confidence <= 1)))
+        command_line("depth", "scene.npy", "-o", "corner.npy", "--view-row", 0, "--view-column", 7, "--min-disparity=-3",
+                     "--max-disparity=2", "--quiet")
+        corner = e2lf.depth(self.scene, view=(0, 7), range_px=(-3, 2))
+        self.assertTrue(same(corner.disparity, np.load("corner.npy")))
+        self.assertEqual((corner.view, corner.range_px), ((0, 7), (-3, 2)))
+        colour = np.repeat(self.scene[..., None], 3, axis=-1)
+        self.assertLess(np.abs(e2lf.depth(colour).disparity - found.disparity).mean(), 0.01)
+        for wrong in ({"view": (8, 0)}, {"range_px": (1, 0)}):
+            with self.assertRaises(e2lf.Error):
+                e2lf.depth(self.scene, **wrong)
+
     def test_compare_is_eval(self):
         noisy = np.clip(self.scene + 0.05 * np.random.default_rng(1).standard_normal(self.scene.shape), 0, 1)
         noisy = noisy.astype(np.float32)

@@ -1,6 +1,7 @@
 """The type stubs say what the module offers: the same names, and for each function the same arguments and defaults."""
 import ast
 import inspect
+import re
 import shutil
 import subprocess
 import sys
@@ -35,6 +36,12 @@ def arguments_of(arguments):
     return found
 
 
+def text_of(thing):
+    """The documentation without the signature that pybind11 puts before it."""
+    text = (thing.__doc__ or "").strip()
+    return re.sub(r"^\w+\(.*\n+", "", text)
+
+
 class StubTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -58,6 +65,34 @@ class StubTest(unittest.TestCase):
             text = thing.__doc__ or ""
             has_signature = type(thing).__name__ == "builtin_function_or_method"
             self.assertTrue(text.split("\n", 2)[2 if has_signature else 0].strip(), name)
+
+    def documented(self):
+        """(name, what the stub says, its documentation without the signature) of functions, methods and properties."""
+        for name, stub in self.functions.items():
+            yield name, stub, text_of(getattr(e2lf, name))
+        for name, stub in self.classes.items():
+            for method in stub.body:
+                if isinstance(method, ast.FunctionDef) and not method.name.startswith("__"):
+                    yield f"{name}.{method.name}", method, text_of(getattr(getattr(e2lf, name), method.name))
+
+    def test_every_argument_is_explained(self):
+        plain = {"self", "path", "output", "overwrite", "width", "height"}  # their names say it
+        for name, stub, text in self.documented():
+            self.assertTrue(text, name)
+            for argument in (*stub.args.args, *stub.args.kwonlyargs):
+                if argument.arg not in plain:
+                    self.assertRegex(text, rf"\b{argument.arg}\b", f"{name} does not explain {argument.arg}")
+
+    def test_shapes_and_units_are_said(self):
+        axes = r"\[[\w +-]+(, [\w +-]+)+\]|\[channel\]|of one shape|event_dtype|fields x, y|Slice|DisparityMap"
+        for name, stub, text in self.documented():
+            types = ast.unparse(stub)
+            if re.search(r"\b(Array|Floats|Counts|Slice|EventImageFile|DisparityMap)\b", types):
+                self.assertRegex(text, axes, f"{name} names no axes")
+            if re.search(r"_us\b|delta_t|t_us", types):
+                self.assertRegex(text, r"\bus\b|_us\b|Slice", f"{name} names no unit of time")
+            if re.search(r"disparity|_px\b", types):
+                self.assertRegex(text, r"\bpx\b", f"{name} names no unit of length")
 
     def test_classes_have_its_methods_and_attributes(self):
         for name, stub in self.classes.items():

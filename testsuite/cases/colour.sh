@@ -39,6 +39,8 @@ cmp handed/00_00.png recorded/cycle_00000/00_00.png || fail "accumulate hands th
 py -c 'import numpy as np; np.save("bare.npy", np.load("events.npz")["events"].reshape(-1, 96, 128))'
 "$E2LF" reconstruct bare.npy -m "$model" --colour-filter rggb -o told --format npy --gain 1 --quiet 2>warnings.txt
 cmp colour/lightfield.npy told/lightfield.npy || fail "the option says the same"
+"$E2LF" depth colour -o points.ply --quiet
+grep -aq "property uchar blue" points.ply || fail "points without colour"
 "$E2LF" view colour --export colour.html --quiet
 exists colour.html
 

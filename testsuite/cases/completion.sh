@@ -5,7 +5,9 @@ grep -q "^zstd: O" version.txt || fail "no features: $(cat version.txt)"
 grep -q "^instructions: [a-z0-9]*$" version.txt || fail "$(cat version.txt)"
 
 for shell in bash zsh fish; do "$E2LF" completion $shell >"e2lf.$shell"; done
-fails 2 "bash, zsh and fish" "$E2LF" completion tcsh
+fails 2 "there is no verb" "$E2LF" completion tcsh
+"$E2LF" completion --help | grep -q "^  zsh " || fail "no list of shells"
+"$E2LF" --help | grep -q "^  completion " || fail "completion is no verb of the list"
 for shell in bash zsh fish; do
   # A shell that is not here cannot check its script.
   ! command -v $shell >/dev/null || $shell -n "e2lf.$shell" || fail "$shell does not read its script"
@@ -32,6 +34,7 @@ offers "bfloat16" e2lf reconstruct in.npz --precision b
 offers "render" e2lf codes re
 offers "--rotate" e2lf codes render --rot
 offers "" e2lf convert --sensor-width ""
+offers "--help bash fish zsh" e2lf completion ""
 offers "--json" e2lf info rec.raw --js
 # Every verb of the list, and every flag of a help text.
 "$E2LF" --help | sed -n 's/^  \([a-z]*\) .*/\1/p' >verbs.txt

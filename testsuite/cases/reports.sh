@@ -62,6 +62,8 @@ page decode.html "evt3 dense" "scalar reference"
 page simulate.html "light_field_to_events"
 "$E2LF" bench rig --width 96 --height 64 --report rig.html --quiet
 page rig.html "decode and accumulate"
+"$E2LF" bench rig --width 64 --height 48 --json --quiet >rig.json
+[ "$(json rig.json "j['accumulated_is_summed']")" = True ] || fail "the sums of a small sensor"
 
 fails 1 "(--overwrite)" "$E2LF" eval demo/scene demo/recon --report eval.html
 fails 2 "a page (.html) or its tables" "$E2LF" eval demo/scene demo/recon --report eval.pdf

@@ -87,6 +87,8 @@ Result<capture::EventImages> accumulate(const std::vector<uint8_t>& bytes, size_
   cycles::CycleOptions options;
   options.source = cycles::CycleSource::kTriggers;
   options.schedule = cycles::paper_schedule(num_patterns);
+  // A few thousand pixels make too few events to tell by them with which half the cycle begins.
+  options.tracker.first_pattern = 0;
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader cycles, cycles::CycleReader::open(std::move(reader), options));
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> cycle, cycles.next());
   if (!cycle) return Error{ErrorCode::kNotFound, "the cycle was not found again; this is a bug", ""};
@@ -146,9 +148,10 @@ BenchReport rig_report(const Json& json) {
   }
   char about[200];
   std::snprintf(about, sizeof about,
-                "%s px, %d threads, %.2f M events in a cycle, %.2f M in its event images, %.1f MB of RAW",
-                json["image"].dump().c_str(), json["threads"].get<int>(), json["events"].get<double>() * 1e-6,
-                json["events_in_images"].get<double>() * 1e-6, json["raw_bytes"].get<double>() * 1e-6);
+                "%dx%d px, %d threads, %lld events in a cycle, %lld in its event images, %.1f MB of RAW",
+                json["image"][1].get<int>(), json["image"][0].get<int>(), json["threads"].get<int>(),
+                json["events"].get<long long>(), json["events_in_images"].get<long long>(),
+                json["raw_bytes"].get<double>() * 1e-6);
   return {"One cycle from light field to light field",
           about,
           {table},

@@ -37,7 +37,7 @@ struct DepthArguments {
 /// A disparity map with what its files are made of.
 struct Estimate {
   depth::DisparityMap map;
-  Image picture;  ///< the grey view
+  Image picture;  ///< the view, in colour where there is some
   lightfield::Shape shape;
 };
 
@@ -61,8 +61,7 @@ Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path,
     return error;
   }
   const depth::ViewIndex view = map->view;
-  return Estimate{*std::move(map), lightfield::to_grey(lightfield::view_image(light_field, view.y, view.x)),
-                  light_field.shape()};
+  return Estimate{*std::move(map), lightfield::view_image(light_field, view.y, view.x), light_field.shape()};
 }
 
 void share(const DepthArguments& arguments, const depth::DisparityMap& map, Shared& shared) {

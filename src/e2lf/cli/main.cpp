@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "e2lf/base/isa.h"
+#include "e2lf/base/text.h"
 #include "e2lf/cli/completion.h"
 #include "e2lf/cli/features.h"
 #include "e2lf/cli/manual_page.h"
@@ -21,6 +22,8 @@
 namespace {
 
 using namespace e2lf::cli;  // the list of verbs
+
+int run_completion(const std::vector<std::string>& arguments);
 
 const std::vector<VerbEntry>& verbs() {
   static const std::vector<VerbEntry> list = {
@@ -46,6 +49,7 @@ const std::vector<VerbEntry>& verbs() {
       {"codes", "look at aperture patterns", run_codes},
       {"model", "look at and import model files", run_model},
       {"bench", "measure speed against the peers", run_bench},
+      {"completion", "print the script that completes e2lf in a shell", run_completion},
   };
   return list;
 }
@@ -70,18 +74,25 @@ int fail(const std::string& verb, const e2lf::Error& error, int code) {
   return code;
 }
 
-/// e2lf completion SHELL
-int print_completion(const std::vector<std::string>& arguments) {
-  if (arguments.size() != 2 || arguments[1] == "--help" || arguments[1] == "-h") {
-    std::printf(
-        "usage: e2lf completion bash|zsh|fish\n\nPrints the script that completes e2lf in that shell, e.g.\n"
-        "  source <(e2lf completion bash)\n");
-    return arguments.size() == 2 ? 0 : 2;
-  }
-  const auto script = completion_script(arguments[1], declared_verbs(verbs()));
-  if (!script) return fail("completion", script.error(), 2);
-  std::fputs(script->c_str(), stdout);
-  return 0;
+int print_completion(const std::string& shell, const std::string& example, const std::vector<std::string>& arguments) {
+  Verb verb("completion " + shell, e2lf::cat("Print the script that completes e2lf in ", shell, "."), example);
+  return verb.run(arguments, [&]() -> e2lf::Result<void> {
+    E2LF_ASSIGN_OR_RETURN(const std::string script, completion_script(shell, declared_verbs(verbs())));
+    std::fputs(script.c_str(), stdout);
+    return {};
+  });
+}
+
+int run_completion(const std::vector<std::string>& arguments) {
+  return run_subverb(
+      "completion",
+      {{"bash", "print the script for bash",
+        [](const auto& rest) { return print_completion("bash", "source <(e2lf completion bash)", rest); }},
+       {"zsh", "print the script for zsh: _e2lf in a folder of $fpath",
+        [](const auto& rest) { return print_completion("zsh", "e2lf completion zsh >_e2lf", rest); }},
+       {"fish", "print the script for fish",
+        [](const auto& rest) { return print_completion("fish", "e2lf completion fish | source", rest); }}},
+      arguments);
 }
 
 /// e2lf shell-texts FOLDER, for the build: manual pages (man1/) and completion (bash/, zsh/, fish/).
@@ -107,8 +118,7 @@ int write_texts(const std::vector<std::string>& arguments) {
 int run(const std::vector<std::string>& arguments) {
   const std::string first = arguments.empty() ? "" : arguments.front();
   if (first == "--version" || first == "version") return print_version();
-  // Not in the list of verbs: of the shell and of the build.
-  if (first == "completion") return print_completion(arguments);
+  // Not in the list of verbs: of the build.
   if (first == "shell-texts") return write_texts(arguments);
   return run_subverb("", verbs(), arguments);
 }

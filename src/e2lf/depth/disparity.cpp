@@ -95,19 +95,6 @@ float most_difference(const Image& picture) {
   return std::clamp(kDeviations * static_cast<float>(std::sqrt(variance)), kLeast, kMost);
 }
 
-/// The larger difference of each pixel to its left and upper neighbour; 0 at the borders.
-std::vector<float> texture_of(const Image& picture) {
-  std::vector<float> texture(picture.pixels.size());
-  for (size_t y = 1; y < picture.height; ++y) {
-    for (size_t x = 1; x < picture.width; ++x) {
-      const float* const pixel = picture.pixels.data() + y * picture.width + x;
-      texture[y * picture.width + x] =
-          std::max(std::abs(pixel[0] - pixel[-1]), std::abs(pixel[0] - *(pixel - picture.width)));
-    }
-  }
-  return texture;
-}
-
 Image coarse_disparities(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
                          const ProgressFn& progress) {
   const Labels labels = labels_for(range, farthest_steps(light_field.shape(), view));
@@ -115,29 +102,6 @@ Image coarse_disparities(const LightField& light_field, const ViewIndex& view, c
   CostVolume volume = matching_costs(light_field, view, labels, most_difference(picture), progress);
   smooth_costs(volume, picture, {});
   return best_disparities(volume);
-}
-
-/// What disparities the half of the pixels with more texture have, but for a three hundredth at either end, found on
-/// reduced views; with a margin.
-DisparityRange find_range(const LightField& light_field, const ViewIndex& view) {
-  constexpr size_t kEnoughPixels = 192;
-  const Shape& shape = light_field.shape();
-  const size_t factor = std::clamp<size_t>(std::min(shape.height, shape.width) / kEnoughPixels, 1, 8);
-  const float scale = static_cast<float>(factor), farthest = kFarthestPx / scale;
-  const LightField small = factor == 1 ? light_field : shrunk(light_field, factor);
-  const Image found = coarse_disparities(small, view, {-farthest, farthest}, {});
-  const std::vector<float> texture = texture_of(lightfield::view_image(small, view.y, view.x));
-  std::vector<float> sorted = texture;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const float median = sorted[sorted.size() / 2];
-  sorted.clear();
-  for (size_t i = 0; i < texture.size(); ++i) {
-    if (texture[i] >= median) sorted.push_back(found.pixels[i]);
-  }
-  std::sort(sorted.begin(), sorted.end());
-  const size_t last = sorted.size() - 1, few = last / 300;
-  const float margin = 0.1F + kLabelSpacingPx / static_cast<float>(farthest_steps(shape, view));
-  return {scale * sorted[few] - margin, scale * sorted[last - few] + margin};
 }
 
 /// The expected error follows from the texture; where neighbours disagree it is larger.
@@ -152,6 +116,52 @@ Image confidence_of(const Planes& planes, float noise) {
     confidence.pixels[i] = planes.agreement.pixels[i] / (1 + ratio * ratio);
   }
   return confidence;
+}
+
+/// The map of a grey light field.
+DisparityMap map_within(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
+                        const ProgressFn& progress) {
+  DisparityMap map{{}, {}, view, range, 0};
+  Planes planes = flat_planes(coarse_disparities(light_field, view, range, progress));
+  constexpr PlaneFit kPasses[] = {{.spacing = 3, .tolerance = 0.1F}, {.spacing = 3, .tolerance = 0.07F}};
+  for (PlaneFit pass : kPasses) {
+    const Measurements measurements = measure(light_field, view, planes.value);
+    map.residual = measurements.noise;
+    fit_planes(measurements, pass, planes);
+    pass.spacing = 1;
+    pass.prior_error = 0.01F;
+    fit_planes(measurements, pass, planes);
+  }
+  map.confidence = confidence_of(planes, map.residual);
+  map.disparity = std::move(planes.value);
+  return map;
+}
+
+/// The disparities of the pixels that are surer than this, sorted.
+std::vector<float> sure_disparities(const DisparityMap& map, float least_confidence) {
+  std::vector<float> sure;
+  for (size_t i = 0; i < map.disparity.pixels.size(); ++i) {
+    if (map.confidence.pixels[i] > least_confidence) sure.push_back(map.disparity.pixels[i]);
+  }
+  std::sort(sure.begin(), sure.end());
+  return sure;
+}
+
+/// What disparities the sure pixels have, but for a thousandth at either end, found on reduced views; with a margin.
+/// In dark areas of little contrast any disparity fits: they have no say, as long as there is something else.
+DisparityRange find_range(const LightField& light_field, const ViewIndex& view) {
+  constexpr size_t kEnoughPixels = 192;
+  constexpr float kSure = 0.5F;
+  const Shape& shape = light_field.shape();
+  const size_t factor = std::clamp<size_t>(std::min(shape.height, shape.width) / kEnoughPixels, 1, 8);
+  const float scale = static_cast<float>(factor), farthest = kFarthestPx / scale;
+  const LightField small = factor == 1 ? light_field : shrunk(light_field, factor);
+  const DisparityMap map = map_within(small, view, {-farthest, farthest}, {});
+  std::vector<float> sorted = sure_disparities(map, kSure);
+  if (sorted.size() <= map.disparity.pixels.size() / 50) sorted = sure_disparities(map, -1);
+  const size_t last = sorted.size() - 1, few = last / 1000;
+  const float margin = 0.1F + kLabelSpacingPx / static_cast<float>(farthest_steps(shape, view));
+  return {scale * sorted[few] - margin, scale * sorted[last - few] + margin};
 }
 
 Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOptions& options) {
@@ -190,20 +200,7 @@ Result<DisparityMap> estimate_disparity(const LightField& light_field, const Dis
   E2LF_RETURN_IF_ERROR(check(light_field.shape(), view, options));
   if (light_field.shape().channels != 1) return estimate_disparity(grey_light_field(light_field), options, progress);
 
-  DisparityMap map{{}, {}, view, options.range ? *options.range : find_range(light_field, view), 0};
-  Planes planes = flat_planes(coarse_disparities(light_field, view, map.range, progress));
-  constexpr PlaneFit kPasses[] = {{.spacing = 3, .tolerance = 0.1F}, {.spacing = 3, .tolerance = 0.07F}};
-  for (PlaneFit pass : kPasses) {
-    const Measurements measurements = measure(light_field, view, planes.value);
-    map.residual = measurements.noise;
-    fit_planes(measurements, pass, planes);
-    pass.spacing = 1;
-    pass.prior_error = 0.01F;
-    fit_planes(measurements, pass, planes);
-  }
-  map.confidence = confidence_of(planes, map.residual);
-  map.disparity = std::move(planes.value);
-  return map;
+  return map_within(light_field, view, options.range ? *options.range : find_range(light_field, view), progress);
 }
 
 }  // namespace e2lf::depth

@@ -126,7 +126,7 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
                                                 const lightfield::Shape& views, const PointGeometry& geometry,
                                                 float least_confidence) {
   const size_t width = map.disparity.width, height = map.disparity.height;
-  E2LF_REQUIRE(picture.width == width && picture.height == height && picture.channels == 1, "the grey view");
+  E2LF_REQUIRE(picture.width == width && picture.height == height, "a picture of the view");
   const float pixel = geometry.field_width / static_cast<float>(width), step = geometry.infinity_px * pixel;
   const float pinhole_y = step * (static_cast<float>(map.view.y) - 0.5F * static_cast<float>(views.views_y - 1));
   const float pinhole_x = step * (static_cast<float>(map.view.x) - 0.5F * static_cast<float>(views.views_x - 1));
@@ -149,7 +149,10 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
       append(points, pinhole_x + z * (at_focus_x - pinhole_x));
       append(points, pinhole_y + z * (at_focus_y - pinhole_y));
       append(points, z);
-      points.push_back(static_cast<uint8_t>(255 * std::clamp(picture.pixels[i], 0.0F, 1.0F) + 0.5F));
+      for (size_t channel = 0; channel < picture.channels; ++channel) {
+        const float value = std::clamp(picture.pixels[i * picture.channels + channel], 0.0F, 1.0F);
+        points.push_back(static_cast<uint8_t>(255 * value + 0.5F));
+      }
       append(points, map.confidence.pixels[i]);
       ++count;
     }
@@ -158,7 +161,9 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
   append_text(bytes, cat("ply\nformat binary_little_endian 1.0\n", "comment x right, y down, z away from the camera; ",
                          "1 = the distance of disparity 0; infinity at ", geometry.infinity_px, " px\n",
                          "element vertex ", count, "\nproperty float x\nproperty float y\nproperty float z\n",
-                         "property uchar grey\nproperty float confidence\nend_header\n"));
+                         picture.channels == 1 ? "property uchar grey\n"
+                                               : "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                         "property float confidence\nend_header\n"));
   bytes.insert(bytes.end(), points.begin(), points.end());
   return bytes;
 }

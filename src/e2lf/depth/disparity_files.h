@@ -43,8 +43,9 @@ struct PointGeometry {
 /// at least 1 px beyond it, and at least 1 px.
 [[nodiscard]] float assumed_infinity(const DisparityRange& range);
 
-/// A binary PLY file of points: float x (right), y (down), z (away), uchar grey, float confidence. Pixels with less
-/// confidence than `least_confidence` are left out. Fails with kInvalidValue where a disparity reaches infinity_px.
+/// A binary PLY file of points: float x (right), y (down), z (away), uchar grey or red, green, blue as `picture` has
+/// them, float confidence. Pixels with less confidence than `least_confidence` are left out. Fails with kInvalidValue
+/// where a disparity reaches infinity_px.
 [[nodiscard]] Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const lightfield::Image& picture,
                                                               const lightfield::Shape& views,
                                                               const PointGeometry& geometry, float least_confidence);

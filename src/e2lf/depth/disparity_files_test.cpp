@@ -78,6 +78,23 @@ TEST(PointCloud, PutsPointsWhereTheyAre) {
             ErrorCode::kInvalidValue);
 }
 
+TEST(PointCloud, HasTheColoursOfThePicture) {
+  Image picture(3, 2, 3);
+  picture.pixels[0] = 1;
+  picture.pixels[1] = 0.2F;
+  const auto bytes = encode_point_cloud(small_map(), picture, {9, 9, 2, 3, 1}, {.infinity_px = 2, .field_width = 3}, 0);
+  ASSERT_TRUE(bytes.ok());
+  const std::string text(bytes->begin(), bytes->end());
+  EXPECT_NE(text.find("property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float confidence\n"),
+            std::string::npos);
+  const size_t data = text.find("end_header\n") + 11;
+  constexpr size_t kPointBytes = 19;
+  ASSERT_EQ(text.size(), data + 6 * kPointBytes);
+  EXPECT_EQ(bytes->at(data + 12), 255);
+  EXPECT_EQ(bytes->at(data + 13), 51);
+  EXPECT_EQ(bytes->at(data + 14), 0);
+}
+
 TEST(ShownRange, LeavesOutWhatIsNotSure) {
   DisparityMap map{Image(200, 1, 1), Image(200, 1, 1), {}, {-9, 9}, 0};
   for (size_t i = 0; i < 200; ++i) {

@@ -147,6 +147,25 @@ TEST(Disparity, DISABLED_FiguresOfTheDemoScene) {
   }
 }
 
+TEST(Disparity, FindsItsRangeWhereItIsSure) {
+  const Shape shape{8, 8, 96, 80, 1};
+  LightField light_field = lightfield::render_light_field(lightfield::textured_plane_scene(0.8F), shape);
+  // Most of each view is dark, with faint blotches that no other view has: some disparity fits a little everywhere.
+  const CounterRng rng(5, 0);
+  for (size_t view = 0; view < 64; ++view) {
+    for (size_t y = 36; y < 96; ++y) {
+      for (size_t x = 0; x < 80; ++x) {
+        const float blotch = rng.uniform((view * 24 + y / 4) * 20 + x / 4);
+        light_field.at(view / 8, view % 8, y, x) = 0.02F + 0.06F * blotch;
+      }
+    }
+  }
+  const auto map = estimate_disparity(light_field);
+  ASSERT_TRUE(map.ok());
+  EXPECT_GT(map->range.least, 0.3F);
+  EXPECT_LT(map->range.most, 1.3F);
+}
+
 TEST(Disparity, WorksOnARowOfViewsAndInColour) {
   const Scene scene = lightfield::textured_plane_scene(1.2F);
   const Shape row{1, 7, 40, 64, 1};

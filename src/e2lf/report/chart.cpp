@@ -37,9 +37,13 @@ std::string label(double x, double y, const char* anchor, const std::string& tex
   return cat("<text x=\"", x, "\" y=\"", y, "\" text-anchor=\"", anchor, "\"", more, ">", escaped(text), "</text>\n");
 }
 
+/// On a narrow page, a phone's, a chart is made smaller down to this width; then it is moved sideways.
+constexpr double kLeastWidth = 620;
+
 std::string svg_begin(double width, double height) {
   return cat("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", width, "\" height=\"", height, "\" viewBox=\"0 0 ",
-             width, " ", height, "\" font-family=\"sans-serif\" font-size=\"", kFont, "\" fill=\"currentColor\">\n");
+             width, " ", height, "\" style=\"min-width:", std::min(width, kLeastWidth),
+             "px\" font-family=\"sans-serif\" font-size=\"", kFont, "\" fill=\"currentColor\">\n");
 }
 
 struct LegendEntry {

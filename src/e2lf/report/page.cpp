@@ -18,7 +18,8 @@ constexpr const char* kStyle =
     "caption{caption-side:bottom;text-align:left;color:var(--quiet);padding-top:.4em}"
     "th,td{padding:.25em .8em;border-bottom:1px solid var(--line);text-align:left;white-space:nowrap}"
     ".number{text-align:right;font-variant-numeric:tabular-nums}.best{background:var(--best);font-weight:bold}"
-    ".row{display:flex;flex-wrap:wrap;gap:1em}figure{margin:.5em 0}figcaption{color:var(--quiet)}"
+    ".row{display:flex;flex-wrap:wrap;gap:1em}figure{margin:.5em "
+    "0;max-width:100%;overflow-x:auto}figcaption{color:var(--quiet)}"
     "img,svg{max-width:100%;height:auto}pre{overflow-x:auto;border:1px solid var(--line);padding:.6em}";
 
 }  // namespace

@@ -209,15 +209,17 @@ std::string table_latex(const Table& table) {
     format += column.is_number ? "r" : "l";
     heading += (heading.empty() ? "" : " & ") + latex_escaped(column.name);
   }
-  std::string text = "% needs \\usepackage{booktabs}\n\\begin{table}[t]\n\\centering\n";
-  text += cat("\\caption{", latex_escaped(table.caption), "}\n\\begin{tabular}{", format, "}\n\\toprule\n", heading,
-              " \\\\\n\\midrule\n");
+  // Smaller letters where the table is wider than the text of the page.
+  constexpr const char* kNoWider = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%\n";
+  std::string text = "% needs \\usepackage{booktabs,graphicx}\n\\begin{table}[t]\n\\centering\n";
+  text += cat("\\caption{", latex_escaped(table.caption), "}\n", kNoWider, "\\begin{tabular}{", format,
+              "}\n\\toprule\n", heading, " \\\\\n\\midrule\n");
   for (const auto& row : table.rows) {
     std::vector<std::string> cells;
     for (const Cell& cell : row) cells.push_back(latex_cell(cell));
     text += join(cells, " & ") + " \\\\\n";
   }
-  return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
+  return text + "\\bottomrule\n\\end{tabular}}\n\\end{table}\n";
 }
 
 }  // namespace e2lf::report

@@ -1,0 +1,29 @@
+# pip install .: a wheel of the module that this build holds, in an environment of its own, without the network.
+[ -d "$E2LF_BUILD/python/e2lf" ] || skip "the build has no Python package"
+skip_sanitizers "the module needs the sanitizers' libraries"
+py -m venv --system-site-packages environment >venv.txt 2>&1 || skip "python3-venv is not installed"
+export PIP_NO_INDEX=1 PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_CACHE_DIR=$PWD/cache PYTHONPATH=
+environment/bin/python -m pip wheel "$TESTSUITE/.." --config-settings build-dir="$E2LF_BUILD" --no-deps -w wheels >pip.txt 2>&1 ||
+  fail "$(tail -5 pip.txt)"
+environment/bin/python -m pip install wheels/e2lf-*.whl >pip.txt 2>&1 || fail "$(tail -5 pip.txt)"
+mkdir empty
+cd empty
+# Every file is as the wheel's list says, and what comes with e2lf lies in the environment.
+../environment/bin/python - <<'PY' || fail "the installed wheel"
+import base64, hashlib, importlib.metadata, os, sys
+import numpy as np
+import e2lf
+assert e2lf.__file__.startswith(sys.prefix) and e2lf.bundled_model().startswith(sys.prefix), e2lf.__file__
+about = importlib.metadata.distribution("e2lf")
+assert about.version == e2lf.__version__, about.version
+listed = [file for file in about.files if file.hash]
+assert {file.name for file in listed} >= {"py.typed", "__init__.pyi", "e2lf-n8.safetensors", "evk4-lcos.json", "LICENSE"}
+for file in listed:
+    digest = base64.urlsafe_b64encode(hashlib.sha256(file.read_binary()).digest()).rstrip(b"=").decode()
+    assert digest == file.hash.value, file
+model = e2lf.read_model(e2lf.bundled_model())
+images = e2lf.simulate(e2lf.demo_scene(48, 32), model.codes, constants=model.constants)
+assert np.isfinite(e2lf.Reconstructor(model).reconstruct(images)).all()
+PY
+../environment/bin/python -m pip uninstall -y e2lf >pip.txt 2>&1
+if ../environment/bin/python -c "import e2lf" 2>/dev/null; then fail "files of e2lf stayed behind"; fi
