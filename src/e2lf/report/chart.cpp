@@ -363,8 +363,8 @@ std::string file_svg(const std::string& svg) {
   constexpr double kMargin = 14;  // in a page, the page has one
   double width = 0, height = 0;
   const size_t size = svg.find(" width=");
-  const bool is_chart = size < svg.find('>') &&
-                        std::sscanf(svg.c_str() + size, " width=\"%lf\" height=\"%lf\"", &width, &height) == 2;
+  const bool is_chart =
+      size < svg.find('>') && std::sscanf(svg.c_str() + size, " width=\"%lf\" height=\"%lf\"", &width, &height) == 2;
   E2LF_REQUIRE(is_chart, "a file is made of a chart of this header");
   width += 2 * kMargin;
   height += 2 * kMargin;
