@@ -110,7 +110,7 @@ export class Histogram {
       context.fillRect(i * step + 1, height - 24 - bar, step - 2, bar);
       context.fillStyle = styles.getPropertyValue('--dim');
       const more = Math.abs(value) < mostShown ? '' : value > 0 ? '\u2265' : '\u2264';
-      if (value % 2 === 0) context.fillText(more + (value > 0 ? `+${value}` : String(value)), (i + 0.5) * step, height - 4);
+      if (value % 2 === 0) context.fillText(more + (value > 0 && more === '' ? `+${value}` : String(value)), (i + 0.5) * step, height - 4);
     });
   }
 }

@@ -80,6 +80,33 @@ export const tests = {
     assert.ok(Math.abs(Number((await stateOf(page)).focus ?? 0)) < 1e-3, 'and back');
   }),
 
+  'pictures that take long have fewer pixels while something moves': ({ url }) => withPage(url('light.html', ''), {}, async (page) => {
+    const widths = await page.evaluate(async () => {
+      // A slow graphics card: pictures take long, and frames of the screen come seldom.
+      const { readPixels } = WebGL2RenderingContext.prototype;
+      const nextFrame = window.requestAnimationFrame;
+      WebGL2RenderingContext.prototype.readPixels = function (...all) {
+        for (const end = performance.now() + 60; performance.now() < end;);
+        readPixels.apply(this, all);
+      };
+      window.requestAnimationFrame = (paint) => setTimeout(() => nextFrame(paint), 250);
+      const slider = document.querySelector('input[name=focus]');
+      const seen = [];
+      for (let i = 0; i < 8; ++i) {
+        slider.value = String(0.1 * i);
+        slider.dispatchEvent(new Event('input'));
+        await new Promise((done) => window.requestAnimationFrame(done));
+        seen.push(document.querySelector('canvas.picture').width);
+      }
+      WebGL2RenderingContext.prototype.readPixels = readPixels;
+      window.requestAnimationFrame = nextFrame;
+      return seen;
+    });
+    assert.deepEqual(widths.slice(3), new Array(5).fill(16), 'a quarter of the width');
+    await settle(page);
+    assert.deepEqual(await sizeOf(page, 'canvas.picture'), [64, 48], 'all pixels at rest');
+  }),
+
   'a finger drags the viewpoint': ({ url }) => withPage(url('light.html', ''), phone, async (page) => {
     const box = await page.locator('canvas.picture').boundingBox();
     const devtools = await page.context().newCDPSession(page);
