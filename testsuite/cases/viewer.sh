@@ -33,6 +33,7 @@ fails 1 "check the path" "$E2LF" view light.npy --disparity nowhere.npy --export
 fails 1 "--disparity: a disparity map is shown on a light field" "$E2LF" view events.npz --disparity disparity.npy --export none.html
 absent none.html
 "$E2LF" view colour.npy --export colour.html --quiet
+"$E2LF" view fine.npy --export fine.html --quiet
 "$E2LF" view cycles --export cycles.html --quiet
 # A map for each cycle, of the view that the record of e2lf depth names.
 "$E2LF" depth cycles -o cycle_depth --view-row 3 --view-column 2 --quiet
@@ -46,6 +47,7 @@ PY
 "$E2LF" view events.npz --export events.html --quiet
 "$E2LF" view capture.raw --frames 20 --export recording.html --quiet
 "$E2LF" view "$TESTSUITE/../models/e2lf-n4.safetensors" --export model.html --quiet
+"$E2LF" view light.npy other.npy events.npz "$TESTSUITE/../models/e2lf-n4.safetensors" --export all.html --quiet
 
 "$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 6 -o six.raw --quiet
 

@@ -46,10 +46,20 @@ export async function recordGif(picture: HTMLCanvasElement, paint: PaintFrame): 
   return gif.finish();
 }
 
+const videoTypes: Record<string, string[]> = {
+  webm: ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm'],
+  mp4: ['video/mp4;codecs=avc1.640028', 'video/mp4;codecs=vp9', 'video/mp4'],
+};
+
+/** Which of this browser's formats makes a film whose name has this ending: webm or mp4. */
+const videoType = (ending: string): string | undefined => videoTypes[ending]?.find((name) => window.MediaRecorder?.isTypeSupported(name));
+
+/** The endings of the films that this browser can record. */
+export const videoEndings = (): string[] => Object.keys(videoTypes).filter(videoType);
+
 /** By the browser's own recorder, which works at the speed of the film. */
-export async function recordWebm(picture: HTMLCanvasElement, paint: PaintFrame): Promise<Blob> {
-  const type = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm'].find((name) => window.MediaRecorder?.isTypeSupported(name));
-  if (!type) throw new Error('This browser records no WebM; take a GIF.');
+export async function recordVideo(ending: string, picture: HTMLCanvasElement, paint: PaintFrame): Promise<Blob> {
+  const type = videoType(ending)!;
   paint(0);
   const stream = picture.captureStream(0);
   const track = stream.getVideoTracks()[0] as CanvasCaptureMediaStreamTrack;
@@ -69,5 +79,5 @@ export async function recordWebm(picture: HTMLCanvasElement, paint: PaintFrame):
   recorder.stop();
   await ended;
   track.stop();
-  return new Blob(pieces, { type: 'video/webm' });
+  return new Blob(pieces, { type: type.split(';')[0]! });
 }

@@ -50,10 +50,11 @@ export class ApertureMap {
     }
     const x = (this.state.get('x') + columns / 2) * cell;
     const y = (this.state.get('y') + rows / 2) * cell;
-    context.strokeStyle = ink;
-    context.lineWidth = 4;
     context.beginPath();
     context.arc(x, y, cell * 0.42, 0, 2 * Math.PI);
+    this.outline(context);
+    context.strokeStyle = ink;
+    context.lineWidth = 4;
     context.stroke();
   }
 
@@ -63,8 +64,17 @@ export class ApertureMap {
     context.fillStyle = ink;
     context.beginPath();
     context.arc(x, y, cell * 0.22, 0, 2 * Math.PI);
+    this.outline(context);
     context.fill();
     context.globalAlpha = 1;
+  }
+
+  /** Some colours of PSNR are near that of the marks. */
+  private outline(context: CanvasRenderingContext2D): void {
+    if (!this.psnrDb) return;
+    context.strokeStyle = 'black';
+    context.lineWidth = 8;
+    context.stroke();
   }
 
   private cellColour(number: number): string | null {

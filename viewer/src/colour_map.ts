@@ -14,6 +14,7 @@ const sequentialStops: Colour[] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [
 export const sequential = (share: number): Colour => between(sequentialStops, share);
 
 /** Disparities from near to far, as e2lf depth colours them. */
+export const disparityColour = (share: number): Colour => between(nearToFar, share);
 export const nearToFar: Colour[] = [[204, 38, 26], [250, 204, 51], [115, 217, 89], [38, 166, 217], [48, 54, 148]];
 
 /** Events: OFF blue, none the colour of paper or of night, ON red. `value` in -1..1. */
@@ -22,6 +23,17 @@ export function diverging(value: number, isDark: boolean): Colour {
   const on: Colour[] = isDark ? [none, [230, 70, 50], [255, 220, 150]] : [none, [226, 88, 62], [110, 0, 20]];
   const off: Colour[] = isDark ? [none, [50, 120, 240], [170, 230, 255]] : [none, [70, 125, 210], [5, 20, 110]];
   return value >= 0 ? between(on, value) : between(off, -value);
+}
+
+/** Draws a bar of colours; `colourOf` takes a share of its width. */
+export function drawColours(bar: HTMLCanvasElement, colourOf: (share: number) => Colour): void {
+  bar.width = 256;
+  bar.height = 1;
+  const context = bar.getContext('2d')!;
+  for (let x = 0; x < bar.width; ++x) {
+    context.fillStyle = css(colourOf(x / (bar.width - 1)));
+    context.fillRect(x, 0, 1, 1);
+  }
 }
 
 export const css = (colour: Colour): string => `rgb(${colour.map(Math.round).join(' ')})`;

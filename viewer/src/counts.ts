@@ -1,6 +1,6 @@
 // An image of signed event counts: its picture, and the histogram around a point.
-import { diverging } from './colour_map';
-import { context2d, element } from './dom';
+import { diverging, drawColours } from './colour_map';
+import { canvas, context2d, element } from './dom';
 
 export interface CountImage {
   width: number;
@@ -24,8 +24,8 @@ export function suitableLimit(counts: Int16Array): number {
 
 export const limitText = (limit: number): string => (limit >= 1 ? `${limit} events` : 'as it suits');
 
-/** Draws an image; `chosen` events have the full colour, 0 = what suits it. */
-export function drawCounts(target: HTMLCanvasElement, image: CountImage, chosen: number, isDark: boolean): void {
+/** Draws an image; `chosen` events have the full colour, 0 = what suits it. Returns how many have it. */
+export function drawCounts(target: HTMLCanvasElement, image: CountImage, chosen: number, isDark: boolean): number {
   const limit = chosen >= 1 ? Math.min(chosen, 1000) : suitableLimit(image.counts);
   const most = Math.max(1, Math.ceil(limit));
   const colours = new Uint32Array(2 * most + 1);
@@ -41,6 +41,22 @@ export function drawCounts(target: HTMLCanvasElement, image: CountImage, chosen:
     pixels[i] = colours[Math.min(Math.max(count, -most), most) + most]!;
   });
   context2d(target).putImageData(picture, 0, 0);
+  return limit;
+}
+
+/** The colours of counts, from OFF to ON. */
+export class CountLegend {
+  private readonly bar = canvas('Colours of the signed event counts, from OFF to ON', 'bar');
+  private readonly off = element('span');
+  private readonly on = element('span');
+  readonly root = element('div', {}, this.bar, element('p', { class: 'figures ends' }, this.off, this.on));
+
+  /** `limit` events have the full colour. */
+  show(limit: number, isDark: boolean): void {
+    drawColours(this.bar, (share) => diverging(2 * share - 1, isDark));
+    this.off.textContent = `${limit} OFF`;
+    this.on.textContent = `${limit} ON`;
+  }
 }
 
 const reach = 16; // of the window, px to each side
@@ -52,7 +68,7 @@ export class Histogram {
   private readonly text = element('p', { class: 'figures' });
 
   constructor() {
-    this.root = element('div', {}, this.canvas, this.text);
+    this.root = element('div', {}, this.canvas, this.text, element('p', { class: 'figures' }, 'Across: signed events of a pixel. Up: how many pixels, logarithmic.'));
   }
 
   /** Around a pixel, or of the whole image where there is none. */
@@ -93,7 +109,8 @@ export class Histogram {
       context.fillStyle = styles.getPropertyValue(value > 0 ? '--on' : value < 0 ? '--off' : '--dim');
       context.fillRect(i * step + 1, height - 24 - bar, step - 2, bar);
       context.fillStyle = styles.getPropertyValue('--dim');
-      if (value % 2 === 0) context.fillText(value > 0 ? `+${value}` : String(value), (i + 0.5) * step, height - 4);
+      const more = Math.abs(value) < mostShown ? '' : value > 0 ? '\u2265' : '\u2264';
+      if (value % 2 === 0) context.fillText(more + (value > 0 && more === '' ? `+${value}` : String(value)), (i + 0.5) * step, height - 4);
     });
   }
 }

@@ -1,21 +1,9 @@
 // The disparity map of a light field: as numbers, and as a texture that the picture shader colours.
-import { css, nearToFar } from './colour_map';
 import { inflateCounts, type LightFieldItem, type Source } from './document';
-import { context2d } from './dom';
 import type { Painter, Uniform } from './painter';
 
 const unknown = -32768;
 const far = 1e4; // what the shader takes for unknown
-
-/** A bar of the colours, near at its left. */
-export function drawBar(bar: HTMLCanvasElement): void {
-  bar.width = 256;
-  bar.height = 1;
-  const gradient = context2d(bar).createLinearGradient(0, 0, bar.width, 0);
-  nearToFar.forEach((colour, i) => gradient.addColorStop(i / (nearToFar.length - 1), css(colour)));
-  context2d(bar).fillStyle = gradient;
-  context2d(bar).fillRect(0, 0, bar.width, 1);
-}
 
 export class DisparityMap {
   private milli = new Int16Array();

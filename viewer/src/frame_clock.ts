@@ -20,7 +20,6 @@ export class FrameClock {
   ask(isMoving: boolean, units: number): void {
     clearTimeout(this.timer);
     this.end ??= busy();
-    if (isMoving) this.timer = window.setTimeout(() => this.ask(false, units), restMs);
     this.isFull = !isMoving;
     if (this.isAsked) return;
     this.isAsked = true;
@@ -32,6 +31,8 @@ export class FrameClock {
       const rate = (performance.now() - begin) / Math.max(painted, 1);
       this.msPerUnit = this.msPerUnit === 0 ? rate : 0.7 * this.msPerUnit + 0.3 * rate;
       if (scale === 1) this.rest();
+      // From now on, not from when it was asked for: a picture may take longer than that.
+      else this.timer = window.setTimeout(() => this.ask(false, units), restMs);
     });
   }
 

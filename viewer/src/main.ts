@@ -97,6 +97,7 @@ class Page {
     const tab = this.tabs[this.opened]!;
     document.title = `${tab.name} - e2lf`;
     [...byId('tabs').children].forEach((button, i) => button.setAttribute('aria-selected', String(i === this.opened)));
+    byId('tabs').children[this.opened]!.scrollIntoView({ block: 'nearest', inline: 'nearest' });
     const stage = byId('stage');
     stage.replaceChildren();
     const end = busy();

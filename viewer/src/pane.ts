@@ -1,14 +1,16 @@
 // One picture of a light field with its two EPIs: below it the row under the cursor over the views of one row of the grid,
-// to its right the column over the views of one column. Dragging moves the viewpoint, the wheel the focus, a click
-// focuses on the point.
+// to its right the column over the views of one column. Dragging moves the viewpoint, the wheel and two fingers the focus,
+// a click focuses on the point.
 import { canvas, clamp, element, placeOn } from './dom';
 import { maxDisparity } from './light_field';
+import { followPinch } from './pinch';
 import { fit, setSize } from './screen';
 import type { State } from './state';
 
-export const epiPx = 72;
+const mostEpiPx = 72;
 const gapPx = 6;
 const clickPx = 4; // a pointer that moves less has clicked
+const pinchSpeed = 2; // px per view for fingers that go twice as far apart
 
 export interface PaneSize {
   width: number;
@@ -43,6 +45,7 @@ export class Pane {
   }
 
   layout(boxWidth: number, boxHeight: number): void {
+    const epiPx = clamp(Math.round(Math.min(boxWidth, boxHeight) / 6), mostEpiPx / 2, mostEpiPx);
     const extra = epiPx + gapPx;
     const [width, height] = fit(this.size.width, this.size.height, boxWidth - extra, boxHeight - extra - 22);
     setSize(this.frame, width, height);
@@ -66,12 +69,15 @@ export class Pane {
 
   private listen(): void {
     let from: { x: number; y: number; viewX: number; viewY: number; isDrag: boolean } | null = null;
+    const isPinching = followPinch(this.picture, (factor) => this.moveFocus(pinchSpeed * Math.log2(factor)));
     this.picture.addEventListener('pointerdown', (event) => {
-      if (event.button !== 0) return;
+      if (isPinching()) from = null;
+      if (isPinching() || event.button !== 0) return;
       this.picture.setPointerCapture(event.pointerId);
       from = { x: event.clientX, y: event.clientY, viewX: this.state.get('x'), viewY: this.state.get('y'), isDrag: false };
     });
     this.picture.addEventListener('pointermove', (event) => {
+      if (isPinching()) return;
       if (!from) return this.point(event);
       const [dx, dy] = [event.clientX - from.x, event.clientY - from.y];
       from.isDrag ||= Math.hypot(dx, dy) >= clickPx;
@@ -89,12 +95,16 @@ export class Pane {
     this.picture.addEventListener('wheel', (event) => {
       event.preventDefault();
       const step = event.shiftKey ? 0.01 : 0.05;
-      this.state.set('focus', clamp(this.state.get('focus') - Math.sign(event.deltaY || event.deltaX) * step, -maxDisparity, maxDisparity));
+      this.moveFocus(-Math.sign(event.deltaY || event.deltaX) * step);
     }, { passive: false });
     this.splitLine.addEventListener('pointerdown', (event) => this.splitLine.setPointerCapture(event.pointerId));
     this.splitLine.addEventListener('pointermove', (event) => {
       if (this.splitLine.hasPointerCapture(event.pointerId)) this.state.set('split', clamp(placeOn(this.frame, event).x, 0, 1));
     });
+  }
+
+  private moveFocus(by: number): void {
+    this.state.set('focus', clamp(this.state.get('focus') + by, -maxDisparity, maxDisparity));
   }
 
   /** Half the picture's width is the whole grid; what is nearer than the focus follows the pointer. */

@@ -99,13 +99,23 @@ void main() {
   colour = shown(sampled(isSecond, vec3(at, number)));
 }`;
 
-// All views side by side.
+// All views side by side, with a dark line between them. A pixel of the sheet is the mean over what it covers of a view.
 export const gridShader = `${head}
-uniform vec2 grid;
+uniform vec2 grid, sheet;    // columns and rows; px
 uniform bool isSecond;
 void main() {
-  vec2 cell = floor(place * grid);
-  colour = shown(sampled(isSecond, vec3(fract(place * grid), cell.y * grid.x + cell.x)));
+  vec2 cell = floor(place * grid), cellPx = sheet / grid;
+  vec2 at = fract(place * grid);
+  if (any(lessThan(at * cellPx, vec2(1.0)))) { colour = vec4(vec3(0.05), 1.0); return; }
+  ivec2 count = ivec2(clamp(ceil(size / cellPx), 1.0, 8.0));
+  vec3 sum = vec3(0.0);
+  for (int y = 0; y < count.y; ++y) {
+    for (int x = 0; x < count.x; ++x) {
+      vec2 part = (vec2(x, y) + 0.5) / vec2(count) - 0.5;
+      sum += sampled(isSecond, vec3(at + part / cellPx, cell.y * grid.x + cell.x));
+    }
+  }
+  colour = shown(sum / float(count.x * count.y));
 }`;
 
 // How little the views agree around a point when they are shifted by a disparity: one pixel per disparity, from

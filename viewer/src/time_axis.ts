@@ -1,11 +1,20 @@
 // The event rate of a recording over time: ON above the line, OFF below; triggers as ticks, found cycles shaded, the frame
-// that is shown as a bar. Dragging chooses the frame, the wheel zooms.
+// that is shown as a bar. Dragging chooses the frame; the wheel and two fingers zoom, the wheel sideways moves along.
 import type { RecordingItem } from './document';
 import { canvas, clamp, context2d, placeOn } from './dom';
+import { followPinch } from './pinch';
 import type { State } from './state';
 
 const leastShare = 1e-3; // of the recording on the axis
 const footPx = 22;
+const tickPx = 64; // between two numbers at least
+
+/** Events per second with three digits: 3.85e8 is "385 M". */
+export function rateText(perSecond: number): string {
+  const power = Math.min(Math.max(Math.floor(Math.log10(Math.max(perSecond, 1)) / 3), 0), 3);
+  const value = perSecond / 1000 ** power;
+  return `${value.toFixed(value < 10 ? 2 : value < 100 ? 1 : 0)} ${['', 'k ', 'M ', 'G '][power]}events/s`;
+}
 
 export class TimeAxis {
   readonly canvas: HTMLCanvasElement;
@@ -21,16 +30,23 @@ export class TimeAxis {
     this.beginUs = frames[0]?.begin_us ?? rate.begin_us;
     this.lengthUs = Math.max((frames.at(-1)?.end_us ?? rate.begin_us + rate.bin_us * rate.on.length) - this.beginUs, 1);
     this.canvas = canvas('Event rate over time with triggers and cycles. Drag to choose a time, turn the wheel to zoom.', 'axis');
+    const isPinching = followPinch(this.canvas, (factor, middle, moved) => {
+      this.zoom(1 / factor, middle);
+      this.move(-moved);
+    });
     this.canvas.addEventListener('pointerdown', (event) => {
+      if (isPinching()) return;
       this.canvas.setPointerCapture(event.pointerId);
       onTime(this.timeAt(placeOn(this.canvas, event).x));
     });
     this.canvas.addEventListener('pointermove', (event) => {
-      if (this.canvas.hasPointerCapture(event.pointerId)) onTime(this.timeAt(placeOn(this.canvas, event).x));
+      if (!isPinching() && this.canvas.hasPointerCapture(event.pointerId)) onTime(this.timeAt(placeOn(this.canvas, event).x));
     });
     this.canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
-      this.zoom(event.deltaY > 0 ? 1.25 : 0.8, placeOn(this.canvas, event).x);
+      const isSideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+      if (isSideways) this.move(0.1 * Math.sign(event.deltaX || event.deltaY));
+      else this.zoom(event.deltaY > 0 ? 1.25 : 0.8, placeOn(this.canvas, event).x);
     }, { passive: false });
   }
 
@@ -40,6 +56,36 @@ export class TimeAxis {
     const begin = clamp(from + at * (to - from - length), 0, 1 - length);
     this.state.set('from', begin);
     this.state.set('to', begin + length);
+  }
+
+  /** The same around a time of the recording. */
+  zoomAround(factor: number, timeUs: number): void {
+    const { from, to } = this.range();
+    this.zoom(factor, clamp((this.shareOf(timeUs) - from) / (to - from), 0, 1));
+  }
+
+  /** Goes along by a share of what is on the axis. */
+  private move(by: number): void {
+    const { from, to } = this.range();
+    this.begin(from + by * (to - from));
+  }
+
+  /** Brings a time onto the axis, in the middle, where it is outside. */
+  reveal(timeUs: number): void {
+    const { from, to } = this.range();
+    const share = this.shareOf(timeUs);
+    if (share < from || share >= to) this.begin(share - (to - from) / 2);
+  }
+
+  private begin(at: number): void {
+    const { from, to } = this.range();
+    const begin = clamp(at, 0, 1 - (to - from));
+    this.state.set('from', begin);
+    this.state.set('to', begin + (to - from));
+  }
+
+  private shareOf(timeUs: number): number {
+    return (timeUs - this.beginUs) / this.lengthUs;
   }
 
   private range(): { from: number; to: number } {
@@ -64,6 +110,7 @@ export class TimeAxis {
     const style = (name: string) => getComputedStyle(this.canvas).getPropertyValue(name);
     this.drawCycles(context, x, height, style);
     this.drawRate(context, x, width, height, style);
+    this.drawNumbers(context, x, style);
     context.fillStyle = style('--ink');
     for (const [timeUs] of this.item.triggers) context.fillRect(x(timeUs), height - 6, 1, 6);
     const shown = this.item.frames[frame];
@@ -77,15 +124,31 @@ export class TimeAxis {
   }
 
   private drawCycles(context: CanvasRenderingContext2D, x: (timeUs: number) => number, height: number, style: (name: string) => string): void {
-    context.font = '11px sans-serif';
+    context.fillStyle = style('--raised');
     for (const cycle of this.item.cycles) {
-      context.fillStyle = style('--raised');
       for (const [begin, end] of cycle.slices) context.fillRect(x(begin), 0, Math.max(x(end) - x(begin) - 1, 1), height);
+    }
+  }
+
+  /** The numbers of the cycles, where there is room, over the bars. */
+  private drawNumbers(context: CanvasRenderingContext2D, x: (timeUs: number) => number, style: (name: string) => string): void {
+    for (const cycle of this.item.cycles) {
       const first = cycle.slices[0];
       const last = cycle.slices.at(-1);
-      context.fillStyle = style('--dim');
-      if (first && last && x(last[1]) - x(first[0]) > 24) context.fillText(String(cycle.number), x(first[0]) + 3, 12);
+      if (!first || !last || x(last[1]) - x(first[0]) <= 24) continue;
+      this.drawText(context, String(cycle.number), (x(first[0]) + x(last[1])) / 2, style);
     }
+  }
+
+  /** At the top, on a ground of its own. */
+  private drawText(context: CanvasRenderingContext2D, text: string, middle: number, style: (name: string) => string): void {
+    context.font = '11px sans-serif';
+    context.textAlign = 'center';
+    const width = context.measureText(text).width + 8;
+    context.fillStyle = style('--surface');
+    context.fillRect(middle - width / 2, 0, width, 17);
+    context.fillStyle = style('--ink');
+    context.fillText(text, middle, 13);
   }
 
   private drawRate(context: CanvasRenderingContext2D, x: (timeUs: number) => number, width: number, height: number, style: (name: string) => string): void {
@@ -103,17 +166,14 @@ export class TimeAxis {
     }
     context.fillStyle = style('--dim');
     context.fillRect(0, middle, width, 1);
-    const text = `top: ${(most / bin_us).toPrecision(2)} M events/s`;
-    const textWidth = context.measureText(text).width;
-    context.fillStyle = style('--surface');
-    context.fillRect(width - textWidth - 12, 0, textWidth + 12, 18);
-    context.fillStyle = style('--dim');
-    context.fillText(text, width - textWidth - 6, 13);
+    const text = `${rateText((most / bin_us) * 1e6)} at the edges`;
+    context.font = '11px sans-serif';
+    this.drawText(context, text, width - context.measureText(text).width / 2 - 6, style);
   }
 
   private drawTicks(context: CanvasRenderingContext2D, x: (timeUs: number) => number, from: number, to: number, width: number, height: number, style: (name: string) => string): void {
     const spanUs = (to - from) * this.lengthUs;
-    const rough = (spanUs * 90) / width; // one tick every 90 px
+    const rough = (spanUs * tickPx) / width;
     const power = 10 ** Math.floor(Math.log10(rough));
     const stepUs = [1, 2, 5, 10].map((factor) => factor * power).find((step) => step >= rough)!;
     context.fillStyle = style('--dim');

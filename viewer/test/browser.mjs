@@ -15,6 +15,14 @@ export async function stopBrowser() {
   await browser.close();
 }
 
+/** The browser's processes: [{ type, id, cpuTime in seconds }]. */
+export async function processes() {
+  const devtools = await browser.newBrowserCDPSession();
+  const { processInfo } = await devtools.send('SystemInfo.getProcessInfo');
+  await devtools.detach();
+  return processInfo;
+}
+
 /** Opens an address; `check` gets the page. Whatever the console says is a failure. */
 export async function withPage(url, options, check) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: 'dark', ...options });
@@ -48,6 +56,22 @@ export async function look(page, hash) {
     addEventListener('hashchange', resolve, { once: true });
     location.hash = text;
   }), hash);
+  await settle(page);
+}
+
+/** A phone held upright. */
+export const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+
+/** Two fingers on an element, from so far apart (px) to so far, around its middle. */
+export async function pinch(page, selector, from, to) {
+  const box = await page.locator(selector).first().boundingBox();
+  const devtools = await page.context().newCDPSession(page);
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const touch = (type, apart) => devtools.send('Input.dispatchTouchEvent',
+    { type, touchPoints: apart === null ? [] : [{ x: x - apart / 2, y, id: 0 }, { x: x + apart / 2, y, id: 1 }] });
+  await touch('touchStart', from);
+  for (const share of [0.5, 1]) await touch('touchMove', from + share * (to - from));
+  await touch('touchEnd', null);
   await settle(page);
 }
 

@@ -31,6 +31,10 @@ export const tests = {
   }),
 
   'PSNR of each view is a map that selects the view': ({ url, expected }) => withPage(url('compare.html', ''), {}, async (page) => {
+    const known = expected.psnr_db.filter((value) => value !== null);
+    const ends = (await page.locator('.bar + .ends span').allTextContents()).map((text) => /^([\d.]+) dB(, equal)?$/.exec(text));
+    assertNear(ends.map((end) => Number(end[1])), [Math.min(...known), Math.max(...known)], 0.01, 'the ends of the colours');
+    assert.equal(ends[1][2], ', equal');
     const box = await page.locator('canvas.map').boundingBox();
     const status = async (viewRow, viewColumn) => {
       await page.mouse.move(box.x + ((viewColumn + 0.5) / 8) * box.width, box.y + ((viewRow + 0.5) / 8) * box.height);

@@ -1,6 +1,6 @@
 // Event images, recordings and models.
 import assert from 'node:assert/strict';
-import { look, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
+import { look, phone, pinch, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
 const large = '.events > canvas.counts';
 
@@ -12,7 +12,8 @@ export const tests = {
     const box = await page.locator(large).boundingBox();
     await page.mouse.move(box.x + (40.5 / 64) * box.width, box.y + (30.5 / 48) * box.height);
     const wanted = `33x33 px around x 40, y 30: ${expected.events_around.toFixed(2)} events per pixel; here ${expected.events_here}`;
-    assert.equal(await page.locator('.figures').textContent(), wanted);
+    assert.equal(await page.locator('.histogram + .figures').textContent(), wanted);
+    assert.deepEqual(await page.locator('.bar + .ends span').allTextContents(), ['4 OFF', '4 ON']);
     assert.equal(await page.getByRole('img', { name: /pattern \d: / }).count(), 6);
     assert.equal(await page.getByRole('img', { name: 'pattern 2: 50.0 % open' }).count(), 2);
     const before = await rowOf(page, large, 30);
@@ -42,6 +43,32 @@ export const tests = {
     const counted = [...description.rate.on, ...description.rate.off].reduce((sum, value) => sum + value, 0);
     assert.equal(counted, description.events);
     assert.ok(description.triggers.length >= 4 && description.cycles.length >= 1, 'triggers and cycles');
+  }),
+
+  'time is zoomed by buttons and by two fingers, and the frame stays on the axis': ({ url }) => withPage(url('recording.html', 'frame=3'), phone, async (page) => {
+    const range = async () => {
+      const { from, to } = await stateOf(page);
+      return [Number(from ?? 0), Number(to ?? 1)];
+    };
+    await page.getByRole('button', { name: 'Zoom in' }).click();
+    const [from, to] = await range();
+    assert.ok(Math.abs(to - from - 0.5) < 0.01 && from < 3.5 / 20 && to > 3.5 / 20, `${from}..${to} holds frame 3 of 20`);
+    await pinch(page, 'canvas.axis', 60, 120);
+    const [narrow, wide] = await range();
+    assert.ok(Math.abs(wide - narrow - 0.25) < 0.02, `${narrow}..${wide}`);
+    await page.locator('input[name=frame]').fill('19');
+    await settle(page);
+    const [after, end] = await range();
+    assert.ok(after < 19 / 20 && end > 19 / 20 && Math.abs(end - after - (wide - narrow)) < 1e-3, `${after}..${end} holds the last frame`);
+    await page.getByRole('button', { name: 'All of it' }).click();
+    assert.deepEqual(await range(), [0, 1]);
+    assert.match(await page.locator('.figures').first().textContent(), /^[\d,]+ events: ON above.* triggers: ticks. \d+ cycles? found: shaded.$/);
+  }),
+
+  'a finger points at the histogram': ({ url, expected }) => withPage(url('events.html', 'image=1'), phone, async (page) => {
+    const box = await page.locator(large).boundingBox();
+    await page.touchscreen.tap(box.x + (40.5 / 64) * box.width, box.y + (30.5 / 48) * box.height);
+    assert.match(await page.locator('.histogram + .figures').textContent(), new RegExp(`around x 40, y 30: .*; here ${expected.events_here}$`));
   }),
 
   'a model shows its patterns and what is known of it': ({ url }) => withPage(url('model.html', ''), {}, async (page) => {

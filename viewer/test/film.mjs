@@ -58,9 +58,15 @@ export const tests = {
     }
   }),
 
-  'a WebM shows the same': ({ url, expected }) => withPage(url('light.html', 'path=sweep'), {}, async (page) => {
-    const { name, data } = await saved(page, 'Save WebM', 'video/webm');
-    assert.match(name, /light\.npy-sweep\.webm$/);
+  ...Object.fromEntries(['WebM', 'MP4'].map((format) => [`a ${format} shows the same`, ({ url, expected }) => withPage(url('light.html', 'path=sweep'), {}, async (page) => {
+    const ending = format.toLowerCase();
+    const isRecorded = await page.evaluate((type) => MediaRecorder.isTypeSupported(type), `video/${ending}`);
+    assert.equal(await page.getByRole('button', { name: `Save ${format}` }).count(), Number(isRecorded), 'a button where the browser can');
+    if (!isRecorded) return;
+    const { name, data } = await saved(page, `Save ${format}`, `video/${ending}`);
+    assert.ok(name.endsWith(`light.npy-sweep.${ending}`), name);
+    const bytes = Buffer.from(data.split(',')[1], 'base64');
+    assert.equal(format === 'MP4' ? bytes.toString('latin1', 4, 8) : bytes.toString('hex', 0, 4), format === 'MP4' ? 'ftyp' : '1a45dfa3');
     const { width, height, pixels } = await page.evaluate(async ([source, y]) => {
       const video = document.createElement('video');
       video.muted = true;
@@ -79,5 +85,5 @@ export const tests = {
     const far = (other) => pixels.reduce((sum, value, i) => sum + Math.abs(value - other[i]), 0) / pixels.length;
     assert.ok(far(first) < 10, `the first frame differs by ${far(first)}`);
     assert.ok(far(mean(expected.views[3][7], expected.views[4][7])) > 2 * far(first), 'and not by as much as another one');
-  }),
+  })])),
 };

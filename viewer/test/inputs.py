@@ -57,6 +57,11 @@ def disparity_colours(values):
     return np.stack([np.interp(share, range(5), stops[:, channel]) for channel in range(3)])
 
 
+# Stripes of one pixel: what thins them out shows black or white.
+fine = np.zeros((2, 2, 600, 500), np.float32)
+fine[..., ::2] = 1
+np.save(f"{folder}/fine.npy", fine)
+
 colour = np.zeros((8, 8, 16, 24, 3), np.float32)
 colour[..., 0], colour[..., 1], colour[..., 2] = 1.0, 128 / 255, 64 / 255
 np.save(f"{folder}/colour.npy", colour)

@@ -1,6 +1,6 @@
 // Light fields: every picture against numbers that inputs.py computes.
 import assert from 'node:assert/strict';
-import { assertNear, look, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
+import { assertNear, look, phone, pinch, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
 const row = 20, column = 30;
 
@@ -70,6 +70,63 @@ export const tests = {
     assert.equal(Number(state.focus), 0.05);
     await look(page, 'x=3.5&y=0.5');
     assertNear(await rowOf(page, 'canvas.picture', row), expected.views[4][7], 0, 'the last view of its row');
+  }),
+
+  'two fingers move the focus, and nothing else': ({ url }) => withPage(url('light.html', ''), phone, async (page) => {
+    await pinch(page, 'canvas.picture', 50, 100);
+    // Twice as far apart: 2 px per view nearer. The point in their middle is not clicked, the viewpoint stays.
+    assert.deepEqual(await stateOf(page), { focus: '2' });
+    await pinch(page, 'canvas.picture', 100, 50);
+    assert.ok(Math.abs(Number((await stateOf(page)).focus ?? 0)) < 1e-3, 'and back');
+  }),
+
+  'pictures that take long have fewer pixels while something moves': ({ url }) => withPage(url('light.html', ''), {}, async (page) => {
+    const widths = await page.evaluate(async () => {
+      // A slow graphics card: pictures take long, and frames of the screen come seldom.
+      const { readPixels } = WebGL2RenderingContext.prototype;
+      const nextFrame = window.requestAnimationFrame;
+      WebGL2RenderingContext.prototype.readPixels = function (...all) {
+        for (const end = performance.now() + 60; performance.now() < end;);
+        readPixels.apply(this, all);
+      };
+      window.requestAnimationFrame = (paint) => setTimeout(() => nextFrame(paint), 250);
+      const slider = document.querySelector('input[name=focus]');
+      const seen = [];
+      for (let i = 0; i < 8; ++i) {
+        slider.value = String(0.1 * i);
+        slider.dispatchEvent(new Event('input'));
+        await new Promise((done) => window.requestAnimationFrame(done));
+        seen.push(document.querySelector('canvas.picture').width);
+      }
+      WebGL2RenderingContext.prototype.readPixels = readPixels;
+      window.requestAnimationFrame = nextFrame;
+      return seen;
+    });
+    assert.deepEqual(widths.slice(3), new Array(5).fill(16), 'a quarter of the width');
+    await settle(page);
+    assert.deepEqual(await sizeOf(page, 'canvas.picture'), [64, 48], 'all pixels at rest');
+  }),
+
+  'a finger drags the viewpoint': ({ url }) => withPage(url('light.html', ''), phone, async (page) => {
+    const box = await page.locator('canvas.picture').boundingBox();
+    const devtools = await page.context().newCDPSession(page);
+    const touch = (type, ...touchPoints) => devtools.send('Input.dispatchTouchEvent', { type, touchPoints });
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await touch('touchStart', { x, y });
+    for (const share of [0.1, 0.25]) await touch('touchMove', { x: x + share * box.width, y });
+    await touch('touchEnd');
+    await settle(page);
+    assert.ok(Math.abs(Number((await stateOf(page)).x) - 3.5) < 0.05);
+  }),
+
+  'small views are averaged and not thinned out, with a line between them': ({ url }) => withPage(url('fine.html', 'show=grid'), {}, async (page) => {
+    const [width] = await sizeOf(page, 'canvas.sheet');
+    assert.ok(width < 600 && width > 300, `smaller than the views, ${width} px`);
+    const got = await rowOf(page, 'canvas.sheet', 40);
+    const dark = got.flatMap((value, x) => (value < 30 ? [x] : []));
+    assert.ok(dark.length <= 4 && dark.every((x) => x < 2 || Math.abs(x - width / 2) < 2), `lines at ${dark}`);
+    const inside = got.filter((value) => value >= 30);
+    assert.ok(Math.min(...inside) > 100 && Math.max(...inside) < 155, `${Math.min(...inside)} to ${Math.max(...inside)}`);
   }),
 
   'all views, and one of them by a click': ({ url }) => withPage(url('light.html', 'show=grid'), {}, async (page) => {

@@ -1,9 +1,9 @@
 // The page around the pictures: address, keys, theme, help, screenshot, names, small screens.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
+import { phone, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
-const pages = ['light.html', 'compare.html', 'events.html', 'recording.html', 'model.html'];
+const pages = ['disparity.html', 'cycles.html', 'compare.html', 'events.html', 'recording.html', 'model.html'];
 
 /** Controls and pictures without a name that can be read aloud. */
 async function nameless(page) {
@@ -59,12 +59,37 @@ export const tests = {
     assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], [64, 48]);
   }),
 
+  'the chosen tab is in sight': ({ url }) => withPage(url('all.html', 'tab=4'), phone, async (page) => {
+    const box = await page.getByRole('tab', { selected: true }).boundingBox();
+    assert.ok(box.x >= 0 && box.x + box.width <= 390, `from ${box.x}, ${box.width} px`);
+  }),
+
+  'on a phone event images and models are not cut off': async ({ url }) => {
+    await withPage(url('events.html', ''), phone, async (page) => {
+      const stage = await page.locator('#stage').boundingBox();
+      for (const what of await page.locator('.events > canvas.counts, .thumbnail').all()) {
+        const box = await what.boundingBox();
+        assert.ok(box.y >= stage.y && box.y + box.height <= stage.y + stage.height, `${box.y} to ${box.y + box.height}`);
+      }
+    });
+    await withPage(url('model.html', ''), phone, async (page) => {
+      const stage = await page.locator('#stage').boundingBox();
+      assert.ok(stage.height > 600, `nothing lies below, ${stage.height}`);
+    });
+  },
+
+  'on a phone pictures have more room than their EPIs': ({ url }) => withPage(url('compare.html', ''), phone, async (page) => {
+    const [picture, epi] = [await page.locator('canvas.picture').first().boundingBox(), await page.locator('.pane > canvas:last-child').first().boundingBox()];
+    assert.ok(picture.height > 3 * epi.height, `${picture.height} against ${epi.height}`);
+  }),
+
   'every control has a name, and nothing is wider than a phone': async ({ url }) => {
     for (const name of pages) {
       await withPage(url(name, ''), { viewport: { width: 390, height: 844 }, hasTouch: true }, async (page) => {
         assert.deepEqual(await nameless(page), [], name);
         assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name} fits`);
-        const boxes = await page.evaluate(() => [...document.querySelectorAll('#stage canvas')].filter((one) => one.offsetParent)
+        // What lies in a strip is reached by scrolling it.
+        const boxes = await page.evaluate(() => [...document.querySelectorAll('#stage canvas:not(.strip *), #stage .strip')].filter((one) => one.offsetParent)
           .map((one) => one.getBoundingClientRect()).filter((box) => box.left < -1 || box.right > innerWidth + 1).length);
         assert.equal(boxes, 0, `${name}: pictures inside`);
       });

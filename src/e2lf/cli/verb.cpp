@@ -48,6 +48,16 @@ std::vector<std::string> with_dashes(std::vector<std::string> names) {
   return names;
 }
 
+/// Which argument is missing, what it means, and what a whole command looks like.
+std::optional<std::string> missing_argument(const CLI::App& app, const std::string& example) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_required() || option->count() > 0) continue;
+    const std::string name = option->get_positional() ? "an argument" : option->get_name();
+    return cat(name, " is missing: ", option->get_description(), "; for example `", example, "`");
+  }
+  return std::nullopt;
+}
+
 /// What is wrong with the first argument that looks like a long flag and is none.
 std::optional<std::string> unknown_argument(const CLI::App& app, const std::vector<std::string>& arguments) {
   const std::vector<std::string> known = long_flags(app);
@@ -175,7 +185,7 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
 }
 
 Verb::Verb(std::string name, const std::string& summary, const std::string& example)
-    : name_(std::move(name)), app_(summary, "e2lf " + name_) {
+    : name_(std::move(name)), example_(example), app_(summary, "e2lf " + name_) {
   app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app_.footer("Example:\n  " + example);
   app_.set_help_flag("-h,--help", "print this text");
@@ -261,6 +271,8 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
     return 0;
   } catch (const CLI::ExtrasError& error) {
     return usage_error(unknown_argument(app_, arguments).value_or(error.what()));
+  } catch (const CLI::RequiredError& error) {
+    return usage_error(missing_argument(app_, example_).value_or(error.what()));
   } catch (const CLI::ParseError& error) {
     std::string message = error.what();
     while (!message.empty() && (message.back() == '\n' || message.back() == '.')) message.pop_back();

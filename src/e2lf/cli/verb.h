@@ -70,7 +70,7 @@ class Verb {
   [[nodiscard]] int exit_code(const Result<void>& result) const;
   [[nodiscard]] Result<Json> read_config();
   [[nodiscard]] Result<std::vector<std::string>> configured_flags();
-  std::string name_;
+  std::string name_, example_;
   CLI::App app_;
   CommonOptions common_;
   std::string config_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 
 #include "e2lf/base/contract.h"
@@ -363,8 +364,17 @@ std::string grid_svg(const CellGrid& grid) {
 }
 
 std::string file_svg(const std::string& svg) {
-  const size_t begin = svg.find('>') + 1;
-  return cat(svg.substr(0, begin), "\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>", svg.substr(begin));
+  constexpr double kMargin = 14;  // in a page, the page has one
+  double width = 0, height = 0;
+  const size_t size = svg.find(" width=");
+  const bool is_chart =
+      size < svg.find('>') && std::sscanf(svg.c_str() + size, " width=\"%lf\" height=\"%lf\"", &width, &height) == 2;
+  E2LF_REQUIRE(is_chart, "a file is made of a chart of this header");
+  width += 2 * kMargin;
+  height += 2 * kMargin;
+  return cat("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", width, "\" height=\"", height, "\" viewBox=\"",
+             -kMargin, ' ', -kMargin, ' ', width, ' ', height, "\">\n<rect x=\"", -kMargin, "\" y=\"", -kMargin,
+             "\" width=\"", width, "\" height=\"", height, "\" fill=\"white\"/>\n", svg, "</svg>\n");
 }
 
 }  // namespace e2lf::report

@@ -79,7 +79,7 @@ struct CellGrid {
 
 [[nodiscard]] std::string grid_svg(const CellGrid& grid);
 
-/// A chart as a file of its own: black on white.
+/// A chart, as the functions above make it, as a file of its own: black on white, with a margin around.
 [[nodiscard]] std::string file_svg(const std::string& svg);
 
 }  // namespace e2lf::report

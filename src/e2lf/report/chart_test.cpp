@@ -177,6 +177,20 @@ TEST(FileSvg, IsBlackOnWhite) {
   EXPECT_LT(background, svg.find("<text"));
 }
 
+TEST(FileSvg, HasAMarginAround) {
+  const std::string chart = chart_svg(LineChart{"x", "y", {{"a", {{0, 1}, {3, 2}}}}});
+  const std::string svg = file_svg(chart);
+  const std::regex size("^<svg [^>]*width=\"([0-9.]+)\" height=\"([0-9.]+)\"(?: viewBox=\"(-?[0-9.]+) (-?[0-9.]+))?");
+  std::smatch inner, outer;
+  ASSERT_TRUE(std::regex_search(chart, inner, size));
+  ASSERT_TRUE(std::regex_search(svg, outer, size));
+  for (const int axis : {1, 2}) {
+    const double margin = -std::stod(outer[axis + 2]);
+    EXPECT_GE(margin, 10);
+    EXPECT_NEAR(std::stod(outer[axis]), std::stod(inner[axis]) + 2 * margin, 1e-9);
+  }
+}
+
 TEST(LineChart, WhatIsNotFiniteIsLeftOut) {
   const LineChart chart{"x", "y", {{"a", {{0, 1}, {1, INFINITY}, {2, NAN}, {3, 2}}}}};
   const std::string svg = chart_svg(chart);

@@ -1,6 +1,6 @@
 // Event images of a cycle: one large, all of them small below with the patterns before and after.
 import { busy } from '../busy';
-import { drawCounts, Histogram, limitText, mostLimit, type CountImage } from '../counts';
+import { CountLegend, drawCounts, Histogram, limitText, mostLimit, type CountImage } from '../counts';
 import { inflateCounts, type EventImagesItem } from '../document';
 import { canvas, clamp, element, placeOn } from '../dom';
 import { patternFigure } from '../patterns';
@@ -18,6 +18,7 @@ export class EventsScreen implements Screen {
   private readonly thumbnails: HTMLCanvasElement[] = [];
   private readonly strip = element('div', { class: 'strip' });
   private readonly histogram = new Histogram();
+  private readonly legend = new CountLegend();
   private counts: Int16Array | null = null;
   private loaded = -1;
   private cursor: { x: number; y: number } | null = null;
@@ -30,8 +31,10 @@ export class EventsScreen implements Screen {
     this.addControls();
     for (let i = 0; i < item.transitions; ++i) this.addThumbnail(i);
     context.stage.append(element('div', { class: 'events' }, this.large, this.strip));
+    this.large.addEventListener('pointerdown', (event) => this.point(event));
     this.large.addEventListener('pointermove', (event) => this.point(event));
-    this.large.addEventListener('pointerleave', () => this.point(null));
+    // A finger that is lifted leaves, too: what it pointed at stays.
+    this.large.addEventListener('pointerleave', (event) => event.pointerType === 'mouse' && this.point(null));
     this.load();
   }
 
@@ -52,7 +55,7 @@ export class EventsScreen implements Screen {
     const { cycles, transitions } = this.item;
     panel.group('Event image',
       panel.slider('image', 'Transition', { low: 0, high: transitions - 1, step: 1, text: (value) => `${value + 1} of ${transitions}` }),
-      panel.slider('limit', 'Full colour at', { low: 0, high: mostLimit, step: 1, text: limitText }));
+      panel.slider('limit', 'Full colour at', { low: 0, high: mostLimit, step: 1, text: limitText }), this.legend.root);
     if (cycles.length > 1) {
       panel.group('Time', panel.slider('cycle', 'Cycle', { low: 0, high: cycles.length - 1, step: 1, text: (value) => cycles[value]?.label ?? '' }));
     }
@@ -87,7 +90,7 @@ export class EventsScreen implements Screen {
       drawCounts(target, this.image(i), limit, isDark());
       target.parentElement!.setAttribute('aria-pressed', String(i === this.chosen()));
     });
-    drawCounts(this.large, this.image(this.chosen()), limit, isDark());
+    this.legend.show(drawCounts(this.large, this.image(this.chosen()), limit, isDark()), isDark());
     this.histogram.show(this.image(this.chosen()), this.cursor);
   }
 
@@ -105,6 +108,7 @@ export class EventsScreen implements Screen {
 
   follow(key: Key): void {
     if (key === 'cycle' || key === 'tab') this.load();
+    if (key === 'image' || key === 'tab') this.thumbnails[this.chosen()]!.scrollIntoView({ block: 'nearest', inline: 'nearest' });
     this.draw();
   }
 

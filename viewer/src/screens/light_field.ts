@@ -1,11 +1,12 @@
 // A light field, or two of them to compare: parallax, refocus, synthetic aperture, EPIs, all views, gain and gamma.
 import { nearestView, shapes } from '../aperture';
 import { ApertureMap } from '../aperture_map';
-import { numFrames, paths, placeOnPath, recordGif, recordWebm, type Place } from '../animation';
+import { numFrames, paths, placeOnPath, recordGif, recordVideo, videoEndings, type Place } from '../animation';
 import { busy } from '../busy';
 import type { Comparison, LightFieldItem } from '../document';
+import { disparityColour, drawColours, sequential, type Colour } from '../colour_map';
 import { canvas, clamp, element, placeOn } from '../dom';
-import { DisparityMap, drawBar } from '../disparity_map';
+import { DisparityMap } from '../disparity_map';
 import { FrameClock } from '../frame_clock';
 import { Camera, LightFieldViews, lightFieldUniforms, maxDisparity, toneUniforms } from '../light_field';
 import { Pane } from '../pane';
@@ -37,6 +38,8 @@ export class LightFieldScreen implements Screen {
   private readonly panes: { pane: Pane; isSecond: boolean }[] = [];
   private readonly sheet = canvas('All views. Press on one to look from there.', 'sheet');
   private readonly quality = element('p', { class: 'quality' });
+  private readonly worst = element('span');
+  private readonly best = element('span');
   private swipeSlider: HTMLElement | null = null;
   private boostSlider: HTMLElement | null = null;
   private cycleSlider: HTMLElement | null = null;
@@ -91,10 +94,12 @@ export class LightFieldScreen implements Screen {
         panel.choice('compare', 'Show', { side: 'side by side', swipe: 'swipe', difference: 'difference', first: 'the first', second: 'the second' }),
         this.swipeSlider, this.boostSlider, this.quality);
     } else {
-      panel.group('Show', panel.choice('show', 'Show', { picture: 'one picture', grid: 'all views' }));
+      panel.group('Picture', panel.choice('show', 'Show', { picture: 'one picture', grid: 'all views' }));
     }
     this.addTimeControls();
-    panel.group('Viewpoint', this.map.canvas,
+    this.addDisparityControls();
+    const psnrBar = this.comparison ? [this.bar('Colours of PSNR', sequential, this.worst, this.best)] : [];
+    panel.group('Viewpoint', this.map.canvas, ...psnrBar,
       panel.slider('x', 'To the right', { low: -(columns - 1) / 2, high: (columns - 1) / 2, step: 0.05, text: signed }),
       panel.slider('y', 'Down', { low: -(rows - 1) / 2, high: (rows - 1) / 2, step: 0.05, text: signed }));
     panel.group('Focus',
@@ -107,9 +112,9 @@ export class LightFieldScreen implements Screen {
     panel.group('Brightness',
       panel.slider('gain', 'Gain', { low: 0.1, high: 8, step: 0.05 }),
       panel.slider('gamma', 'Gamma', { low: 0.4, high: 3, step: 0.05 }));
-    this.addDisparityControls();
-    panel.group('Film', panel.choice('path', 'Path', paths),
-      panel.button('Save WebM', () => this.record('webm', recordWebm)), panel.button('Save GIF', () => this.record('gif', recordGif)));
+    const videos = videoEndings().map((ending) =>
+      panel.button(`Save ${ending === 'webm' ? 'WebM' : 'MP4'}`, () => this.record(ending, (picture, paint) => recordVideo(ending, picture, paint))));
+    panel.group('Film', panel.choice('path', 'Path', paths), ...videos, panel.button('Save GIF', () => this.record('gif', recordGif)));
     panel.root.append(panel.button('Reset', () => state.reset()));
   }
 
@@ -124,12 +129,17 @@ export class LightFieldScreen implements Screen {
 
   private addDisparityControls(): void {
     if (!this.disparity) return;
-    const bar = canvas('Colours from near to far', 'bar');
-    drawBar(bar);
     const [near, far] = this.disparity.range;
     this.context.panel.group('Disparity map',
-      this.context.panel.slider('overlay', 'Opacity', { low: 0, high: 1, step: 0.05 }), bar,
-      element('p', { class: 'figures ends' }, element('span', {}, `near ${near.toFixed(2)}`), element('span', {}, `far ${far.toFixed(2)} px per view`)));
+      this.context.panel.slider('overlay', 'Opacity', { low: 0, high: 1, step: 0.05 }),
+      this.bar('Colours from near to far', disparityColour, element('span', {}, `near ${near.toFixed(2)}`), element('span', {}, `far ${far.toFixed(2)} px per view`)));
+  }
+
+  /** Colours with the numbers at their ends. */
+  private bar(name: string, colourOf: (share: number) => Colour, left: HTMLElement, right: HTMLElement): HTMLElement {
+    const bar = canvas(name, 'bar');
+    drawColours(bar, colourOf);
+    return element('div', {}, bar, element('p', { class: 'figures ends' }, left, right));
   }
 
   private load(): void {
@@ -278,7 +288,7 @@ export class LightFieldScreen implements Screen {
   private paintSheet(common: Record<string, Uniform>): void {
     const ratio = Math.min(devicePixelRatio, 2);
     const [width, height] = [Math.round(this.sheet.clientWidth * ratio), Math.round(this.sheet.clientHeight * ratio)];
-    if (width > 0 && height > 0) this.context.painter.paint(this.sheet, width, height, gridShader, { ...common, isSecond: false });
+    if (width > 0 && height > 0) this.context.painter.paint(this.sheet, width, height, gridShader, { ...common, isSecond: false, sheet: [width, height] });
   }
 
   private showFigures(): void {
@@ -288,8 +298,10 @@ export class LightFieldScreen implements Screen {
     if (!psnr) return;
     const known = psnr.filter((value): value is number => value !== null);
     const mean = known.reduce((sum, value) => sum + value, 0) / known.length;
-    this.quality.textContent = known.length < psnr.length ? `${psnr.length - known.length} views are equal`
-      : `PSNR ${mean.toFixed(2)} dB, views ${Math.min(...known).toFixed(1)} to ${Math.max(...known).toFixed(1)} dB`;
+    const equal = psnr.length - known.length;
+    this.quality.textContent = equal > 0 ? `${equal} of ${psnr.length} views are equal` : `PSNR ${mean.toFixed(2)} dB, mean of the views`;
+    this.worst.textContent = known.length > 0 ? `${Math.min(...known).toFixed(2)} dB` : '';
+    this.best.textContent = known.length > 0 ? `${Math.max(...known).toFixed(2)} dB${equal > 0 ? ', equal' : ''}` : 'equal';
   }
 
   private focusAt(views: LightFieldViews, x: number, y: number): void {

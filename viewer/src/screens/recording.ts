@@ -1,8 +1,8 @@
 // A recording as frames of accumulated events, over its event rate, triggers and cycles.
 import { busy } from '../busy';
-import { drawCounts, Histogram, limitText, mostLimit, type CountImage } from '../counts';
+import { CountLegend, drawCounts, Histogram, limitText, mostLimit, type CountImage } from '../counts';
 import { inflateCounts, type RecordingItem } from '../document';
-import { canvas, clamp, placeOn } from '../dom';
+import { canvas, clamp, element, placeOn } from '../dom';
 import { fit, setSize, type Context, type Screen } from '../screen';
 import type { Key } from '../state';
 import { isDark } from '../theme';
@@ -15,12 +15,14 @@ export class RecordingScreen implements Screen {
   readonly keys: [string, string][] = [
     ['left and right', 'the frame before and after'],
     ['space', 'play and stop'],
-    ['+ and -', 'zoom in time'],
+    ['+ and -', 'zoom in time, as the wheel and two fingers do on the time axis'],
+    ['shift and wheel', 'along the time axis'],
     ['[ and ]', 'stronger and weaker colours'],
   ];
   private readonly picture: HTMLCanvasElement;
   private readonly axis: TimeAxis;
   private readonly histogram = new Histogram();
+  private readonly legend = new CountLegend();
   private readonly playButton: HTMLElement;
   private shown: { number: number; image: CountImage } | null = null;
   private wanted = -1;
@@ -42,13 +44,29 @@ export class RecordingScreen implements Screen {
     panel.group('Time',
       panel.slider('frame', 'Frame', { low: 0, high: item.frames.length - 1, step: 1, text: frameText }),
       this.playButton,
-      panel.button('All of it', () => this.axis.zoom(1e6, 0.5)));
-    panel.group('Picture', panel.slider('limit', 'Full colour at', { low: 0, high: mostLimit, step: 1, text: limitText }));
+      panel.button('Zoom in', () => this.zoom(0.5)), panel.button('Zoom out', () => this.zoom(2)),
+      panel.button('All of it', () => this.axis.zoom(1e6, 0.5)),
+      element('p', { class: 'figures' }, this.about()));
+    panel.group('Picture', panel.slider('limit', 'Full colour at', { low: 0, high: mostLimit, step: 1, text: limitText }), this.legend.root);
     panel.group('Histogram under the cursor', this.histogram.root);
     context.stage.append(this.picture, this.axis.canvas);
+    this.picture.addEventListener('pointerdown', (event) => this.point(event));
     this.picture.addEventListener('pointermove', (event) => this.point(event));
-    this.picture.addEventListener('pointerleave', () => this.point(null));
+    // A finger that is lifted leaves, too: what it pointed at stays.
+    this.picture.addEventListener('pointerleave', (event) => event.pointerType === 'mouse' && this.point(null));
     this.load();
+  }
+
+  /** What is on the time axis, in words. */
+  private about(): string {
+    const { events, triggers, cycles } = this.item;
+    const counted = (count: number, name: string) => `${count.toLocaleString('en')} ${name}${count === 1 ? '' : 's'}`;
+    return `${counted(events, 'event')}: ON above the line, OFF below. ${counted(triggers.length, 'trigger')}: ticks. ${counted(cycles.length, 'cycle')} found: shaded.`;
+  }
+
+  private zoom(factor: number): void {
+    const frame = this.item.frames[this.frame()];
+    if (frame) this.axis.zoomAround(factor, (frame.begin_us + frame.end_us) / 2);
   }
 
   private frame(): number {
@@ -89,7 +107,7 @@ export class RecordingScreen implements Screen {
   private draw(): void {
     this.axis.draw(this.frame());
     if (!this.shown) return;
-    drawCounts(this.picture, this.shown.image, this.context.state.get('limit'), isDark());
+    this.legend.show(drawCounts(this.picture, this.shown.image, this.context.state.get('limit'), isDark()), isDark());
     this.histogram.show(this.shown.image, this.cursor);
   }
 
@@ -106,6 +124,8 @@ export class RecordingScreen implements Screen {
   }
 
   follow(key: Key): void {
+    const frame = this.item.frames[this.frame()];
+    if (key === 'frame' && frame) this.axis.reveal(frame.begin_us);
     if (key === 'frame' || key === 'tab') this.load();
     this.draw();
   }
@@ -123,8 +143,8 @@ export class RecordingScreen implements Screen {
       case 'ArrowLeft': this.step(-1); return true;
       case 'ArrowRight': this.step(1); return true;
       case ' ': this.play(); return true;
-      case '+': this.axis.zoom(0.8, 0.5); return true;
-      case '-': this.axis.zoom(1.25, 0.5); return true;
+      case '+': this.zoom(0.8); return true;
+      case '-': this.zoom(1.25); return true;
       case '[': state.set('limit', Math.max(state.get('limit') - 1, 0)); return true;
       case ']': state.set('limit', Math.min(state.get('limit') + 1, mostLimit)); return true;
       default: return false;

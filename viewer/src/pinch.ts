@@ -1,0 +1,42 @@
+// Two fingers on an element, which a browser reports as two pointers.
+
+interface Fingers {
+  apart: number; // px
+  middle: number; // share of the element's width
+}
+
+/** `onMove` gets by which factor the fingers went apart since the last call, the place of their middle, and how far it
+ *  moved to the right, both in shares of the width. Returns a function that says whether two fingers are at work: from
+ *  the second one's coming until both are gone. */
+export function followPinch(target: HTMLElement, onMove: (factor: number, middle: number, moved: number) => void): () => boolean {
+  const places = new Map<number, { x: number; y: number }>();
+  let last: Fingers | null = null;
+  let isPinching = false;
+  const measure = (): Fingers | null => {
+    const [first, second] = [...places.values()];
+    if (!first || !second) return null;
+    const box = target.getBoundingClientRect();
+    return { apart: Math.max(Math.hypot(first.x - second.x, first.y - second.y), 1), middle: ((first.x + second.x) / 2 - box.left) / box.width };
+  };
+  target.addEventListener('pointerdown', (event) => {
+    if (event.pointerType !== 'touch') return;
+    places.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    isPinching ||= places.size > 1;
+    last = measure();
+  });
+  target.addEventListener('pointermove', (event) => {
+    if (!places.has(event.pointerId)) return;
+    places.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    const now = measure();
+    if (now && last) onMove(now.apart / last.apart, now.middle, now.middle - last.middle);
+    last = now;
+  });
+  for (const name of ['pointerup', 'pointercancel'] as const) {
+    target.addEventListener(name, (event) => {
+      places.delete(event.pointerId);
+      last = measure();
+      if (places.size === 0) isPinching = false;
+    });
+  }
+  return () => isPinching;
+}
