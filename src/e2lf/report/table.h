@@ -51,8 +51,8 @@ void mark_best(Table& table, size_t column, bool is_least = false);
 /// {"caption", "rows": [{"<column>": value, ...}]}.
 [[nodiscard]] Json table_json(const Table& table);
 
-/// A LaTeX table in the style of booktabs, the best of a column bold. One that is wider than the text is made as wide as that.
-/// It needs \usepackage{booktabs,graphicx}.
+/// A LaTeX table in the style of booktabs, the best of a column bold. One that is wider than the text is made as wide
+/// as that. It needs \usepackage{booktabs,graphicx}.
 [[nodiscard]] std::string table_latex(const Table& table);
 
 }  // namespace e2lf::report
