@@ -210,7 +210,7 @@ std::string table_latex(const Table& table) {
     heading += (heading.empty() ? "" : " & ") + latex_escaped(column.name);
   }
   // Smaller letters where the table is wider than the text of the page.
-  constexpr const char* kNoWider = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%\n";
+  constexpr const char* kNoWider = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{";
   std::string text = "% needs \\usepackage{booktabs,graphicx}\n\\begin{table}[t]\n\\centering\n";
   text += cat("\\caption{", latex_escaped(table.caption), "}\n", kNoWider, "\\begin{tabular}{", format,
               "}\n\\toprule\n", heading, " \\\\\n\\midrule\n");

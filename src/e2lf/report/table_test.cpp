@@ -54,7 +54,7 @@ TEST(Table, JsonKeepsNumbersAndNull) {
 TEST(Table, LatexIsEscapedAndBold) {
   EXPECT_EQ(table_latex(two_methods()),
             "% needs \\usepackage{booktabs,graphicx}\n\\begin{table}[t]\n\\centering\n\\caption{PSNR \\& SSIM}\n"
-            "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%\n"
+            "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{"
             "\\begin{tabular}{l|rr}\n\\toprule\nmethod & EPFL & HCI (new) \\\\\n\\midrule\n"
             "e2lf\\_n4 & 28.73 & 30.00 \\\\\n50 \\% \\{x\\} & \\textbf{29.50} & -- \\\\\n"
             "\\bottomrule\n\\end{tabular}}\n\\end{table}\n");
