@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
@@ -93,8 +94,10 @@ Result<compare::Config> configuration(const CompareArguments& arguments, const V
 std::vector<size_t> open_jobs(const compare::Plan& plan, const compare::ResultStore& store, const Shard& shard,
                               bool again) {
   std::vector<size_t> open;
+  std::set<std::string> keys;  // two jobs may have one result
   for (size_t i = 0; i < plan.jobs.size(); ++i) {
-    if (shard.holds(i) && (again || !store.find(plan.jobs[i]))) open.push_back(i);
+    if (!shard.holds(i) || (!again && store.find(plan.jobs[i]))) continue;
+    if (keys.insert(plan.jobs[i].key).second) open.push_back(i);
   }
   return open;
 }

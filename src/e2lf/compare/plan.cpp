@@ -63,6 +63,14 @@ class Hashes {
   std::map<fs::path, std::string> known_;
 };
 
+/// What a scan of views depends on: its pixels are those of v2e, whatever the sensor's event model.
+Json scan_identity(const Sensor& sensor) {
+  return {{"is_pixel", sensor.camera.is_pixel()},
+          {"tau", json_number(sensor.camera.constants.tau)},
+          {"gain", json_number(sensor.config.gain)},
+          {"cycles", sensor.config.cycles}};
+}
+
 /// Puts a plan together.
 class Planner {
  public:
@@ -273,7 +281,8 @@ class Planner {
                           {"version", surroundings_.version},
                           {"method", plan_.methods[method].identity},
                           {"scene", plan_.scenes[scene].identity},
-                          {"sensor", plan_.sensors[sensor].identity},
+                          {"sensor", is_scan(plan_.methods[method]) ? scan_identity(plan_.sensors[sensor])
+                                                                    : plan_.sensors[sensor].identity},
                           {"seed", seed}};
             job.key = sha256_of_text(json_line(job.inputs));
             plan_.jobs.push_back(std::move(job));

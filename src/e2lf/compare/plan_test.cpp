@@ -8,6 +8,9 @@
 
 #include "e2lf/compare/store.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/safetensors.h"
+#include "e2lf/model/import_event_video.h"
+#include "testing/event_video_checkpoints.h"
 
 namespace e2lf::compare {
 namespace {
@@ -156,6 +159,23 @@ TEST_F(PlanTest, WhatIsNotOptionalMustBeThere) {
   missing = config();
   missing.scenes[0].scenes = {"demo:x"};
   EXPECT_THAT(make_plan(missing, surroundings_).error().message, HasSubstr("has no number"));
+}
+
+TEST_F(PlanTest, AScanDependsOnTheThresholdAndNoOtherConstant) {
+  const fs::path checkpoint = folder_ / "checkpoint.safetensors";
+  ASSERT_TRUE(write_safetensors(checkpoint, model::firenet_checkpoint(true)));
+  ASSERT_TRUE(model::write_video_model(folder_ / "frames.safetensors", *model::import_event_video(checkpoint)));
+  Config scan = config();
+  scan.methods[0] = {.name = "scan", .algorithm = "event-video", .model = "frames.safetensors"};
+  scan.sensors.resize(3);
+  scan.sensors[1].sigma_w = 0.0F;
+  scan.sensors[2].tau = 0.2F;
+  const auto plan = make_plan(scan, surroundings_);
+  ASSERT_TRUE(plan) << plan.error().text();
+  ASSERT_EQ(plan->jobs.size(), 9U);
+  EXPECT_EQ(plan->jobs[0].key, plan->jobs[1].key);
+  EXPECT_NE(plan->jobs[0].key, plan->jobs[2].key);
+  EXPECT_EQ(keys_of(scan).size(), 6U);
 }
 
 TEST_F(PlanTest, TheStoreFindsWhatWasMadeOfTheSameAlone) {
