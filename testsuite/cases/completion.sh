@@ -5,7 +5,7 @@ grep -q "^zstd: O" version.txt || fail "no features: $(cat version.txt)"
 grep -q "^instructions: [a-z0-9]*$" version.txt || fail "$(cat version.txt)"
 
 for shell in bash zsh fish; do "$E2LF" completion $shell >"e2lf.$shell"; done
-fails 2 "there is no verb" "$E2LF" completion tcsh
+fails 2 "bash, zsh and fish" "$E2LF" completion tcsh
 "$E2LF" completion --help | grep -q "^  zsh " || fail "no list of shells"
 "$E2LF" --help | grep -q "^  completion " || fail "completion is no verb of the list"
 for shell in bash zsh fish; do

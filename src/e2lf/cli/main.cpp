@@ -84,6 +84,10 @@ int print_completion(const std::string& shell, const std::string& example, const
 }
 
 int run_completion(const std::vector<std::string>& arguments) {
+  if (!arguments.empty() && !arguments.front().starts_with("-")) {
+    const auto script = completion_script(arguments.front(), {});
+    if (!script) return fail("completion", script.error(), 2);  // it names the shells
+  }
   return run_subverb(
       "completion",
       {{"bash", "print the script for bash",
