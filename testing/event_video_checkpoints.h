@@ -68,7 +68,22 @@ struct UnetCheckpoint {
   bool is_normalised = false;
   size_t channels = 32;  ///< of the head
   size_t encoders = 3, blocks = 2;
+  bool is_dynamic = false;  ///< the first decoder is HyperE2VID's
 };
+
+/// 6 filters of 5x5 as weighted sums of 12 bases.
+inline void add_dynamic_decoder(CheckpointMaker& make, const std::string& key, size_t in, size_t out) {
+  make.conv(key + ".context_fusion.conv", 6, 32, 3);
+  const std::string atoms = key + ".dynamic_atom_generation";
+  make.add(atoms + ".bases", {12, 25}, 0.4F);
+  make.conv(atoms + ".bases_net.0", 32, 64, 3);
+  make.norm(atoms + ".bases_net.1", 64);
+  make.conv(atoms + ".bases_net.3", 64, 72, 3);
+  make.norm(atoms + ".bases_net.4", 72);
+  make.add(key + ".dynamic_conv.compositional_coefficients", {out, in * 6, 1, 1},
+           std::sqrt(0.5F / static_cast<float>(in)));
+  make.add(key + ".dynamic_conv.bias", {out}, 0.2F);
+}
 
 inline Safetensors unet_checkpoint(const UnetCheckpoint& sizes) {
   CheckpointMaker make;
@@ -87,7 +102,12 @@ inline Safetensors unet_checkpoint(const UnetCheckpoint& sizes) {
   }
   for (size_t i = 0; i < sizes.blocks; ++i) make.block(cat(net, "resblocks.", i), channels, sizes.is_normalised);
   for (size_t i = 0; i < sizes.encoders; ++i, channels /= 2) {
-    conv_layer(cat(net, "decoders.", i), channels, channels / 2, 5);
+    const std::string key = cat(net, "decoders.", i);
+    if (sizes.is_dynamic && i == 0) {
+      add_dynamic_decoder(make, key, channels, channels / 2);
+    } else {
+      conv_layer(key, channels, channels / 2, 5);
+    }
   }
   conv_layer(net + "pred", channels, 1, 1);
   return make.tensors;

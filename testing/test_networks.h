@@ -93,6 +93,16 @@ inline std::vector<TestNetwork> test_networks() {
                     reshape("up2", Op::kUpsampleBilinear, {"a"}, 2), conv("b", "up2", 5, 5, false),
                     reshape("out", Op::kSigmoid, {"b"})}},
                   6});
+  // Filters of each pixel, as many as the channels do not fit, of several vectors and of one.
+  model::Layer wide = reshape("wide", Op::kDynamicFilter, {"a", "f"}),
+               narrow = reshape("out", Op::kDynamicFilter, {"m", "g"});
+  wide.kernel = 5;
+  narrow.kernel = 3;
+  list.push_back({"dynamic",
+                  {3,
+                   {conv("a", "input", 83, 3), conv("p", "input", 50, 1, false), reshape("f", Op::kTanh, {"p"}), wide,
+                    conv("m", "wide", 5, 1), conv("q", "a", 27, 3, false), reshape("g", Op::kTanh, {"q"}), narrow}},
+                  1});
   // Sums that convolutions can make themselves, of one of them and something else, before and after the other.
   model::Layer up = transposed("up", "half", 32, 2);
   up.relu = false;
@@ -114,8 +124,14 @@ inline model::Layer cell(const std::string& name, model::Op op, const std::strin
   return layer;
 }
 
+inline model::Layer previous(const std::string& name, size_t channels) {
+  model::Layer layer = reshape(name, model::Op::kPrevious, {});
+  layer.out_channels = channels;
+  return layer;
+}
+
 /// Networks with both kinds of cells, at full and at lower resolution, as the last layer too; one keeps rows that its
-/// output does not depend on.
+/// output does not depend on. Two see their last output again.
 inline std::vector<TestNetwork> recurrent_networks() {
   using model::Op;
   std::vector<TestNetwork> list;
@@ -135,6 +151,17 @@ inline std::vector<TestNetwork> recurrent_networks() {
          reshape("u0", Op::kUpsampleBilinear, {"s0"}, 2), conv("d0", "u0", 8, 5),
          reshape("s", Op::kAdd, {"d0", "head"}), conv("p", "s", 2, 1, false), reshape("out", Op::kSigmoid, {"p"})}},
        4});
+  list.push_back({"feedback",
+                  {3,
+                   {previous("last", 7), reshape("both", Op::kConcat, {"input", "last"}), conv("a", "both", 20, 5),
+                    conv("half", "a", 20, 3, true, "", 2), reshape("up", Op::kUpsample, {"half"}, 2),
+                    conv("p", "up", 7, 3, false), reshape("out", Op::kTanh, {"p"})}},
+                  2});
+  list.push_back({"feedback and cell",
+                  {2,
+                   {previous("last", 4), cell("g", Op::kConvGru, "input", 4, 3),
+                    reshape("sum", Op::kAdd, {"last", "g"}), reshape("out", Op::kSigmoid, {"sum"})}},
+                  1});
   list.push_back({"odd", {3, {cell("a", Op::kConvGru, "input", 7, 5), cell("b", Op::kConvLstm, "a", 33, 1)}}, 1});
   list.push_back({"sparse",
                   {3,

@@ -51,6 +51,13 @@ struct SigmoidOf {
   }
 };
 
+struct TanhOf {
+  template <class Element>
+  HWY_INLINE FloatVec operator()(const Element* x) const {
+    return tanh(load_floats(x));
+  }
+};
+
 struct Copy {
   template <class Element>
   HWY_INLINE FloatVec operator()(const Element* x) const {
@@ -217,14 +224,23 @@ std::unique_ptr<Kernel> MakeCellOutput(size_t channels, ElementType type) {
   return make_kernel<float>("copy", channels, 0, Copy{}, source);
 }
 
-std::unique_ptr<Kernel> MakeSigmoid(size_t channels, ElementType type) {
+template <class Function>
+std::unique_ptr<Kernel> OneToOne(const char* name, size_t channels, ElementType type) {
 #if E2LF_TARGET_HAS_BF16
   if (type == ElementType::kBfloat16) {
-    return make_kernel<Bfloat16>("sigmoid", channels, 0, SigmoidOf{}, Source<Bfloat16>{0, padded_channels(channels)});
+    return make_kernel<Bfloat16>(name, channels, 0, Function{}, Source<Bfloat16>{0, padded_channels(channels)});
   }
 #endif
   E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return make_kernel<float>("sigmoid", channels, 0, SigmoidOf{}, Source<float>{0, padded_channels(channels)});
+  return make_kernel<float>(name, channels, 0, Function{}, Source<float>{0, padded_channels(channels)});
+}
+
+std::unique_ptr<Kernel> MakeSigmoid(size_t channels, ElementType type) {
+  return OneToOne<SigmoidOf>("sigmoid", channels, type);
+}
+
+std::unique_ptr<Kernel> MakeTanh(size_t channels, ElementType type) {
+  return OneToOne<TanhOf>("tanh", channels, type);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -252,6 +268,7 @@ HWY_EXPORT(MakeLstmMemory);
 HWY_EXPORT(MakeLstmOutput);
 HWY_EXPORT(MakeCellOutput);
 HWY_EXPORT(MakeSigmoid);
+HWY_EXPORT(MakeTanh);
 
 std::unique_ptr<Kernel> make_cell_join(size_t in_channels, size_t channels, ElementType type) {
   return HWY_DYNAMIC_DISPATCH(MakeJoin)(in_channels, channels, type);
@@ -279,6 +296,10 @@ std::unique_ptr<Kernel> make_cell_output(size_t channels, ElementType type) {
 
 std::unique_ptr<Kernel> make_sigmoid(size_t channels, ElementType type) {
   return HWY_DYNAMIC_DISPATCH(MakeSigmoid)(channels, type);
+}
+
+std::unique_ptr<Kernel> make_tanh(size_t channels, ElementType type) {
+  return HWY_DYNAMIC_DISPATCH(MakeTanh)(channels, type);
 }
 
 std::unique_ptr<Kernel> make_recall() {

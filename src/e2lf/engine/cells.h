@@ -29,8 +29,9 @@ namespace e2lf::engine {
 /// float32 -> `type`.
 [[nodiscard]] std::unique_ptr<Kernel> make_cell_output(size_t channels, ElementType type);
 
-/// sigmoid(x), of one type.
+/// sigmoid(x), tanh(x), of one type.
 [[nodiscard]] std::unique_ptr<Kernel> make_sigmoid(size_t channels, ElementType type);
+[[nodiscard]] std::unique_ptr<Kernel> make_tanh(size_t channels, ElementType type);
 
 /// The kernel of a tensor that is there before anything is computed: it computes nothing.
 [[nodiscard]] std::unique_ptr<Kernel> make_recall();

@@ -10,6 +10,7 @@
 #include "e2lf/engine/cells.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/dynamic_filter.h"
 #include "e2lf/engine/reshape.h"
 
 namespace e2lf::engine {
@@ -50,6 +51,8 @@ model::Network without_unread_layers(const model::Network& network) {
 }
 
 class PlanMaker {
+  static constexpr size_t kOutput = ~size_t{0};  ///< the last tensor, whose number is not known yet
+
  public:
   PlanMaker(const model::Network& network, const model::Weights& weights, ElementType compute)
       : network_(network), weights_(weights), compute_(compute) {}
@@ -64,6 +67,9 @@ class PlanMaker {
     if (can_widen(last)) widen(last);
     add_tensor("input");
     for (const Layer& layer : network_.layers) E2LF_RETURN_IF_ERROR(add_layer(layer));
+    for (State& state : plan_.states) {
+      if (state.kept == kOutput) state.kept = plan_.tensors.size() - 1;
+    }
     measure_halo();
     return std::move(plan_);
   }
@@ -75,7 +81,7 @@ class PlanMaker {
   }
 
   /// Whether a layer can give float32 whatever it reads.
-  static bool has_wide_sums(const Layer& layer) { return is_conv(layer) || model::is_recurrent(layer); }
+  static bool has_wide_sums(const Layer& layer) { return is_conv(layer) || model::is_cell(layer); }
 
   size_t count_readers(const std::string& name) const {
     size_t readers = 0;
@@ -167,7 +173,11 @@ class PlanMaker {
     if (const Layer* conv = conv_that_adds(layer)) return add_sum(layer, *conv);
     // Such a convolution waits for what it adds: it is the sum's stage.
     if (const Layer* sum = only_reader(layer); sum != nullptr && conv_that_adds(*sum) == &layer) return {};
-    if (model::is_recurrent(layer)) return add_cell(layer);
+    if (model::is_cell(layer)) return add_cell(layer);
+    if (layer.op == Op::kPrevious) {
+      add_previous(layer);
+      return {};
+    }
     if (!is_conv(layer)) {
       add_stage(layer.name, layer, make_plain(layer));
       return {};
@@ -200,6 +210,8 @@ class PlanMaker {
     std::vector<size_t> in_channels;
     for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
     if (layer.op == Op::kSigmoid) return make_sigmoid(in_channels[0], type);
+    if (layer.op == Op::kTanh) return make_tanh(in_channels[0], type);
+    if (layer.op == Op::kDynamicFilter) return make_dynamic_filter(in_channels[0], in_channels[1], layer.kernel, type);
     if (layer.op == Op::kUpsampleBilinear) return make_bilinear(in_channels[0], layer.stride, layer.relu, type);
     const Layer* source = find_layer(layer.inputs[0]);
     const bool in_order = source != nullptr && is_shuffled(*source);
@@ -262,6 +274,19 @@ class PlanMaker {
     }
     tensor_[layer.name] = result;
     return {};
+  }
+
+  /// The output of the frame before, as it was.
+  void add_previous(const Layer& layer) {
+    const TensorSpec& wanted = specs_.at(layer.name);
+    TensorSpec kept = wanted;
+    kept.type = specs_.at(network_.layers.back().name).type;
+    size_t result = add_part(layer.name, make_recall(), {}, kept);
+    plan_.states.push_back({result, kOutput});
+    if (wanted.type != kept.type) {
+      result = add_part(layer.name + ".output", make_cell_output(wanted.channels, wanted.type), {result}, wanted);
+    }
+    tensor_[layer.name] = result;
   }
 
   /// `layer` names the result and what it is made from.

@@ -108,6 +108,40 @@ TEST_F(RecurrentTest, AStridedConvolutionIsCentredOnItsPixels) {
   }
 }
 
+TEST_F(RecurrentTest, FiltersOfOneTapMoveThePictureEachPixelItsOwnWay) {
+  // Two filters of 3x3: the pixel to the right, and twice the one above; pixels outside are zero.
+  constexpr size_t kRight = 5, kAbove = 9 + 1;
+  model::Layer moved = reshape("moved", Op::kDynamicFilter, {"input", "filters"});
+  moved.kernel = 3;
+  const model::Network network{2, {conv("filters", "input", 18, 1, false), moved}};
+  model::Weights weights{{"filters.weight", std::vector<float>(36, 0.0F)}, {"filters.bias", std::vector<float>(18)}};
+  weights["filters.bias"][kRight] = 1.0F;
+  weights["filters.weight"][kAbove * 2] = 1.0F;  // as strong as channel 0 of the pixel itself
+  const size_t height = 3, width = 4, plane = height * width;
+  const auto input = random_values(2 * plane, 1);
+  const auto output = run_reference(network, weights, input, height, width).value();
+  ASSERT_EQ(output.size(), 4 * plane);
+  for (size_t i = 0; i < plane; ++i) {
+    for (size_t c = 0; c < 2; ++c) {
+      EXPECT_EQ(output[c * plane + i], i % width + 1 < width ? input[c * plane + i + 1] : 0.0F);
+      EXPECT_EQ(output[(2 + c) * plane + i], i >= width ? input[i] * input[c * plane + i - width] : 0.0F);
+    }
+  }
+}
+
+TEST_F(RecurrentTest, ASumWithTheLastOutputIsARunningSum) {
+  const model::Network network{1, {previous("last", 1), reshape("sum", Op::kAdd, {"input", "last"})}};
+  const Engine engine = Engine::create(network, {}, {Precision::kFloat32}).value();
+  FrameState state;
+  std::vector<float> output(6 * 8), expected(6 * 8);
+  for (uint64_t frame = 0; frame < 4; ++frame) {
+    const auto input = random_values(output.size(), frame);
+    engine.run_frame(input, 6, 8, state, output).value();
+    for (size_t i = 0; i < expected.size(); ++i) expected[i] += input[i];
+    EXPECT_EQ(output, expected) << frame;
+  }
+}
+
 /// Frames of random input through both; the largest difference of any frame.
 double error_over_frames(const TestNetwork& test, size_t height, size_t width, Precision precision) {
   const model::Weights weights = random_weights(test.network, 7);

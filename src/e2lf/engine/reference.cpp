@@ -86,6 +86,20 @@ float bilinear(const Planes& input, size_t stride, size_t c, size_t y, size_t x)
       share_y * (1 - share_x) * input.at(c, bottom, left) + share_y * share_x * input.at(c, bottom, right));
 }
 
+/// What the pixel's own filter makes of what is around it.
+float filtered(const Planes& input, const Planes& filters, size_t kernel, size_t c, size_t y, size_t x) {
+  const size_t filter = c / input.channels;
+  const auto radius = static_cast<ptrdiff_t>(kernel / 2);
+  double sum = 0.0;
+  for (size_t tap = 0; tap < kernel * kernel; ++tap) {
+    const auto from_y = static_cast<ptrdiff_t>(y + tap / kernel) - radius;
+    const auto from_x = static_cast<ptrdiff_t>(x + tap % kernel) - radius;
+    const double weight = filters.at(filter * kernel * kernel + tap, y, x);
+    sum += weight * at_or_zero(input, c % input.channels, from_y, from_x);
+  }
+  return static_cast<float>(sum);
+}
+
 /// Every op without weights.
 float element(const std::vector<const Planes*>& inputs, const Layer& layer, size_t c, size_t y, size_t x) {
   const size_t s = layer.stride;
@@ -101,6 +115,10 @@ float element(const std::vector<const Planes*>& inputs, const Layer& layer, size
       return bilinear(input, s, c, y, x);
     case Op::kSigmoid:
       return static_cast<float>(1.0 / (1.0 + std::exp(-static_cast<double>(input.at(c, y, x)))));
+    case Op::kTanh:
+      return static_cast<float>(std::tanh(static_cast<double>(input.at(c, y, x))));
+    case Op::kDynamicFilter:
+      return filtered(input, *inputs[1], layer.kernel, c, y, x);
     case Op::kAdd: {
       float sum = 0.0F;
       for (const Planes* each : inputs) sum += each->at(c, y, x);
@@ -190,7 +208,13 @@ Result<std::vector<float>> run_reference(const model::Network& network, const mo
     const Layer& layer = network.layers[i];
     std::vector<const Planes*> inputs;
     for (const std::string& name : layer.inputs) inputs.push_back(&tensors.at(name));
-    if (model::is_recurrent(layer)) {
+    if (layer.op == Op::kPrevious) {
+      Planes output(layer.out_channels, height, width);
+      output.values = remembered(state, layer.name, output.values.size());
+      tensors.emplace(layer.name, std::move(output));
+      continue;
+    }
+    if (model::is_cell(layer)) {
       E2LF_ASSIGN_OR_RETURN(Planes output, run_cell(layer, *inputs[0], weights, state));
       tensors.emplace(layer.name, std::move(output));
       continue;
@@ -205,7 +229,11 @@ Result<std::vector<float>> run_reference(const model::Network& network, const mo
     Planes output(shapes[i].channels, height / shapes[i].scale, width / shapes[i].scale);
     tensors.emplace(layer.name, run_layer(layer, inputs, residual, kernel, std::move(output)));
   }
-  return tensors.at(network.layers.back().name).values;
+  std::vector<float>& result = tensors.at(network.layers.back().name).values;
+  for (const Layer& layer : network.layers) {
+    if (layer.op == Op::kPrevious) state[layer.name] = result;
+  }
+  return std::move(result);
 }
 
 }  // namespace e2lf::engine

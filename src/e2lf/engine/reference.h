@@ -18,8 +18,8 @@ namespace e2lf::engine {
 [[nodiscard]] Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
                                                        std::span<const float> input, size_t height, size_t width);
 
-/// What recurrent layers remember: h' by the layer's name, c' of kConvLstm by "<name>.memory"; [channel, y, x] each.
-/// Empty: at rest.
+/// What recurrent layers remember: h' by the layer's name, c' of kConvLstm by "<name>.memory", the last output by that
+/// of kPrevious; [channel, y, x] each. Empty: at rest.
 using ReferenceState = std::map<std::string, std::vector<float>>;
 
 /// The same with a state that goes from frame to frame.

@@ -13,14 +13,6 @@ double sigmoid(double x) {
   return 1.0 / (1.0 + std::exp(-x));
 }
 
-/// What is remembered under a name; zeros at rest.
-std::vector<float>& remembered(ReferenceState& state, const std::string& name, size_t size) {
-  std::vector<float>& values = state[name];
-  if (values.empty()) values.assign(size, 0.0F);
-  E2LF_REQUIRE(values.size() == size, "the state is of another network or size of image");
-  return values;
-}
-
 /// [x, h].
 ReferencePlanes joined(const ReferencePlanes& input, const std::vector<float>& hidden) {
   ReferencePlanes both(input.channels + hidden.size() / (input.height * input.width), input.height, input.width);
@@ -29,6 +21,13 @@ ReferencePlanes joined(const ReferencePlanes& input, const std::vector<float>& h
 }
 
 }  // namespace
+
+std::vector<float>& remembered(ReferenceState& state, const std::string& name, size_t size) {
+  std::vector<float>& values = state[name];
+  if (values.empty()) values.assign(size, 0.0F);
+  E2LF_REQUIRE(values.size() == size, "the state is of another network or size of image");
+  return values;
+}
 
 ReferencePlanes reference_gru(const model::Layer& layer, const ReferencePlanes& input, const ReferenceKernel& gates,
                               const ReferenceKernel& candidate, ReferenceState& state) {

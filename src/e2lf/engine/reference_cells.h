@@ -23,6 +23,9 @@ struct ReferenceKernel {
   const std::vector<float>& bias;
 };
 
+/// What is remembered under a name; zeros at rest. Of another size it breaks the contract.
+[[nodiscard]] std::vector<float>& remembered(ReferenceState& state, const std::string& name, size_t size);
+
 /// "Same" convolution at stride 1, sums in double precision.
 [[nodiscard]] ReferencePlanes reference_conv(const ReferencePlanes& input, size_t out_channels, size_t kernel,
                                              const ReferenceKernel& weights);

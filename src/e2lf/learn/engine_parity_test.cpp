@@ -87,6 +87,11 @@ TEST(EngineParity, TheRecurrentUnetGivesTheSameFrames) {
   }
 }
 
+TEST(EngineParity, HyperE2vidGivesTheSameFrames) {
+  const auto model = imported(model::unet_checkpoint({.channels = 12, .is_dynamic = true}));
+  expect_parity_over_frames(model.network, model.weights, 40, 56);
+}
+
 TEST(EngineParity, FireNetGivesTheSameFrames) {
   const auto model = imported(model::firenet_checkpoint(true));
   expect_parity_over_frames(model.network, model.weights, 21, 35);

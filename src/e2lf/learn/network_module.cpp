@@ -19,9 +19,12 @@ size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
   switch (layer.op) {
     case Op::kConv:
     case Op::kConvTransposed:
+    case Op::kPrevious:
     case Op::kConvGru:
     case Op::kConvLstm:
       return layer.out_channels;
+    case Op::kDynamicFilter:
+      return inputs[1] / (layer.kernel * layer.kernel) * inputs[0];
     case Op::kPixelUnshuffle:
       return inputs.front() * layer.stride * layer.stride;
     case Op::kPixelShuffle:
@@ -35,6 +38,7 @@ size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
     case Op::kUpsampleBilinear:
     case Op::kAdd:
     case Op::kSigmoid:
+    case Op::kTanh:
       return inputs.front();
   }
   return 0;
@@ -45,6 +49,15 @@ std::vector<std::pair<std::string, int64_t>> cell_convolutions(const Layer& laye
   const auto out = static_cast<int64_t>(layer.out_channels);
   if (layer.op == Op::kConvLstm) return {{layer.name + ".gates", 4 * out}};
   return {{layer.name + ".gates", 2 * out}, {layer.name + ".candidate", out}};
+}
+
+/// model::Op::kDynamicFilter.
+torch::Tensor filter_pixels(const torch::Tensor& x, const torch::Tensor& filters, int64_t kernel) {
+  const int64_t batch = x.size(0), channels = x.size(1), y = x.size(2), width = x.size(3), taps = kernel * kernel;
+  const auto around = at::im2col(x, {kernel, kernel}, {1, 1}, {kernel / 2, kernel / 2}, {1, 1})
+                          .reshape({batch, channels, taps, y, width});
+  return torch::einsum("bmtyx,bctyx->bmcyx", {filters.reshape({batch, -1, taps, y, width}), around})
+      .reshape({batch, -1, y, width});
 }
 
 /// One frame of a cell; see model::Op.
@@ -80,7 +93,7 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
     std::vector<size_t> inputs;
     for (const std::string& name : layer.inputs) inputs.push_back(channels.at(name));
     channels[layer.name] = output_channels(layer, inputs);
-    if (model::is_recurrent(layer)) {
+    if (model::is_cell(layer)) {
       const auto depth = static_cast<int64_t>(inputs.front() + layer.out_channels);
       const auto size = static_cast<int64_t>(layer.kernel);
       for (const auto& [name, outputs] : cell_convolutions(layer)) {
@@ -120,7 +133,7 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
       {"input", input.to(compute).contiguous(at::MemoryFormat::ChannelsLast)}};
   torch::Tensor x;
   for (const Layer& layer : network_.layers) {
-    x = values.at(layer.inputs.front());
+    x = layer.inputs.empty() ? torch::Tensor() : values.at(layer.inputs.front());
     const auto stride = static_cast<int64_t>(layer.stride);
     if (input_means != nullptr && layer.op == Op::kConv) {
       (*input_means)[layer.name] = x.detach().mean({0, 2, 3}).to(torch::kFloat);
@@ -147,6 +160,20 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
       case Op::kSigmoid:
         x = torch::sigmoid(x);
         break;
+      case Op::kTanh:
+        x = torch::tanh(x);
+        break;
+      case Op::kDynamicFilter:
+        x = filter_pixels(x, values.at(layer.inputs[1]), static_cast<int64_t>(layer.kernel));
+        break;
+      case Op::kPrevious: {
+        const auto channels = static_cast<int64_t>(layer.out_channels);
+        torch::Tensor& last = state[layer.name];
+        if (!last.defined())
+          last = values.at("input").new_zeros({input.size(0), channels, input.size(2), input.size(3)});
+        x = last;
+        break;
+      }
       case Op::kConvGru:
       case Op::kConvLstm:
         x = run_cell(layer, x, weights, state);
@@ -165,6 +192,9 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
     if (!done && !layer.residual.empty()) x = x + values.at(layer.residual);
     if (!done && layer.relu) x = torch::relu(x);
     values[layer.name] = x;
+  }
+  for (const Layer& layer : network_.layers) {
+    if (layer.op == Op::kPrevious) state[layer.name] = x;
   }
   return x.to(input.scalar_type());
 }

@@ -35,7 +35,8 @@ class NetworkModule {
                                       const NamedTensors& weights, NamedTensors* input_means = nullptr) const;
 
   /// The same of a recurrent network, with a state that goes from frame to frame: what each cell remembers, by the
-  /// layer's name, and "<layer>.memory" of kConvLstm. Empty: at rest, where forward() begins each time.
+  /// layer's name, and "<layer>.memory" of kConvLstm; the last output by the name of kPrevious. Empty: at rest, where
+  /// forward() begins each time.
   [[nodiscard]] torch::Tensor forward_frame(const torch::Tensor& input, torch::ScalarType compute,
                                             NamedTensors& state) const {
     return forward(input, compute, parameters_, nullptr, state);

@@ -2,17 +2,17 @@
 #include "e2lf/model/import_event_video.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
-#include <set>
 
 #include "e2lf/base/text.h"
+#include "e2lf/model/checkpoint_importer.h"
+#include "e2lf/model/import_dynamic_decoder.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
 namespace {
 
-enum class Family { kFireNet, kFireNetPlus, kUnet };
+enum class Family { kFireNet, kFireNetPlus, kUnet, kDynamicUnet };
 
 /// What the tensors of a network do not tell.
 struct Conventions {
@@ -29,158 +29,13 @@ constexpr Conventions kConventions[] = {{"firenet", Family::kFireNet, true, fals
                                         {"firenet+", Family::kFireNetPlus, false, false, 1, Tone::kNone},
                                         {"e2vid", Family::kUnet, true, true, 0, Tone::kRobust},
                                         {"e2vid+", Family::kUnet, false, false, 0, Tone::kNone},
-                                        {"ssl-e2vid", Family::kUnet, false, false, 0, Tone::kExpRobust}};
+                                        {"ssl-e2vid", Family::kUnet, false, false, 0, Tone::kExpRobust},
+                                        {"hypere2vid", Family::kDynamicUnet, false, false, 0, Tone::kNone}};
 
 constexpr const char* kLastConv = "pred.conv2d.weight";
 
-/// Copies the tensors of a checkpoint to layers; remembers which were read.
-class Importer {
- public:
-  Importer(const Safetensors& tensors, std::string file, std::string prefix)
-      : tensors_(tensors), file_(std::move(file)), prefix_(std::move(prefix)) {}
-
-  [[nodiscard]] bool has(const std::string& key) const { return tensors_.tensors.contains(prefix_ + key); }
-
-  /// A convolution "<key>.weight", with a bias and batch normalisation "<norm>" where they are there.
-  Result<std::string> conv(Layer layer, const std::string& key, const std::string& norm = "") {
-    E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key + ".weight"));
-    if (tensor->shape.size() != 4 || tensor->shape[2] != tensor->shape[3] || tensor->num_elements() == 0) {
-      return Error{
-          ErrorCode::kShape,
-          cat("weights of shape ", shape_text(tensor->shape), ", not of a convolution; give the published file"),
-          location(key + ".weight")};
-    }
-    layer.out_channels = tensor->shape[0];
-    layer.kernel = tensor->shape[2];
-    E2LF_ASSIGN_OR_RETURN(std::vector<float> weight, values(key + ".weight", tensor->num_elements()));
-    E2LF_ASSIGN_OR_RETURN(std::vector<float> bias, values_or(key + ".bias", layer.out_channels, 0.0F));
-    if (!norm.empty() && has(norm + ".running_mean")) E2LF_RETURN_IF_ERROR(fold(norm, weight, bias));
-    weights_[layer.name + ".weight"] = std::move(weight);
-    weights_[layer.name + ".bias"] = std::move(bias);
-    return add(std::move(layer));
-  }
-
-  /// A cell: a GRU by its three gates, or an LSTM by its one tensor of gates.
-  Result<std::string> cell(const std::string& name, const std::string& key, const std::string& input) {
-    const bool is_lstm = has(key + ".Gates.weight");
-    E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key + (is_lstm ? ".Gates.weight" : ".out_gate.weight")));
-    Layer layer{.name = name, .op = is_lstm ? Op::kConvLstm : Op::kConvGru, .inputs = {input}, .residual = {}};
-    if (tensor->shape.size() == 4) {
-      layer.out_channels = tensor->shape[0] / (is_lstm ? 4 : 1);
-      layer.kernel = tensor->shape[2];
-    }
-    for (const std::string part : {".weight", ".bias"}) {
-      if (is_lstm) {
-        E2LF_RETURN_IF_ERROR(append(key + ".Gates" + part, weights_[name + ".gates" + part]));
-      } else {
-        E2LF_RETURN_IF_ERROR(append(key + ".update_gate" + part, weights_[name + ".gates" + part]));
-        E2LF_RETURN_IF_ERROR(append(key + ".reset_gate" + part, weights_[name + ".gates" + part]));
-        E2LF_RETURN_IF_ERROR(append(key + ".out_gate" + part, weights_[name + ".candidate" + part]));
-      }
-    }
-    return add(std::move(layer));
-  }
-
-  /// ReLU(conv2(ReLU(conv1(x))) + x).
-  Result<std::string> residual_block(const std::string& name, const std::string& key, const std::string& input) {
-    Layer first{.name = name + "a", .inputs = {input}, .residual = {}, .relu = true};
-    E2LF_ASSIGN_OR_RETURN(const std::string inner, conv(std::move(first), key + ".conv1", key + ".bn1"));
-    Layer second{.name = name + "b", .inputs = {inner}, .residual = input, .relu = true};
-    return conv(std::move(second), key + ".conv2", key + ".bn2");
-  }
-
-  /// The last layer; of several channels, the first.
-  Result<std::string> picture(const std::string& input) {
-    const Layer layer{.name = "picture", .inputs = {input}, .residual = {}};
-    E2LF_ASSIGN_OR_RETURN(std::string name, conv(layer, "pred.conv2d", "pred.norm_layer"));
-    Layer& added = network_.layers.back();
-    std::vector<float>& weight = weights_["picture.weight"];
-    weight.resize(weight.size() / added.out_channels);
-    weights_["picture.bias"].resize(1);
-    added.out_channels = 1;
-    return name;
-  }
-
-  std::string add(Layer layer) {
-    network_.layers.push_back(std::move(layer));
-    return network_.layers.back().name;
-  }
-
-  /// Ends the network. Fails where a tensor was not read or the layers do not fit.
-  Result<void> finish(VideoModel& model) {
-    for (const auto& entry : tensors_.tensors) {
-      if (read_.contains(entry.first) || entry.first.ends_with(".num_batches_tracked")) continue;
-      return Error{ErrorCode::kFormat,
-                   "the tensor is of a layer that this network does not have; give the published file",
-                   cat(file_, ": ", entry.first)};
-    }
-    E2LF_ASSIGN_OR_RETURN(const Tensor* head, find(head_));
-    network_.input_channels = model.bins = head->shape.size() == 4 ? head->shape[1] : 0;
-    model.network = std::move(network_);
-    model.weights = std::move(weights_);
-    return {};
-  }
-
-  /// The tensor whose depth is the number of time bins.
-  void set_head(std::string key) { head_ = std::move(key); }
-
- private:
-  [[nodiscard]] std::string location(const std::string& key) const { return cat(file_, ": ", prefix_, key); }
-
-  Result<const Tensor*> find(const std::string& key) {
-    read_.insert(prefix_ + key);
-    return tensors_.find(prefix_ + key, file_);
-  }
-
-  Result<std::vector<float>> values(const std::string& key, size_t size) {
-    E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key));
-    if (tensor->num_elements() != size) {
-      return Error{ErrorCode::kShape,
-                   cat(tensor->num_elements(), " values, the layer needs ", size, "; give the published file"),
-                   location(key)};
-    }
-    return tensor->to_float(location(key));
-  }
-
-  Result<std::vector<float>> values_or(const std::string& key, size_t size, float otherwise) {
-    if (!has(key)) return std::vector<float>(size, otherwise);
-    return values(key, size);
-  }
-
-  Result<void> append(const std::string& key, std::vector<float>& to) {
-    E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key));
-    E2LF_ASSIGN_OR_RETURN(const std::vector<float> more, tensor->to_float(location(key)));
-    to.insert(to.end(), more.begin(), more.end());
-    return {};
-  }
-
-  /// y = (conv - mean) / sqrt(var + eps) * scale + shift, as a convolution.
-  Result<void> fold(const std::string& norm, std::vector<float>& weight, std::vector<float>& bias) {
-    constexpr double kEps = 1e-5;  // of torch
-    const size_t out = bias.size(), taps = weight.size() / out;
-    E2LF_ASSIGN_OR_RETURN(const std::vector<float> mean, values(norm + ".running_mean", out));
-    E2LF_ASSIGN_OR_RETURN(const std::vector<float> variance, values(norm + ".running_var", out));
-    E2LF_ASSIGN_OR_RETURN(const std::vector<float> scale, values_or(norm + ".weight", out, 1.0F));
-    E2LF_ASSIGN_OR_RETURN(const std::vector<float> shift, values_or(norm + ".bias", out, 0.0F));
-    for (size_t i = 0; i < out; ++i) {
-      const double factor = scale[i] / std::sqrt(static_cast<double>(variance[i]) + kEps);
-      for (size_t tap = 0; tap < taps; ++tap) {
-        weight[i * taps + tap] = static_cast<float>(factor * weight[i * taps + tap]);
-      }
-      bias[i] = static_cast<float>(factor * (static_cast<double>(bias[i]) - mean[i]) + shift[i]);
-    }
-    return {};
-  }
-
-  const Safetensors& tensors_;
-  std::string file_, prefix_, head_;
-  std::set<std::string> read_;
-  Network network_;
-  Weights weights_;
-};
-
 /// Head, cell, block, cell, block, picture; `keys` name the first five.
-Result<void> import_firenet(Importer& importer, const std::vector<std::string>& keys) {
+Result<void> import_firenet(CheckpointImporter& importer, const std::vector<std::string>& keys) {
   importer.set_head(keys[0] + ".weight");
   Layer head{.name = "head", .inputs = {"input"}, .residual = {}, .relu = true};
   E2LF_ASSIGN_OR_RETURN(std::string x, importer.conv(std::move(head), keys[0]));
@@ -194,7 +49,7 @@ Result<void> import_firenet(Importer& importer, const std::vector<std::string>& 
 
 /// The recurrent U-Net: encoders that halve the resolution, each with a cell, residual blocks, and decoders that double
 /// it; what the encoders gave is added on the way back.
-Result<void> import_unet(Importer& importer) {
+Result<void> import_unet(CheckpointImporter& importer) {
   importer.set_head("head.conv2d.weight");
   const auto conv_layer = [](const std::string& name, const std::string& input, size_t stride = 1) {
     return Layer{.name = name, .inputs = {input}, .stride = stride, .residual = {}, .relu = true};
@@ -226,6 +81,10 @@ Result<void> import_unet(Importer& importer) {
     x = sum(cat("join", i));
     x = importer.add(
         {.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {x}, .stride = 2, .residual = {}});
+    if (is_dynamic_decoder(importer, key)) {
+      E2LF_ASSIGN_OR_RETURN(x, import_dynamic_decoder(importer, cat("decoder", i), key, x));
+      continue;
+    }
     E2LF_ASSIGN_OR_RETURN(x, importer.conv(conv_layer(cat("decoder", i), x), key + ".conv2d", key + ".norm_layer"));
   }
   x = sum("join");
@@ -242,9 +101,10 @@ std::optional<std::string> find_prefix(const Safetensors& tensors) {
   return std::nullopt;
 }
 
-std::optional<Family> find_family(const Importer& importer) {
+std::optional<Family> find_family(const CheckpointImporter& importer) {
   if (importer.has("G1.update_gate.weight")) return Family::kFireNetPlus;
   if (importer.has("head.recurrent_block.update_gate.weight")) return Family::kFireNet;
+  if (is_dynamic_decoder(importer, "decoders.0")) return Family::kDynamicUnet;
   if (importer.has("encoders.0.conv.conv2d.weight")) return Family::kUnet;
   return std::nullopt;
 }
@@ -253,6 +113,7 @@ Result<Conventions> find_conventions(const std::string& as, Family family, bool 
   const std::string name = !as.empty()                      ? as
                            : family == Family::kFireNet     ? "firenet"
                            : family == Family::kFireNetPlus ? "firenet+"
+                           : family == Family::kDynamicUnet ? "hypere2vid"
                            : is_normalised                  ? "e2vid"
                                                             : "e2vid+";
   const auto found = std::find_if(std::begin(kConventions), std::end(kConventions),
@@ -285,12 +146,12 @@ Result<VideoModel> import_event_video(const std::filesystem::path& path, const s
                       file};
   const std::optional<std::string> prefix = find_prefix(tensors);
   if (!prefix) return unknown;
-  Importer importer(tensors, file, *prefix);
+  CheckpointImporter importer(tensors, file, *prefix);
   const std::optional<Family> family = find_family(importer);
   if (!family) return unknown;
   const bool is_normalised = importer.has("encoders.0.conv.norm_layer.running_mean");
   E2LF_ASSIGN_OR_RETURN(const Conventions conventions, find_conventions(as, *family, is_normalised));
-  if (*family == Family::kUnet) {
+  if (*family == Family::kUnet || *family == Family::kDynamicUnet) {
     E2LF_RETURN_IF_ERROR(import_unet(importer));
   } else if (*family == Family::kFireNet) {
     E2LF_RETURN_IF_ERROR(import_firenet(importer, {"head.conv.conv2d", "head.recurrent_block", "resblocks.0.conv",

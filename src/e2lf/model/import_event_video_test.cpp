@@ -65,6 +65,56 @@ TEST(ImportEventVideo, TheUnetHasTheParametersOfE2vidAndItsConventions) {
   EXPECT_EQ(import_tensors(unet_checkpoint({.is_normalised = false}), "ssl-e2vid")->tone, Tone::kExpRobust);
 }
 
+TEST(ImportEventVideo, HyperE2vidHasItsParametersAndThoseThatBringTheContextToItsResolution) {
+  const auto model = import_tensors(unet_checkpoint({.is_dynamic = true}));
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  EXPECT_EQ(model->name, "hypere2vid");
+  EXPECT_FALSE(model->normalises_voxels);
+  EXPECT_EQ(model->tone, Tone::kNone);
+  EXPECT_EQ(model->pad_multiple, 8U);
+  EXPECT_TRUE(is_recurrent(model->network));
+  // The published count, without batch normalisation; sampling at a quarter; 72 coefficients to 150 values of filters.
+  EXPECT_EQ(num_parameters(model->network), 10149881U - (2 * 64 + 2 * 72) + (6 * 6 * 16 + 6) + (72 * 150 + 150));
+}
+
+TEST(ImportEventVideo, FiltersAreSumsOfBasesAndTheirResultsAreMixedInTheOrderOfTheFilters) {
+  Safetensors tensors = unet_checkpoint({.channels = 2, .is_dynamic = true});
+  const std::string key = "unetrecurrent.decoders.0.";
+  const auto model = import_tensors(tensors);
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  const auto bases = tensors.tensors.at(key + "dynamic_atom_generation.bases").to_float("b").value();
+  const auto& filters = model->weights.at("decoder0_filters.weight");  // [6 * 25, 6 * 12]
+  EXPECT_EQ(filters[(2 * 25 + 7) * 72 + 2 * 12 + 5], bases[5 * 25 + 7]);
+  EXPECT_EQ(filters[(2 * 25 + 7) * 72 + 3 * 12 + 5], 0.0F);
+  const auto mix = tensors.tensors.at(key + "dynamic_conv.compositional_coefficients").to_float("m").value();
+  const size_t in = 16;  // channels of [8, 16 * 6]
+  EXPECT_EQ(model->weights.at("decoder0.weight")[5 * in * 6 + 4 * in + 9], mix[5 * in * 6 + 9 * 6 + 4]);
+}
+
+TEST(ImportEventVideo, RefusesDynamicDecodersThatDoNotFit) {
+  const std::string key = "unetrecurrent.decoders.0.dynamic_atom_generation.bases";
+  const auto error_with_bases = [&](const std::vector<size_t>& shape) {
+    Safetensors tensors = unet_checkpoint({.channels = 2, .is_dynamic = true});
+    size_t size = 1;
+    for (const size_t extent : shape) size *= extent;
+    tensors.tensors[key] = make_tensor(shape, std::vector<float>(size, 0.1F));
+    const auto model = import_tensors(tensors);
+    EXPECT_FALSE(model.ok());
+    return model.ok() ? Error{} : model.error();
+  };
+  for (const std::vector<size_t>& shape :
+       {std::vector<size_t>{12, 24}, {12, 16}, {7, 25}, {300}, {12, 0}, {1, 12321}}) {
+    const Error error = error_with_bases(shape);
+    EXPECT_EQ(error.code, ErrorCode::kShape);
+    EXPECT_THAT(error.location, HasSubstr("bases"));
+  }
+  Safetensors missing = unet_checkpoint({.channels = 2, .is_dynamic = true});
+  missing.tensors.erase(key);
+  EXPECT_EQ(import_tensors(missing).error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(import_tensors(unet_checkpoint({.channels = 2, .is_dynamic = true}), "e2vid").error().message,
+              HasSubstr("other layers"));
+}
+
 TEST(ImportEventVideo, FoldsBatchNormalisationIntoTheConvolutionBeforeIt) {
   Safetensors tensors = unet_checkpoint({.is_normalised = true, .channels = 2});
   const std::string key = "unetrecurrent.encoders.0.conv.";
@@ -114,7 +164,7 @@ TEST(ImportEventVideo, RefusesWhatItDoesNotKnow) {
   EXPECT_EQ(import_tensors(empty).error().code, ErrorCode::kShape);
 
   EXPECT_THAT(import_tensors(firenet_checkpoint(false), "e2vid").error().message, HasSubstr("other layers"));
-  EXPECT_THAT(import_tensors(firenet_checkpoint(false), "hypere2vid").error().message, HasSubstr("known are"));
+  EXPECT_THAT(import_tensors(firenet_checkpoint(false), "hyper").error().message, HasSubstr("known are"));
 
   Safetensors transposed = unet_checkpoint({.is_normalised = false, .channels = 2});
   transposed.tensors["unetrecurrent.decoders.1.transposed_conv2d.weight"] = make_tensor({1}, std::vector<float>{1});

@@ -10,6 +10,7 @@
 namespace e2lf::model {
 
 inline constexpr size_t kFormatVersion = 1;
+inline constexpr size_t kMaxBins = 1024;  ///< of a model of frames
 
 /// The key of the JSON in a file's metadata, and the JSON there. Fails with kFormat where there is none.
 inline constexpr const char* kMetadataKey = "e2lf";

@@ -19,13 +19,13 @@ Layer conv(const std::string& name, const std::string& input, size_t out_channel
 
 }  // namespace
 
-bool is_recurrent(const Layer& layer) {
+bool is_cell(const Layer& layer) {
   return layer.op == Op::kConvGru || layer.op == Op::kConvLstm;
 }
 
 bool is_recurrent(const Network& network) {
   return std::any_of(network.layers.begin(), network.layers.end(),
-                     [](const Layer& layer) { return is_recurrent(layer); });
+                     [](const Layer& layer) { return is_cell(layer) || layer.op == Op::kPrevious; });
 }
 
 Network recnet(size_t input_channels, size_t output_channels, size_t width) {

@@ -22,6 +22,11 @@ enum class Op {
   kAdd,               ///< sum of all inputs
   kConcat,            ///< inputs one after another along the channels
   kSigmoid,           ///< 1 / (1 + exp(-x))
+  kTanh,
+  kDynamicFilter,  ///< each pixel has filters of its own: inputs x [C] and f [M kernel^2] give [M C],
+                   ///< out[m C + c](y, x) = sum over dy, dx of f[(m kernel + dy) kernel + dx](y, x) x[c](y + dy - r, x
+                   ///< + dx - r), r = kernel / 2 (odd kernel)
+  kPrevious,  ///< what the last layer gave of the frame before, zeros at first; no inputs, out_channels as that layer
 
   // Cells with a memory of the frame before, which begins at zero; * is "same" convolution with `kernel` (odd), [a, b]
   // is kConcat. The input is x, the result h.
@@ -36,11 +41,11 @@ struct Layer {
   std::string name;
   Op op = Op::kConv;
   std::vector<std::string> inputs;  ///< earlier layers, or "input"
-  size_t out_channels = 0;          ///< kConv, kConvTransposed, cells
-  size_t kernel = 1;                ///< kConv, kConvTransposed, cells
+  size_t out_channels = 0;          ///< kConv, kConvTransposed, kPrevious, cells
+  size_t kernel = 1;                ///< kConv, kConvTransposed, kDynamicFilter, cells
   size_t stride = 1;
   std::string residual;  ///< kConv: a tensor of the output's shape added before the activation; "" = none
-  bool relu = false;     ///< ReLU at the end, for any op but cells
+  bool relu = false;     ///< ReLU at the end, for the ops up to kSigmoid
 
   bool operator==(const Layer&) const = default;
 };
@@ -70,8 +75,10 @@ struct LayerShape {
 /// reconstruction pads to it.
 [[nodiscard]] size_t size_multiple(const Network& network);
 
-/// Whether a layer is a cell, and whether a network has any: whether it remembers the frame before.
-[[nodiscard]] bool is_recurrent(const Layer& layer);
+/// Whether a layer is kConvGru or kConvLstm.
+[[nodiscard]] bool is_cell(const Layer& layer);
+
+/// Whether a network remembers the frame before: whether it has cells or kPrevious.
 [[nodiscard]] bool is_recurrent(const Network& network);
 
 /// A tensor of weights: its name ("<layer>.weight", "<layer>.bias") and shape as documented at Layer.

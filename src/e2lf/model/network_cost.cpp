@@ -55,6 +55,7 @@ std::vector<ConvCost> convolutions(const Network& network) {
   const auto shapes = shapes_by_name(network);
   std::vector<ConvCost> all;
   for (const Layer& layer : network.layers) {
+    if (layer.inputs.empty()) continue;
     const LayerShape input = shapes.at(layer.inputs.front());
     for (ConvCost& conv : convolutions(layer, input.channels, input.scale, shapes.at(layer.name).scale)) {
       all.push_back(std::move(conv));
@@ -80,6 +81,13 @@ double macs_per_pixel(const Network& network) {
     const size_t weights = conv.in * conv.out * conv.kernel * conv.kernel;
     sum += static_cast<double>(weights) / static_cast<double>(conv.scale * conv.scale);
   }
+  const auto shapes = shapes_by_name(network);
+  for (const Layer& layer : network.layers) {
+    if (layer.op != Op::kDynamicFilter) continue;
+    const LayerShape output = shapes.at(layer.name);
+    const size_t products = output.channels * layer.kernel * layer.kernel;
+    sum += static_cast<double>(products) / static_cast<double>(output.scale * output.scale);
+  }
   return sum;
 }
 
@@ -94,6 +102,10 @@ size_t receptive_radius(const Network& network) {
   // A pixel at scale s stands for a block of s input pixels; the radius is what it sees beyond that block.
   std::map<std::string, size_t> radius = {{"input", 0}};
   for (const Layer& layer : network.layers) {
+    if (layer.op == Op::kPrevious) {
+      radius[layer.name] = 0;  // nothing of the same frame
+      continue;
+    }
     size_t reach = 0;
     for (const std::string& input : layer.inputs) reach = std::max(reach, radius.at(input));
     const size_t scale_in = shapes.at(layer.inputs.front()).scale;
@@ -103,7 +115,9 @@ size_t receptive_radius(const Network& network) {
       if (layer.op == Op::kUpsampleBilinear) reach += scale_in;
     } else if (layer.op == Op::kConv && layer.kernel != layer.stride) {
       reach += layer.kernel / 2 * scale_in + (scale_out - scale_in);
-    } else if (is_recurrent(layer)) {
+    } else if (layer.op == Op::kDynamicFilter) {
+      reach += layer.kernel / 2 * scale_in;
+    } else if (is_cell(layer)) {
       reach += (layer.op == Op::kConvGru ? 2 : 1) * (layer.kernel / 2) * scale_in;
     }
     if (!layer.residual.empty()) reach = std::max(reach, radius.at(layer.residual));

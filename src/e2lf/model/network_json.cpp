@@ -19,6 +19,9 @@ constexpr std::pair<Op, const char*> kOps[] = {{Op::kConv, "conv"},
                                                {Op::kAdd, "add"},
                                                {Op::kConcat, "concat"},
                                                {Op::kSigmoid, "sigmoid"},
+                                               {Op::kTanh, "tanh"},
+                                               {Op::kDynamicFilter, "dynamic-filter"},
+                                               {Op::kPrevious, "previous"},
                                                {Op::kConvGru, "conv-gru"},
                                                {Op::kConvLstm, "conv-lstm"}};
 

@@ -58,15 +58,33 @@ class LayerCheck {
       inputs_.push_back(shape);
     }
     const bool joins = layer_.op == Op::kAdd || layer_.op == Op::kConcat;
-    if (joins ? inputs_.size() < 2 : inputs_.size() != 1) {
-      return invalid(cat(inputs_.size(), " inputs; this operation takes ", joins ? "two or more" : "one"));
+    const size_t wanted = num_inputs();
+    if (joins ? inputs_.size() < wanted : inputs_.size() != wanted) {
+      return invalid(cat(inputs_.size(), " inputs; this operation takes ", wanted, joins ? " or more" : ""));
     }
     return {};
+  }
+
+  [[nodiscard]] size_t num_inputs() const {
+    switch (layer_.op) {
+      case Op::kPrevious:
+        return 0;
+      case Op::kAdd:
+      case Op::kConcat:
+      case Op::kDynamicFilter:
+        return 2;
+      default:
+        return 1;
+    }
   }
 
   [[nodiscard]] Result<LayerShape> infer_output() const {
     const size_t stride = layer_.stride;
     if (stride == 0 || stride > kMaxScale) return invalid(cat("a stride of ", stride, "; use 1 to ", kMaxScale));
+    if (layer_.op == Op::kPrevious) {
+      E2LF_RETURN_IF_ERROR(check_plain());
+      return LayerShape{layer_.out_channels, 1};
+    }
     const LayerShape input = inputs_.front();
     switch (layer_.op) {
       case Op::kConv:
@@ -87,6 +105,14 @@ class LayerCheck {
         return finer(input.channels);
       case Op::kSigmoid:
         return input;
+      case Op::kTanh:
+        E2LF_RETURN_IF_ERROR(check_plain());
+        return input;
+      case Op::kDynamicFilter:
+        E2LF_RETURN_IF_ERROR(check_plain());
+        return filtered();
+      case Op::kPrevious:
+        break;
       case Op::kConvGru:
       case Op::kConvLstm:
         E2LF_RETURN_IF_ERROR(check_cell());
@@ -109,13 +135,29 @@ class LayerCheck {
   }
 
   [[nodiscard]] Result<void> check_cell() const {
-    if (layer_.stride != 1) return invalid("a cell with a stride; use stride 1");
-    if (layer_.relu) return invalid("a cell with ReLU; leave it out");
+    E2LF_RETURN_IF_ERROR(check_plain());
     // Gates are up to four times as many.
     if (layer_.out_channels > kMaxChannels / 4) {
       return invalid(cat(layer_.out_channels, " channels; use 1 to ", kMaxChannels / 4));
     }
     return check_conv_kernel();
+  }
+
+  [[nodiscard]] Result<void> check_plain() const {
+    if (layer_.stride != 1) return invalid("this operation with a stride; use stride 1");
+    if (layer_.relu) return invalid("this operation with ReLU; leave it out");
+    return {};
+  }
+
+  [[nodiscard]] Result<LayerShape> filtered() const {
+    E2LF_RETURN_IF_ERROR(check_conv_kernel());
+    const LayerShape input = inputs_[0], filters = inputs_[1];
+    const size_t taps = layer_.kernel * layer_.kernel;
+    if (filters.scale == input.scale && filters.channels % taps == 0) {
+      return LayerShape{filters.channels / taps * input.channels, input.scale};
+    }
+    return misfit(cat("filters of ", filters.channels, " channels at scale ", filters.scale, ", not of a multiple of ",
+                      taps, " at ", input.scale, "; make as many as the kernel has taps, of the same resolution"));
   }
 
   [[nodiscard]] Result<LayerShape> finer(size_t channels) const {
@@ -153,6 +195,23 @@ class LayerCheck {
   std::vector<LayerShape> inputs_;
 };
 
+/// What comes back in the next frame has the shape that it is said to have.
+Result<void> check_feedback(const Network& network, const LayerShape& output) {
+  for (const Layer& layer : network.layers) {
+    if (layer.op != Op::kPrevious) continue;
+    const std::string location = cat("layer \"", layer.name, "\"");
+    if (&layer == &network.layers.back()) {
+      return Error{ErrorCode::kInvalidValue, "the last layer would be its own past; add a layer", location};
+    }
+    if (output.channels == layer.out_channels && output.scale == 1) continue;
+    return Error{ErrorCode::kShape,
+                 cat(layer.out_channels, " channels, the last layer has ", output.channels, " at scale ", output.scale,
+                     "; make them equal at scale 1"),
+                 location};
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<LayerShape>> infer_shapes(const Network& network) {
@@ -175,6 +234,7 @@ Result<std::vector<LayerShape>> infer_shapes(const Network& network) {
     known.emplace(layer.name, shape);
     shapes.push_back(shape);
   }
+  E2LF_RETURN_IF_ERROR(check_feedback(network, shapes.back()));
   return shapes;
 }
 

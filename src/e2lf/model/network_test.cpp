@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/network.h"
 
+#include <functional>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -151,6 +152,47 @@ TEST(InferShapes, RefusesScalesWithoutASmallCommonMultiple) {
   EXPECT_EQ(shapes_error(network).code, ErrorCode::kInvalidValue);
 }
 
+/// Filters of 3x3 made of the input and of the last output.
+Network with_feedback() {
+  Network network;
+  network.input_channels = 2;
+  Layer previous = layer("previous", Op::kPrevious, {});
+  previous.out_channels = 8;
+  Layer filtered = layer("filtered", Op::kDynamicFilter, {"input", "filters"});
+  filtered.kernel = 3;
+  network.layers = {previous, layer("both", Op::kConcat, {"input", "previous"}), conv("filters", "both", 36, 1),
+                    filtered, layer("out", Op::kTanh, {"filtered"})};
+  return network;
+}
+
+TEST(InferShapes, PixelsWithFiltersOfTheirOwnHaveAResultOfEach) {
+  const Network network = with_feedback();
+  const auto shapes = infer_shapes(network);
+  ASSERT_TRUE(shapes.ok()) << shapes.error().text();
+  EXPECT_EQ(shapes->at(3).channels, 4U * 2U);
+  EXPECT_TRUE(is_recurrent(network));
+  EXPECT_EQ(num_parameters(network), 36U * 10U + 36U);
+  EXPECT_DOUBLE_EQ(macs_per_pixel(network), 36 * 10 + 8 * 9);
+  EXPECT_EQ(receptive_radius(network), 1U);
+}
+
+TEST(InferShapes, RefusesFiltersAndFeedbackThatDoNotFit) {
+  const auto error_after = [](const std::function<void(Network&)>& change) {
+    Network network = with_feedback();
+    change(network);
+    return shapes_error(network);
+  };
+  EXPECT_EQ(error_after([](Network& n) { n.layers[2].out_channels = 35; }).code, ErrorCode::kShape);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[0].out_channels = 7; }).location, "layer \"previous\"");
+  EXPECT_EQ(error_after([](Network& n) { n.layers[0].inputs = {"input"}; }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[3].inputs.pop_back(); }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[3].kernel = 2; }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[3].stride = 2; }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[4].relu = true; }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers.resize(1); }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers.push_back(conv("half", "out", 8, 2, 2)); }).code, ErrorCode::kShape);
+}
+
 TEST(NetworkCost, CountsEveryScale) {
   const Network network = two_scales();
   EXPECT_EQ(size_multiple(network), 4U);
@@ -177,7 +219,7 @@ TEST(NetworkCost, ReceptiveRadiusGrowsWithTheScale) {
 }
 
 TEST(NetworkJson, RoundTrips) {
-  for (const Network& network : {two_scales(), recnet(3)}) {
+  for (const Network& network : {two_scales(), recnet(3), with_feedback()}) {
     const auto read = network_from_json(to_json(network), "x");
     ASSERT_TRUE(read.ok()) << read.error().text();
     EXPECT_EQ(*read, network);

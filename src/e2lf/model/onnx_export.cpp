@@ -69,6 +69,10 @@ Result<std::string> onnx_file(const Model& model) {
                      capture::measurement_name(model.measurement()), "; export a model of event images"),
                  model.name};
   }
+  if (const std::string refusal = onnx_refusal(model.network); !refusal.empty()) {
+    return Error{ErrorCode::kUnsupported, refusal + ", which ONNX has no operation for; export another network",
+                 model.name};
+  }
   const size_t transitions = model.num_patterns - 1;
   OnnxGraph graph;
   graph.add_input("events", {"batch", static_cast<int64_t>(transitions), "y", "x"});

@@ -213,6 +213,18 @@ TEST(OnnxExport, GivesEveryTensorANameOfItsOwn) {
   for (const std::string& name : names) EXPECT_EQ(names.count(name), 1U) << name;
 }
 
+TEST(OnnxExport, RefusesLayersThatOnnxHasNoOperationFor) {
+  Layer filter = conv("filtered", "a", 0);
+  filter.op = Op::kDynamicFilter;
+  filter.inputs = {"input", "a"};
+  const Model model =
+      model_with({conv("a", "input", 9), filter, conv("b", "filtered", 2)}, {{InputKind::kCounts, 1.0F}});
+  const auto file = onnx_file(model);
+  ASSERT_FALSE(file.ok());
+  EXPECT_EQ(file.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(file.error().message.find("\"filtered\""), std::string::npos);
+}
+
 TEST(OnnxExport, RefusesAModelThatDoesNotFit) {
   Model model = model_with({conv("a", "input", 2)}, {{InputKind::kCounts, 1.0F}});
   model.weights.at("a.bias").pop_back();

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
 
 namespace e2lf::model {
 namespace {
@@ -64,11 +65,15 @@ class LayerWriter {
         return graph_.add_node("Concat", inputs, output, {{"axis", int64_t{1}}});
       case Op::kSigmoid:
         return graph_.add_node("Sigmoid", inputs, output);
+      case Op::kTanh:
+        return graph_.add_node("Tanh", inputs, output);
       case Op::kConvGru:
       case Op::kConvLstm:
+      case Op::kPrevious:
+      case Op::kDynamicFilter:
         break;
     }
-    E2LF_REQUIRE(false, "a network for light fields remembers nothing");
+    E2LF_REQUIRE(false, "onnx_refusal() names such layers");
     return {};
   }
 
@@ -110,6 +115,16 @@ class LayerWriter {
 };
 
 }  // namespace
+
+std::string onnx_refusal(const Network& network) {
+  for (const Layer& layer : network.layers) {
+    if (is_cell(layer) || layer.op == Op::kPrevious) {
+      return cat("layer \"", layer.name, "\" remembers the frame before");
+    }
+    if (layer.op == Op::kDynamicFilter) return cat("layer \"", layer.name, "\" filters each pixel in its own way");
+  }
+  return "";
+}
 
 std::string add_onnx_layers(OnnxGraph& graph, const Network& network, const Weights& weights,
                             const std::string& input) {

@@ -22,8 +22,11 @@ struct OnnxSize {
                                          const capture::SensorConstants& constants, const std::string& events,
                                          const std::string& traits, const OnnxSize& size);
 
-/// Adds the layers of a network without memory that passes infer_shapes(), with all its weights. Returns the name of
-/// the last one's output.
+/// Why a network cannot be exported, naming the layer; "" = it can.
+[[nodiscard]] std::string onnx_refusal(const Network& network);
+
+/// Adds the layers of a network that passes infer_shapes() and that onnx_refusal() has nothing against, with all its
+/// weights. Returns the name of the last one's output.
 [[nodiscard]] std::string add_onnx_layers(OnnxGraph& graph, const Network& network, const Weights& weights,
                                           const std::string& input);
 

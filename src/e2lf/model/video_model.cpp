@@ -16,7 +16,7 @@ namespace {
 constexpr std::pair<Tone, const char*> kTones[] = {
     {Tone::kNone, "none"}, {Tone::kRobust, "robust"}, {Tone::kStandard, "standard"}, {Tone::kExpRobust, "exp-robust"}};
 
-constexpr size_t kMaxBins = 1024, kMaxPadMultiple = 1024;
+constexpr size_t kMaxPadMultiple = 1024;
 
 Result<VideoModel> header_from(const Json& json, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_kind(json, kVoxelGrid, location));
