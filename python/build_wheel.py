@@ -27,20 +27,32 @@ def version():
     return re.search(r"^project\(e2lf VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE).group(1)
 
 
+def cmake(*arguments):
+    """Runs CMake; its own messages say what fails."""
+    try:
+        subprocess.run(["cmake", *map(str, arguments)], cwd=ROOT, check=True)
+    except FileNotFoundError:
+        raise SystemExit("e2lf: cmake is not installed; `./run demo` installs what a build needs") from None
+    except subprocess.CalledProcessError as error:
+        raise SystemExit(f"e2lf: cmake failed (exit {error.returncode}); its messages above say why") from None
+
+
 def build(folder):
     """The extension module, made by CMake for the Python that runs this."""
     python = Path(sys.base_prefix) / "bin" / f"python{sys.version_info.major}.{sys.version_info.minor}"
-    subprocess.run(["cmake", "--preset", "minimal", "-B", folder, "-DE2LF_WITH_PYTHON=ON", "-DE2LF_WITH_VIEWER=OFF",
-                    "-DE2LF_WITH_FILMS=OFF", f"-DPython_EXECUTABLE={python}"], cwd=ROOT, check=True)
-    subprocess.run(["cmake", "--build", folder, "-j", str(os.cpu_count()), "--target", "e2lf_python"], check=True)
+    cmake("--preset", "minimal", "-B", folder, "-DE2LF_WITH_PYTHON=ON", "-DE2LF_WITH_VIEWER=OFF", "-DE2LF_WITH_FILMS=OFF",
+          f"-DPython_EXECUTABLE={python}")
+    cmake("--build", folder, "-j", os.cpu_count(), "--target", "e2lf_python")
 
 
 def package(folder, prefix):
     """The package of a build folder, installed below `prefix`."""
-    subprocess.run(["cmake", "--install", folder, "--component", "python", "--strip", "--prefix", prefix], check=True)
+    if not (folder / "CMakeCache.txt").exists():
+        raise SystemExit(f"e2lf: {folder} is no build folder of CMake; name one in build-dir, or leave it out")
+    cmake("--install", folder, "--component", "python", "--strip", "--prefix", prefix)
     found = list(Path(prefix).glob(f"**/e2lf/_e2lf{sysconfig.get_config_var('EXT_SUFFIX')}"))
     if not found:
-        raise SystemExit(f"{folder} holds no module of e2lf for {sys.executable}; build it, or name another folder")
+        raise SystemExit(f"e2lf: {folder} holds no module of e2lf for {sys.executable}; build it, or name another folder")
     return found[0].parent
 
 

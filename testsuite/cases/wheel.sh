@@ -27,3 +27,12 @@ assert np.isfinite(e2lf.Reconstructor(model).reconstruct(images)).all()
 PY
 ../environment/bin/python -m pip uninstall -y e2lf >pip.txt 2>&1
 if ../environment/bin/python -c "import e2lf" 2>/dev/null; then fail "files of e2lf stayed behind"; fi
+# What cannot be built says why.
+mkdir -p wrong no-cmake
+wrong() {
+  if ../environment/bin/python -m pip wheel "$TESTSUITE/.." "$@" --no-deps -w wheels >pip.txt 2>&1; then fail "built: $*"; fi
+}
+wrong --config-settings build-dir="$PWD/wrong"
+grep -q "wrong is no build folder of CMake" pip.txt || fail "$(tail -5 pip.txt)"
+PATH=$PWD/no-cmake wrong
+grep -q "cmake is not installed" pip.txt || fail "$(tail -5 pip.txt)"
