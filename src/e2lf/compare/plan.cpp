@@ -63,7 +63,8 @@ class Hashes {
   std::map<fs::path, std::string> known_;
 };
 
-/// What a scan of views depends on: its pixels are those of v2e, whatever the sensor's event model.
+/// What a scan of views depends on: its pixels are those of v2e with the sensor's tau, whatever the event model.
+/// Physical pixels and several cycles are refused.
 Json scan_identity(const Sensor& sensor) {
   return {{"is_pixel", sensor.camera.is_pixel()},
           {"tau", json_number(sensor.camera.constants.tau)},
