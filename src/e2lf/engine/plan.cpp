@@ -6,11 +6,14 @@
 #include <set>
 
 #include "e2lf/base/text.h"
+#include "e2lf/engine/attention.h"
 #include "e2lf/engine/bilinear.h"
 #include "e2lf/engine/cells.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/dynamic_filter.h"
+#include "e2lf/engine/layer_norm.h"
+#include "e2lf/engine/position_code.h"
 #include "e2lf/engine/reshape.h"
 
 namespace e2lf::engine {
@@ -178,6 +181,7 @@ class PlanMaker {
       add_previous(layer);
       return {};
     }
+    if (layer.op == Op::kLayerNorm) return add_layer_norm(layer);
     if (!is_conv(layer)) {
       add_stage(layer.name, layer, make_plain(layer));
       return {};
@@ -204,6 +208,14 @@ class PlanMaker {
     return {};
   }
 
+  Result<void> add_layer_norm(const Layer& layer) {
+    const TensorSpec& spec = specs_.at(layer.name);
+    E2LF_ASSIGN_OR_RETURN(const auto weight, find_weights(weights_, layer.name + ".weight", spec.channels));
+    E2LF_ASSIGN_OR_RETURN(const auto bias, find_weights(weights_, layer.name + ".bias", spec.channels));
+    add_stage(layer.name, layer, make_layer_norm(weight, bias, spec.type));
+    return {};
+  }
+
   /// The kernel of a layer without weights.
   std::unique_ptr<Kernel> make_plain(const Layer& layer) const {
     const ElementType type = specs_.at(layer.name).type;
@@ -211,6 +223,8 @@ class PlanMaker {
     for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
     if (layer.op == Op::kSigmoid) return make_sigmoid(in_channels[0], type);
     if (layer.op == Op::kTanh) return make_tanh(in_channels[0], type);
+    if (layer.op == Op::kPositionCode) return make_position_code(in_channels[0], type);
+    if (layer.op == Op::kAttention) return make_attention(in_channels[0], layer.heads, type);
     if (layer.op == Op::kDynamicFilter) return make_dynamic_filter(in_channels[0], in_channels[1], layer.kernel, type);
     if (layer.op == Op::kUpsampleBilinear) return make_bilinear(in_channels[0], layer.stride, layer.relu, type);
     const Layer* source = find_layer(layer.inputs[0]);
@@ -350,6 +364,7 @@ class PlanMaker {
     for (size_t i = 0; i < plan_.stages.size(); ++i) {
       const Stage& stage = plan_.stages[i];
       const Reach reach = stage.kernel->reach();
+      plan_.needs_whole_rows |= stage.kernel->needs_whole_rows();
       for (const size_t input : stage.inputs) {
         const size_t own = std::max(reach.before, reach.after) * plan_.tensors[input].scale;
         // A coarse pixel made from one that a cut spoils is spoilt as a whole.
