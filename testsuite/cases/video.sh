@@ -110,5 +110,5 @@ exists stopped/frame_000003.png stopped/run.json
 
 # The benchmark says how far libtorch's result is, where there is one. Speed itself is never tested.
 "$E2LF" bench video --width 40 --height 24 --frames 1 --json --quiet >bench.json
-check "$(json bench.json "len(j['networks']) == 2 and all(n['peer'].get('largest_difference', 0) < 1e-4 and n['float32']['seconds']['median'] > 0 for n in j['networks'])")"
+check "$(json bench.json "len(j['networks']) == 3 and all(n['peer'].get('largest_difference', 0) < 1e-4 and n['float32']['seconds']['median'] > 0 for n in j['networks'])")"
 grep -q "firenet+" <<<"$("$E2LF" bench video -m net.safetensors --width 40 --height 24 --frames 1 --quiet)" || fail "table"

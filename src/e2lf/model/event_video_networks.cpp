@@ -114,8 +114,8 @@ class Transformers {
     }
     chain_.put({.name = cat("place", scale), .op = Op::kPositionCode, .inputs = {x}, .residual = {}});
     for (size_t i = 0; i < options_.self_layers; ++i) {
-      const std::string name = cat("self", scale, "_", i);
-      look_around(name, chain_.last());
+      const std::string name = cat("self", scale, "_", i), last = chain_.last();
+      look_around(name, last);
       feed_forward(name, "_norm2");
     }
   }

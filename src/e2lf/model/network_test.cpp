@@ -278,7 +278,7 @@ TEST(NetworkJson, NamesTheKnownTypesAndOperations) {
   EXPECT_EQ(type.location, "m: $.network.type");
   EXPECT_THAT(type.message, HasSubstr("conv-graph"));
   Json json = to_json(two_scales());
-  json["layers"][2]["op"] = "attention";
+  json["layers"][2]["op"] = "look-around";
   const Error op = network_from_json(json, "m: $.network").error();
   EXPECT_EQ(op.code, ErrorCode::kUnsupported);
   EXPECT_EQ(op.location, "m: $.network.layers[2].op");
