@@ -28,8 +28,8 @@ enum class Op {
                    ///< out[m C + c](y, x) = sum over dy, dx of f[(m kernel + dy) kernel + dx](y, x) x[c](y + dy - r, x
                    ///< + dx - r), r = kernel / 2 (odd kernel)
   kLayerNorm,      ///< each pixel over its channels: (x - mean) / sqrt(variance + 1e-5) * weight + bias
-  kPositionCode,   ///< x + a code of where the pixel is: of pixel n = y width + x, channel 2 i gets
-                   ///< sin(n / 10000^(2 i / C)), channel 2 i + 1 the cosine
+  kPositionCode,   ///< x + a code of where the pixel is: of pixel n = y width + x, channel 2 i gets sin(n /
+                   ///< 10000^(2 i / C)), channel 2 i + 1 the cosine
   kAttention,  ///< each pixel looks at all: inputs q, k, v [C], whose channels are `heads` equal parts; each part of
                ///< pixel i is the sum over pixels j of softmax_j(q_i . k_j / sqrt(C / heads)) v_j
   kPrevious,   ///< what the last layer gave of the frame before, zeros at first; no inputs, out_channels as that layer
@@ -42,8 +42,8 @@ enum class Op {
 
 /// One layer; its output is known by its name. Weights: "<name>.weight" [out, in, kernel, kernel] (for kConvTransposed
 /// [in, out, kernel, kernel], as in torch) and "<name>.bias" [out]; of kLayerNorm both are [channels]. Cells have the
-/// same of two convolutions,
-/// "<name>.gates" (kConvGru: 2 out = u, r; kConvLstm: 4 out = i, f, o, g) and, of kConvGru, "<name>.candidate" (out).
+/// same of two convolutions, "<name>.gates" (kConvGru: 2 out = u, r; kConvLstm: 4 out = i, f, o, g) and, of kConvGru,
+/// "<name>.candidate" (out).
 struct Layer {
   std::string name;
   Op op = Op::kConv;
@@ -101,8 +101,8 @@ struct WeightShape {
 /// Every tensor that the network's layers need, in their order.
 [[nodiscard]] std::vector<WeightShape> weight_shapes(const Network& network);
 
-/// Multiply-adds per input pixel, and the number of weights and biases. Those of kAttention grow with the image and are
-/// left out: 2 C multiply-adds for each pair of its pixels.
+/// Multiply-adds per input pixel, without those of kAttention, which grow with the image (2 C for each pair of pixels);
+/// and the number of weights and biases.
 [[nodiscard]] double macs_per_pixel(const Network& network);
 [[nodiscard]] size_t num_parameters(const Network& network);
 
