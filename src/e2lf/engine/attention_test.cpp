@@ -12,6 +12,7 @@
 #include "e2lf/engine/engine.h"
 #include "e2lf/engine/reference.h"
 #include "e2lf/engine/stream.h"
+#include "testing/engine_runs.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::engine {
@@ -26,29 +27,6 @@ class AttentionTest : public ::testing::Test {
     set_num_threads(0);
   }
 };
-
-std::vector<float> run_engine(const model::Network& network, const model::Weights& weights,
-                              const std::vector<float>& input, size_t height, size_t width,
-                              Precision precision = Precision::kFloat32) {
-  const Engine engine = Engine::create(network, weights, {precision}).value();
-  std::vector<float> output(model::infer_shapes(network).value().back().channels * height * width, NAN);
-  engine.run(input, height, width, output).value();
-  return output;
-}
-
-double largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
-  double largest = a.size() == b.size() ? 0.0 : INFINITY;
-  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    const double difference = std::abs(static_cast<double>(a[i]) - b[i]);
-    largest = difference <= largest ? largest : difference;  // NaN wins
-  }
-  return largest;
-}
-
-double root_mean_square(const std::vector<float>& values) {
-  return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
-                   static_cast<double>(values.size()));
-}
 
 /// Queries, keys and values by convolutions of 1x1 of two input channels.
 struct LookNetwork {

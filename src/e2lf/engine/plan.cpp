@@ -15,6 +15,7 @@
 #include "e2lf/engine/layer_norm.h"
 #include "e2lf/engine/position_code.h"
 #include "e2lf/engine/reshape.h"
+#include "e2lf/engine/unread_layers.h"
 
 namespace e2lf::engine {
 namespace {
@@ -36,21 +37,6 @@ Result<std::vector<float>> find_weights(const model::Weights& weights, const std
                  ""};
   }
   return found->second;
-}
-
-/// The layers that the output is made from: rows of a tensor that nobody reads would never be released, nor those that
-/// it is made from.
-model::Network without_unread_layers(const model::Network& network) {
-  std::set<std::string> read = {network.layers.back().name};
-  model::Network result{network.input_channels, {}};
-  for (size_t i = network.layers.size(); i-- > 0;) {
-    const Layer& layer = network.layers[i];
-    if (read.count(layer.name) == 0) continue;
-    read.insert(layer.inputs.begin(), layer.inputs.end());
-    read.insert(layer.residual);
-    result.layers.insert(result.layers.begin(), layer);
-  }
-  return result;
 }
 
 class PlanMaker {
