@@ -113,4 +113,70 @@ inline Safetensors unet_checkpoint(const UnetCheckpoint& sizes) {
   return make.tensors;
 }
 
+struct TransformerCheckpoint {
+  size_t channels = 32;  ///< of the head
+  size_t self_layers = 3, cross_layers = 2, wide = 1024;
+};
+
+/// ET-Net's.
+class TransformerMaker {
+ public:
+  explicit TransformerMaker(const TransformerCheckpoint& sizes) : sizes_(sizes), size_(8 * sizes.channels) {}
+
+  Safetensors make() {
+    const size_t channels = sizes_.channels;
+    make_.conv("head.conv2d", 5, channels, 5);
+    for (size_t i = 0; i < 3; ++i) {
+      const std::string key = cat("DownsampleConv.", i);
+      make_.conv(key + ".conv.conv2d", channels << i, channels << (i + 1), 5);
+      make_.conv(key + ".recurrent_block.Gates", channels << (i + 2), channels << (i + 3), 3);
+      make_.conv(cat("UpsampleConv.", i, ".conv2d"), size_ >> i, size_ >> (i + 1), 5);
+    }
+    make_.conv("split1", 4 * channels, size_, 2);
+    make_.conv("split2", 2 * channels, size_, 4);
+    for (size_t scale = 0; scale < 3; ++scale) {
+      for (size_t i = 0; i < sizes_.self_layers; ++i) {
+        layer(cat("trans_encoder", scale, ".encoder.layers.", i), {"self_attn"}, {"norm1", "norm2"});
+      }
+      for (size_t i = 0; i < sizes_.cross_layers; ++i) {
+        layer(cat("trans_decoder", scale, ".decoder.layers.", i), {"self_attn", "cross_attn"},
+              {"norm1", "norm21", "norm22", "norm3"});
+      }
+    }
+    make_.conv("pred.conv2d", channels, 1, 1);
+    return make_.tensors;
+  }
+
+ private:
+  void layer(const std::string& key, const std::vector<std::string>& attentions,
+             const std::vector<std::string>& norms) {
+    for (const std::string& name : attentions) {
+      linear(key + "." + name + ".in_proj_", size_, 3 * size_);
+      linear(key + "." + name + ".out_proj.", size_, size_);
+    }
+    linear(key + ".linear1.", size_, sizes_.wide);
+    linear(key + ".linear2.", sizes_.wide, size_);
+    for (const std::string& name : norms) {
+      std::vector<float> weight = engine::random_values(size_, ++seed_, 0.3F);
+      for (float& value : weight) value += 1.0F;
+      make_.tensors.tensors[key + "." + name + ".weight"] = make_tensor({size_}, weight);
+      make_.add(key + "." + name + ".bias", {size_}, 0.2F);
+    }
+  }
+
+  void linear(const std::string& key, size_t in, size_t out) {
+    make_.add(key + "weight", {out, in}, std::sqrt(3.0F / static_cast<float>(in)));
+    make_.add(key + "bias", {out}, 0.2F);
+  }
+
+  TransformerCheckpoint sizes_;
+  size_t size_;  ///< channels of the transformers
+  CheckpointMaker make_;
+  uint64_t seed_ = 1000;
+};
+
+inline Safetensors transformer_checkpoint(const TransformerCheckpoint& sizes) {
+  return TransformerMaker(sizes).make();
+}
+
 }  // namespace e2lf::model

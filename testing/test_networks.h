@@ -130,6 +130,55 @@ inline model::Layer previous(const std::string& name, size_t channels) {
   return layer;
 }
 
+inline model::Layer attention(const std::string& name, std::vector<std::string> inputs, size_t heads) {
+  model::Layer layer = reshape(name, model::Op::kAttention, std::move(inputs));
+  layer.heads = heads;
+  return layer;
+}
+
+/// Networks whose pixels see the whole image, with heads of several sizes; around them what runs row by row.
+inline std::vector<TestNetwork> whole_image_networks() {
+  using model::Op;
+  std::vector<TestNetwork> list;
+  list.push_back(
+      {"attention",
+       {3,
+        {conv("a", "input", 48, 3), conv("q", "a", 48, 1, false), conv("k", "a", 48, 3, false),
+         conv("v", "a", 48, 1, false), attention("look", {"q", "k", "v"}, 3), conv("out", "look", 48, 1, false, "a")}},
+       1});
+  list.push_back({"odd heads", {2, {conv("a", "input", 21, 3, false), attention("out", {"a", "a", "a"}, 3)}}, 1});
+  list.push_back({"norm",
+                  {5,
+                   {conv("a", "input", 37, 3, false), reshape("norm", Op::kLayerNorm, {"a"}),
+                    reshape("out", Op::kPositionCode, {"norm"})}},
+                  1});
+  list.push_back({"two scales",
+                  {4,
+                   {conv("head", "input", 12, 5),
+                    conv("half", "head", 32, 5, true, "", 2),
+                    conv("split", "head", 32, 2, false, "", 2),
+                    reshape("place1", Op::kPositionCode, {"half"}),
+                    reshape("place2", Op::kPositionCode, {"split"}),
+                    reshape("n1", Op::kLayerNorm, {"place1"}),
+                    attention("self", {"n1", "n1", "n1"}, 2),
+                    conv("x1", "self", 32, 1, false, "place1"),
+                    conv("wide", "x1", 70, 1),
+                    conv("y1", "wide", 32, 1, false, "x1"),
+                    reshape("n2", Op::kLayerNorm, {"place2"}),
+                    reshape("n3", Op::kLayerNorm, {"y1"}),
+                    attention("cross", {"n2", "n3", "n3"}, 4),
+                    reshape("sum", Op::kAdd, {"cross", "place2"}),
+                    reshape("mean", Op::kMean, {"sum", "y1", "place1"}),
+                    reshape("join", Op::kAdd, {"mean", "half"}),
+                    reshape("up", Op::kUpsampleBilinear, {"join"}, 2),
+                    conv("d", "up", 12, 5),
+                    reshape("last", Op::kAdd, {"d", "head"}),
+                    conv("p", "last", 1, 1, false),
+                    reshape("out", Op::kSigmoid, {"p"})}},
+                  2});
+  return list;
+}
+
 /// Networks with both kinds of cells, at full and at lower resolution, as the last layer too; one keeps rows that its
 /// output does not depend on. Two see their last output again.
 inline std::vector<TestNetwork> recurrent_networks() {
@@ -163,6 +212,12 @@ inline std::vector<TestNetwork> recurrent_networks() {
                     reshape("sum", Op::kAdd, {"last", "g"}), reshape("out", Op::kSigmoid, {"sum"})}},
                   1});
   list.push_back({"odd", {3, {cell("a", Op::kConvGru, "input", 7, 5), cell("b", Op::kConvLstm, "a", 33, 1)}}, 1});
+  list.push_back({"attention and cell",
+                  {3,
+                   {conv("a", "input", 16, 3, true, "", 2), cell("g", Op::kConvLstm, "a", 16, 3),
+                    attention("look", {"g", "a", "g"}, 2), conv("b", "look", 16, 1, false, "g"),
+                    reshape("up", Op::kUpsample, {"b"}, 2), conv("out", "up", 3, 3, false)}},
+                  2});
   list.push_back({"sparse",
                   {3,
                    {cell("a", Op::kConvGru, "input", 9, 3), conv("b", "a", 8, 5, true, "", 4),

@@ -5,6 +5,7 @@
   triple DIR      [transitions=3 height=24 width=32]                  event_image_0000K.npy as the paper's software writes them
   release DIR     [width=64 transpose=0]                              random weights named and shaped like the paper's release
   firenet PATH.safetensors                                            random weights named and shaped like FireNet+
+  etnet PATH.safetensors [channels=32]                                random weights named and shaped like ET-Net, channels of its head
 """
 import json
 import pathlib
@@ -58,15 +59,27 @@ def make_release(folder, width=64, transpose=0):
     write_safetensors(f"{folder}/AcqNet.safetensors", {"param": np.zeros((64, 3), np.float32), "mask_4x64": codes})
 
 
+class Checkpoint:
+    def __init__(self, seed):
+        self.rng = np.random.default_rng(seed)
+        self.tensors = {}
+
+    def layer(self, name, inputs, outputs, *kernel, end="."):
+        scale = 1 / np.sqrt(inputs * np.prod(kernel, dtype=int))
+        self.tensors[f"{name}{end}weight"] = self.rng.normal(0, scale, (outputs, inputs, *kernel)).astype(np.float32)
+        self.tensors[f"{name}{end}bias"] = self.rng.normal(0, 0.1, outputs).astype(np.float32)
+
+    def conv(self, name, inputs, outputs, kernel):
+        self.layer(name, inputs, outputs, kernel, kernel)
+
+    def norm(self, name, channels):
+        self.tensors[f"{name}.weight"] = np.ones(channels, np.float32)
+        self.tensors[f"{name}.bias"] = np.zeros(channels, np.float32)
+
+
 def make_firenet(path):
-    rng = np.random.default_rng(3)
-    tensors = {}
-
-    def conv(name, inputs, outputs, kernel):
-        tensors[f"{name}.weight"] = rng.normal(0, 1 / np.sqrt(inputs * kernel**2),
-                                               (outputs, inputs, kernel, kernel)).astype(np.float32)
-        tensors[f"{name}.bias"] = rng.normal(0, 0.1, outputs).astype(np.float32)
-
+    made = Checkpoint(3)
+    conv = made.conv
     conv("head.conv2d", 5, 16, 3)
     for number in "12":
         for gate in ("reset_gate", "update_gate", "out_gate"):
@@ -74,14 +87,40 @@ def make_firenet(path):
         for part in "12":
             conv(f"R{number}.conv{part}", 16, 16, 3)
     conv("pred.conv2d", 16, 1, 1)
-    write_safetensors(path, tensors)
+    write_safetensors(path, made.tensors)
+
+
+def make_etnet(path, channels=32):
+    made = Checkpoint(4)
+    size = 8 * channels
+    made.conv("head.conv2d", 5, channels, 5)
+    for i in range(3):
+        key = f"DownsampleConv.{i}"
+        made.conv(f"{key}.conv.conv2d", channels << i, channels << i + 1, 5)
+        made.conv(f"{key}.recurrent_block.Gates", channels << i + 2, channels << i + 3, 3)
+        made.conv(f"UpsampleConv.{i}.conv2d", size >> i, size >> i + 1, 5)
+    made.conv("split1", 4 * channels, size, 2)
+    made.conv("split2", 2 * channels, size, 4)
+    kinds = (("encoder", 3, ["self_attn"], ["norm1", "norm2"]),
+             ("decoder", 2, ["self_attn", "cross_attn"], ["norm1", "norm21", "norm22", "norm3"]))
+    for kind, layers, attentions, norms in kinds:
+        for key in (f"trans_{kind}{scale}.{kind}.layers.{i}" for scale in range(3) for i in range(layers)):
+            for name in attentions:
+                made.layer(f"{key}.{name}.in_proj", size, 3 * size, end="_")
+                made.layer(f"{key}.{name}.out_proj", size, size)
+            made.layer(f"{key}.linear1", size, 4 * size)
+            made.layer(f"{key}.linear2", 4 * size, size)
+            for name in norms:
+                made.norm(f"{key}.{name}", size)
+    made.conv("pred.conv2d", channels, 1, 1)
+    write_safetensors(path, made.tensors)
 
 
 def main():
     kind, path, *rest = sys.argv[1:]
     options = {key: int(value) for key, value in (pair.split("=") for pair in rest)}
     {"events": make_events, "triple": make_triple, "release": make_release,
-     "firenet": make_firenet}[kind](path, **options)
+     "firenet": make_firenet, "etnet": make_etnet}[kind](path, **options)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 #include "peers/torch_event_video.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <torch/torch.h>
@@ -28,7 +29,7 @@ struct Convolution {
   torch::Tensor operator()(const torch::Tensor& x) const { return torch::conv2d(x, weight, bias, stride, padding); }
 };
 
-/// A layer, and of cells what they remember.
+/// A layer, and of cells what they remember; of positions their code.
 struct Module {
   E2lfTorchVideoLayer layer{};
   Convolution conv, candidate;
@@ -38,7 +39,12 @@ struct Module {
     const bool is_cell = of.op == kE2lfGru || of.op == kE2lfLstm;
     const size_t in = is_cell ? of.in_channels + of.out_channels : of.in_channels;
     const size_t parts = of.op == kE2lfLstm ? 4 : of.op == kE2lfGru ? 2 : 1;
-    if (of.weight != nullptr) conv = {of.weight, of.bias, parts * of.out_channels, in, of.kernel, of.stride};
+    if (of.op == kE2lfLayerNorm) {
+      conv.weight = Convolution::tensor_of(of.weight, {Convolution::as_int(in)});
+      conv.bias = Convolution::tensor_of(of.bias, {Convolution::as_int(in)});
+    } else if (of.weight != nullptr) {
+      conv = {of.weight, of.bias, parts * of.out_channels, in, of.kernel, of.stride};
+    }
     if (of.op == kE2lfGru) candidate = {of.candidate_weight, of.candidate_bias, of.out_channels, in, of.kernel, 1};
   }
 
@@ -58,8 +64,27 @@ struct Module {
     return hidden = hidden * (1 - gates[0]) + wanted * gates[0];
   }
 
+  /// Made once, as in the published program.
+  torch::Tensor position_code(const torch::Tensor& x) {
+    if (hidden.defined()) return hidden;
+    const auto pairs = torch::arange((x.size(1) + 1) / 2, torch::kDouble);
+    const auto frequencies = torch::pow(10000.0, pairs * (-2.0 / static_cast<double>(x.size(1))));
+    const auto angles = torch::outer(frequencies, torch::arange(x.size(2) * x.size(3), torch::kDouble));
+    const auto code = torch::stack({torch::sin(angles), torch::cos(angles)}, 1).flatten(0, 1).slice(0, 0, x.size(1));
+    return hidden = code.to(torch::kFloat32).reshape(x.sizes());
+  }
+
+  /// The products that torch's own MultiheadAttention makes.
+  torch::Tensor attend(const torch::Tensor& queries, const torch::Tensor& keys, const torch::Tensor& values) const {
+    const auto heads = Convolution::as_int(layer.heads), size = queries.size(1) / heads;
+    const auto parts = [&](const torch::Tensor& x) { return x.reshape({heads, size, -1}).transpose(1, 2); };
+    const auto scaled = parts(queries) / std::sqrt(static_cast<double>(size));
+    const auto shares = torch::softmax(torch::bmm(scaled, parts(keys).transpose(1, 2)), 2);
+    return torch::bmm(shares, parts(values)).transpose(1, 2).reshape(values.sizes());
+  }
+
   torch::Tensor run(const std::vector<torch::Tensor>& tensors) {
-    const torch::Tensor& x = tensors[layer.input];
+    const torch::Tensor& x = tensors[layer.inputs[0]];
     switch (layer.op) {
       case kE2lfGru:
       case kE2lfLstm:
@@ -69,7 +94,17 @@ struct Module {
         return torch::upsample_bilinear2d(x, {x.size(2) * step, x.size(3) * step}, /*align_corners=*/false);
       }
       case kE2lfAdd:
-        return x + tensors[layer.other];
+      case kE2lfMean: {
+        torch::Tensor sum = x;
+        for (size_t i = 1; i < layer.num_inputs; ++i) sum = sum + tensors[layer.inputs[i]];
+        return layer.op == kE2lfAdd ? sum : sum / static_cast<double>(layer.num_inputs);
+      }
+      case kE2lfLayerNorm:
+        return torch::layer_norm(x.permute({0, 2, 3, 1}), {x.size(1)}, conv.weight, conv.bias).permute({0, 3, 1, 2});
+      case kE2lfPositionCode:
+        return x + position_code(x);
+      case kE2lfAttention:
+        return attend(x, tensors[layer.inputs[1]], tensors[layer.inputs[2]]);
       case kE2lfSigmoid:
         return torch::sigmoid(x);
       case kE2lfConv:

@@ -7,16 +7,29 @@
 extern "C" {
 #endif
 
-enum E2lfTorchOp { kE2lfConv, kE2lfGru, kE2lfLstm, kE2lfBilinear, kE2lfAdd, kE2lfSigmoid };
+enum E2lfTorchOp {
+  kE2lfConv,
+  kE2lfGru,
+  kE2lfLstm,
+  kE2lfBilinear,
+  kE2lfAdd,
+  kE2lfMean,
+  kE2lfSigmoid,
+  kE2lfLayerNorm,
+  kE2lfPositionCode,
+  kE2lfAttention
+};
 
 /// A layer of a network that makes frames of voxel grids. Tensor 0 is the input, tensor i + 1 the result of layer i.
 struct E2lfTorchVideoLayer {
   enum E2lfTorchOp op;
-  size_t input, other;  ///< tensors; `other`: what kE2lfAdd adds
-  size_t residual;      ///< tensor + 1; 0 = none
-  size_t out_channels, in_channels, kernel, stride;
+  const size_t* inputs;  ///< tensors
+  size_t num_inputs;
+  size_t residual;  ///< tensor + 1; 0 = none
+  size_t out_channels, in_channels, kernel, stride, heads;
   int relu;
-  const float *weight, *bias;                      ///< [out, in, kernel, kernel], [out]; of cells the gates
+  const float *weight, *bias;                      ///< [out, in, kernel, kernel], [out]; of cells the gates;
+                                                   ///< of kE2lfLayerNorm both [in]
   const float *candidate_weight, *candidate_bias;  ///< kE2lfGru
 };
 

@@ -78,6 +78,16 @@ for frame in frames/*.png; do
 done
 [ "$(find frames -name '*.png' | wc -l)" -ge 3 ] || fail "frames"
 
+# A network whose pixels see the whole image.
+make etnet attention.safetensors channels=4
+"$E2LF" model import --checkpoint attention.safetensors -o et-net.safetensors >import.txt
+grep -q "receptive field *the whole image" import.txt || fail "import: $(cat import.txt)"
+"$E2LF" info et-net.safetensors --json >net.json
+[ "$(json net.json "(j['name'], j['pad_multiple'], j['network']['receptive_field_px'])")" = "('et-net', 8, None)" ] || fail "info"
+"$E2LF" video rec.raw -m et-net.safetensors -o attention --max-frames 3 --quiet
+"$E2LF" video rec.raw -m et-net.safetensors -o attention-alone --max-frames 3 --threads 1 --quiet
+for number in 0 1 2; do cmp "attention/frame_00000$number.png" "attention-alone/frame_00000$number.png"; done
+
 # What does not fit.
 fails 1 "e2lf video" "$E2LF" reconstruct rec.raw -m net.safetensors -o x
 fails 1 "e2lf reconstruct" "$E2LF" video rec.raw -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o x
@@ -110,5 +120,5 @@ exists stopped/frame_000003.png stopped/run.json
 
 # The benchmark says how far libtorch's result is, where there is one. Speed itself is never tested.
 "$E2LF" bench video --width 40 --height 24 --frames 1 --json --quiet >bench.json
-check "$(json bench.json "len(j['networks']) == 2 and all(n['peer'].get('largest_difference', 0) < 1e-4 and n['float32']['seconds']['median'] > 0 for n in j['networks'])")"
+check "$(json bench.json "len(j['networks']) == 3 and all(n['peer'].get('largest_difference', 0) < 1e-4 and n['float32']['seconds']['median'] > 0 for n in j['networks'])")"
 grep -q "firenet+" <<<"$("$E2LF" bench video -m net.safetensors --width 40 --height 24 --frames 1 --quiet)" || fail "table"

@@ -142,7 +142,8 @@ int run_bench_video(const std::vector<std::string>& arguments) {
       .add_option("--frames", options.frames, "of each; figures are medians")
       ->check(whole_number(1, 100000))
       ->capture_default_str();
-  verb.app().add_option("-m,--model", model, "model file; default: FireNet and E2VID's network with random weights");
+  verb.app().add_option("-m,--model", model,
+                        "model file; default: FireNet, E2VID's network and ET-Net with random weights");
   add_report_option(verb.app(), report_names);
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));

@@ -31,9 +31,10 @@ struct NamedNetwork {
 
 std::vector<NamedNetwork> networks_of(const VideoBench& options) {
   if (options.model) return {{options.model->name, options.model->network, options.model->weights}};
-  const model::Network small = model::firenet(), large = model::event_unet();
+  const model::Network small = model::firenet(), large = model::event_unet(), wide = model::event_transformer();
   return {{"FireNet, random weights", small, random_weights(small)},
-          {"E2VID's U-Net, random weights", large, random_weights(large)}};
+          {"E2VID's U-Net, random weights", large, random_weights(large)},
+          {"ET-Net, random weights", wide, random_weights(wide)}};
 }
 
 /// The network for the peer; empty where it has a layer that the peer does not know.
@@ -41,6 +42,7 @@ class PeerNetwork {
  public:
   explicit PeerNetwork(const NamedNetwork& named) : weights_(named.weights) {
     const auto shapes = model::infer_shapes(named.network).value();
+    inputs_.reserve(shapes.size());
     std::map<std::string, size_t> tensors = {{"input", 0}}, channels = {{"input", named.network.input_channels}};
     for (size_t i = 0; i < shapes.size(); ++i) {
       const model::Layer& layer = named.network.layers[i];
@@ -49,13 +51,16 @@ class PeerNetwork {
         absent_ = cat("the peer does not know layer ", layer.name);
         return;
       }
-      peer.input = tensors.at(layer.inputs[0]);
-      peer.other = layer.inputs.size() > 1 ? tensors.at(layer.inputs[1]) : 0;
+      std::vector<size_t>& inputs = inputs_.emplace_back();
+      for (const std::string& input : layer.inputs) inputs.push_back(tensors.at(input));
+      peer.inputs = inputs.data();
+      peer.num_inputs = inputs.size();
       peer.residual = layer.residual.empty() ? 0 : tensors.at(layer.residual) + 1;
       peer.in_channels = channels.at(layer.inputs[0]);
       peer.out_channels = layer.out_channels;
       peer.kernel = layer.kernel;
       peer.stride = layer.stride;
+      peer.heads = layer.heads;
       peer.relu = layer.relu ? 1 : 0;
       tensors[layer.name] = i + 1;
       channels[layer.name] = shapes[i].channels;
@@ -86,8 +91,19 @@ class PeerNetwork {
         peer.op = kE2lfBilinear;
         return !layer.relu;
       case Op::kAdd:
-        peer.op = kE2lfAdd;
-        return layer.inputs.size() == 2 && !layer.relu;
+      case Op::kMean:
+        peer.op = layer.op == Op::kAdd ? kE2lfAdd : kE2lfMean;
+        return !layer.relu;
+      case Op::kLayerNorm:
+        peer.op = kE2lfLayerNorm;
+        set_weights(layer.name, peer.weight, peer.bias);
+        return true;
+      case Op::kPositionCode:
+        peer.op = kE2lfPositionCode;
+        return true;
+      case Op::kAttention:
+        peer.op = kE2lfAttention;
+        return true;
       case Op::kSigmoid:
         peer.op = kE2lfSigmoid;
         return true;
@@ -102,9 +118,22 @@ class PeerNetwork {
   }
 
   const model::Weights& weights_;
+  std::vector<std::vector<size_t>> inputs_;
   std::vector<E2lfTorchVideoLayer> layers_;
   std::string absent_;
 };
+
+/// Multiply-adds of a frame, with those of attention.
+double products(const model::Network& network, size_t height, size_t width) {
+  double sum = model::macs_per_pixel(network) * static_cast<double>(height * width);
+  const auto shapes = model::infer_shapes(network).value();
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    if (network.layers[i].op != Op::kAttention) continue;
+    const auto pixels = static_cast<double>(height / shapes[i].scale * (width / shapes[i].scale));
+    sum += 2.0 * static_cast<double>(shapes[i].channels) * pixels * pixels;
+  }
+  return sum;
+}
 
 /// One network on one image, by us and by the peer.
 class Bench {
@@ -122,7 +151,7 @@ class Bench {
   Result<Json> run(const std::function<void()>& advance) {
     report_ = {{"network", named_.name},
                {"image", {height_, width_}},
-               {"gmac", model::macs_per_pixel(named_.network) * static_cast<double>(height_ * width_) / 1e9}};
+               {"gmac", products(named_.network, height_, width_) / 1e9}};
     E2LF_RETURN_IF_ERROR(run_engine(Precision::kFloat32));
     advance();
     const std::vector<float> exact = output_;

@@ -15,7 +15,7 @@ namespace e2lf::cli {
 struct VideoBench {
   size_t width = 640, height = 480;
   size_t frames = 5;                       ///< that are timed, of each; one more warms up
-  std::optional<model::VideoModel> model;  ///< empty: FireNet and E2VID's U-Net with random weights
+  std::optional<model::VideoModel> model;  ///< empty: FireNet, E2VID's U-Net and ET-Net with random weights
   std::filesystem::path peer_module;       ///< empty: beside the program
 };
 

@@ -85,7 +85,8 @@ Result<void> Engine::run_frame(std::span<const float> input, size_t height, size
   E2LF_REQUIRE(input.size() == plan.tensors.front().channels * height * width, "the input has another size");
   E2LF_REQUIRE(output.size() == plan.tensors.back().channels * height * width, "the output has another size");
   // What goes from frame to frame is as wide as the image.
-  const size_t panels = plan.states.empty() ? (width + kPanelColumns - 1) / kPanelColumns : 1;
+  const bool is_cut = plan.states.empty() && !plan.needs_whole_rows;
+  const size_t panels = is_cut ? (width + kPanelColumns - 1) / kPanelColumns : 1;
   const size_t columns = round_up((width + panels - 1) / panels, plan.alignment);
   for (size_t begin = 0; begin < width; begin += columns) {
     const size_t end = std::min(width, begin + columns);

@@ -42,7 +42,8 @@ class FrameState {
 /// Runs a convolutional network over whole images on the CPU. The image streams through the network in strips of a few
 /// rows; each layer keeps just the rows its successors still need, so nothing is computed twice, what is live stays in
 /// cache and memory does not grow with the height of the image. Zero padding is exact at the borders. Recurrent
-/// networks keep what they remember of whole images. Thread count: base/threads.h. One run at a time per Engine.
+/// networks keep what they remember of whole images; networks with attention what it looks at, and what stands around
+/// it until it is done. Thread count: base/threads.h. One run at a time per Engine.
 class Engine {
  public:
   /// Prepares kernels and weights. Fails with kUnsupported (a precision this CPU lacks or E2LF_MAX_ISA leaves out), as

@@ -15,6 +15,7 @@
 #include "e2lf/engine/reference.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/safetensors.h"
+#include "testing/engine_runs.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::engine {
@@ -30,31 +31,6 @@ class EngineTest : public ::testing::Test {
     set_num_threads(0);
   }
 };
-
-std::vector<float> run_engine(const model::Network& network, const model::Weights& weights,
-                              const std::vector<float>& input, size_t height, size_t width,
-                              Precision precision = Precision::kFloat32) {
-  const Engine engine = Engine::create(network, weights, {precision}).value();
-  const size_t channels = model::infer_shapes(network).value().back().channels;
-  std::vector<float> output(channels * height * width, NAN);
-  engine.run(input, height, width, output).value();
-  return output;
-}
-
-double largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
-  double largest = a.size() == b.size() ? 0.0 : INFINITY;
-  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    const double difference = std::abs(static_cast<double>(a[i]) - b[i]);
-    largest = difference <= largest ? largest : difference;  // NaN wins
-  }
-  return largest;
-}
-
-double root_mean_square(const std::vector<float>& values) {
-  double sum = 0.0;
-  for (const float value : values) sum += static_cast<double>(value) * value;
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
 
 const std::vector<std::pair<size_t, size_t>> kSizes = {{1, 1}, {5, 7}, {4, 4}, {8, 9}, {37, 53}, {3, 129}, {26, 16}};
 

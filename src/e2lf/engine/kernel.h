@@ -54,7 +54,13 @@ class Kernel {
   virtual ~Kernel() = default;
 
   [[nodiscard]] virtual std::string describe() const = 0;
-  [[nodiscard]] virtual Reach reach() const = 0;
+  [[nodiscard]] virtual Reach reach() const = 0;  ///< of inputs that needs_all() says nothing of
+
+  /// Whether any row of output needs all rows of an input, without zeros beside them.
+  [[nodiscard]] virtual bool needs_all(size_t /*input*/) const { return false; }
+
+  /// Whether a strip must be as wide as the image.
+  [[nodiscard]] virtual bool needs_whole_rows() const { return false; }
 
   /// Bytes of scratch memory (64-byte aligned) that each thread needs.
   [[nodiscard]] virtual size_t scratch_bytes() const { return 0; }

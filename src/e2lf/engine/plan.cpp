@@ -6,12 +6,16 @@
 #include <set>
 
 #include "e2lf/base/text.h"
+#include "e2lf/engine/attention.h"
 #include "e2lf/engine/bilinear.h"
 #include "e2lf/engine/cells.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/dynamic_filter.h"
+#include "e2lf/engine/layer_norm.h"
+#include "e2lf/engine/position_code.h"
 #include "e2lf/engine/reshape.h"
+#include "e2lf/engine/unread_layers.h"
 
 namespace e2lf::engine {
 namespace {
@@ -33,21 +37,6 @@ Result<std::vector<float>> find_weights(const model::Weights& weights, const std
                  ""};
   }
   return found->second;
-}
-
-/// The layers that the output is made from: rows of a tensor that nobody reads would never be released, nor those that
-/// it is made from.
-model::Network without_unread_layers(const model::Network& network) {
-  std::set<std::string> read = {network.layers.back().name};
-  model::Network result{network.input_channels, {}};
-  for (size_t i = network.layers.size(); i-- > 0;) {
-    const Layer& layer = network.layers[i];
-    if (read.count(layer.name) == 0) continue;
-    read.insert(layer.inputs.begin(), layer.inputs.end());
-    read.insert(layer.residual);
-    result.layers.insert(result.layers.begin(), layer);
-  }
-  return result;
 }
 
 class PlanMaker {
@@ -178,6 +167,7 @@ class PlanMaker {
       add_previous(layer);
       return {};
     }
+    if (layer.op == Op::kLayerNorm) return add_layer_norm(layer);
     if (!is_conv(layer)) {
       add_stage(layer.name, layer, make_plain(layer));
       return {};
@@ -204,6 +194,14 @@ class PlanMaker {
     return {};
   }
 
+  Result<void> add_layer_norm(const Layer& layer) {
+    const TensorSpec& spec = specs_.at(layer.name);
+    E2LF_ASSIGN_OR_RETURN(const auto weight, find_weights(weights_, layer.name + ".weight", spec.channels));
+    E2LF_ASSIGN_OR_RETURN(const auto bias, find_weights(weights_, layer.name + ".bias", spec.channels));
+    add_stage(layer.name, layer, make_layer_norm(weight, bias, spec.type));
+    return {};
+  }
+
   /// The kernel of a layer without weights.
   std::unique_ptr<Kernel> make_plain(const Layer& layer) const {
     const ElementType type = specs_.at(layer.name).type;
@@ -211,6 +209,8 @@ class PlanMaker {
     for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
     if (layer.op == Op::kSigmoid) return make_sigmoid(in_channels[0], type);
     if (layer.op == Op::kTanh) return make_tanh(in_channels[0], type);
+    if (layer.op == Op::kPositionCode) return make_position_code(in_channels[0], type);
+    if (layer.op == Op::kAttention) return make_attention(in_channels[0], layer.heads, type);
     if (layer.op == Op::kDynamicFilter) return make_dynamic_filter(in_channels[0], in_channels[1], layer.kernel, type);
     if (layer.op == Op::kUpsampleBilinear) return make_bilinear(in_channels[0], layer.stride, layer.relu, type);
     const Layer* source = find_layer(layer.inputs[0]);
@@ -350,6 +350,7 @@ class PlanMaker {
     for (size_t i = 0; i < plan_.stages.size(); ++i) {
       const Stage& stage = plan_.stages[i];
       const Reach reach = stage.kernel->reach();
+      plan_.needs_whole_rows |= stage.kernel->needs_whole_rows();
       for (const size_t input : stage.inputs) {
         const size_t own = std::max(reach.before, reach.after) * plan_.tensors[input].scale;
         // A coarse pixel made from one that a cut spoils is spoilt as a whole.

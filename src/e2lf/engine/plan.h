@@ -39,7 +39,8 @@ struct State {
 struct Plan {
   std::vector<TensorSpec> tensors;
   std::vector<Stage> stages;
-  std::vector<State> states;  ///< none: every frame is for itself
+  std::vector<State> states;      ///< none: every frame is for itself
+  bool needs_whole_rows = false;  ///< images are not cut
   size_t alignment = 1;  ///< pixels that cut edges of an image must be multiples of for the same tiles to be computed
   size_t halo = 0;       ///< pixels beside a cut that results depend on, a multiple of `alignment`
 };

@@ -11,6 +11,7 @@
 #include "e2lf/engine/engine.h"
 #include "e2lf/engine/reference.h"
 #include "e2lf/engine/stream.h"
+#include "testing/engine_runs.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::engine {
@@ -25,15 +26,6 @@ class RecurrentTest : public ::testing::Test {
     set_num_threads(0);
   }
 };
-
-double largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
-  double largest = a.size() == b.size() ? 0.0 : INFINITY;
-  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    const double difference = std::abs(static_cast<double>(a[i]) - b[i]);
-    largest = difference <= largest ? largest : difference;  // NaN wins
-  }
-  return largest;
-}
 
 double sigmoid(double x) {
   return 1.0 / (1.0 + std::exp(-x));

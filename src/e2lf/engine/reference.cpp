@@ -8,6 +8,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/engine/reference_attention.h"
 #include "e2lf/engine/reference_cells.h"
 
 namespace e2lf::engine {
@@ -119,11 +120,14 @@ float element(const std::vector<const Planes*>& inputs, const Layer& layer, size
       return static_cast<float>(std::tanh(static_cast<double>(input.at(c, y, x))));
     case Op::kDynamicFilter:
       return filtered(input, *inputs[1], layer.kernel, c, y, x);
-    case Op::kAdd: {
+    case Op::kAdd:
+    case Op::kMean: {
       float sum = 0.0F;
       for (const Planes* each : inputs) sum += each->at(c, y, x);
-      return sum;
+      return layer.op == Op::kAdd ? sum : sum / static_cast<float>(inputs.size());
     }
+    case Op::kPositionCode:
+      return input.at(c, y, x) + reference_position_code(input, c, y, x);
     default: {
       size_t i = 0;
       for (; c >= inputs[i]->channels; ++i) c -= inputs[i]->channels;
@@ -217,6 +221,15 @@ Result<std::vector<float>> run_reference(const model::Network& network, const mo
     if (model::is_cell(layer)) {
       E2LF_ASSIGN_OR_RETURN(Planes output, run_cell(layer, *inputs[0], weights, state));
       tensors.emplace(layer.name, std::move(output));
+      continue;
+    }
+    if (layer.op == Op::kAttention) {
+      tensors.emplace(layer.name, reference_attention(*inputs[0], *inputs[1], *inputs[2], layer.heads));
+      continue;
+    }
+    if (layer.op == Op::kLayerNorm) {
+      E2LF_ASSIGN_OR_RETURN(const Kernel found, find_kernel(weights, layer.name, 1, 1, inputs[0]->channels));
+      tensors.emplace(layer.name, reference_layer_norm(*inputs[0], found));
       continue;
     }
     std::optional<Kernel> kernel;

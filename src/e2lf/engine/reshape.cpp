@@ -35,6 +35,8 @@ const char* op_name(Op op) {
       return "upsample";
     case Op::kAdd:
       return "add";
+    case Op::kMean:
+      return "mean";
     case Op::kConcat:
       return "concat";
     default:
@@ -62,6 +64,10 @@ class ReshapeKernel final : public Kernel {
         break;
       case Op::kConcat:
         out_channels_ = sum;
+        break;
+      case Op::kMean:
+        factor_ = 1.0F / static_cast<float>(in_channels_.size());
+        out_channels_ = in_channels_[0];
         break;
       default:
         out_channels_ = in_channels_[0];
@@ -139,7 +145,7 @@ class ReshapeKernel final : public Kernel {
     for (size_t c = 0; c < out_channels_; ++c) {
       float sum = 0.0F;
       for (size_t i = 0; i < in_channels_.size(); ++i) sum += as_float(input(strip, i, y, x)[c]);
-      assign(sum, pixel[c]);
+      assign(sum * factor_, pixel[c]);
     }
   }
 
@@ -149,6 +155,7 @@ class ReshapeKernel final : public Kernel {
   bool phases_first_;
   std::vector<size_t> in_channels_;
   size_t out_channels_ = 0;
+  float factor_ = 1.0F;  ///< of a sum
 };
 
 }  // namespace

@@ -17,6 +17,10 @@ namespace {
 // Rows of output per round: more rows load the weights less often, fewer stay in cache.
 constexpr size_t kRowsPerRound = 4;
 
+// Rows (of the input) that a stage may be ahead at the end of a round, where another one waits for whole images:
+// without bounds all rows of all that stands before it would be made at once.
+constexpr size_t kMostRowsPerRound = 64;
+
 // Threads take at most the remaining work divided by this and their number at a time.
 constexpr size_t kRunsPerThread = 4;
 
@@ -42,6 +46,7 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, F
   for (const TensorSpec& spec : plan.tensors) {
     Tensor tensor;
     tensor.channels = spec.channels;
+    tensor.scale = spec.scale;
     tensor.width = (wide_end_ - wide_begin_) / spec.scale;
     tensor.height = image.height / spec.scale;
     tensor.type = spec.type;
@@ -49,11 +54,13 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, F
     tensors_.push_back(std::move(tensor));
   }
   add_margins();
-  E2LF_REQUIRE(plan.states.empty() || (memory != nullptr && begin == 0 && end == image.width),
-               "what goes from frame to frame is kept of whole images");
+  E2LF_REQUIRE(plan.states.empty() || memory != nullptr, "what goes from frame to frame needs memory");
+  E2LF_REQUIRE((plan.states.empty() && !plan.needs_whole_rows) || (begin == 0 && end == image.width),
+               "this network needs whole images");
   if (!plan.states.empty()) open_memory(*memory);
   make_tables();
   measure_distances();
+  find_readers();
   size_t scratch_bytes = 0;
   for (const Stage& stage : plan.stages) scratch_bytes = std::max(scratch_bytes, stage.kernel->scratch_bytes());
   for (int i = 0; i < num_threads(); ++i) scratch_.emplace_back(scratch_bytes);
@@ -62,8 +69,9 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, F
 void Stream::add_margins() {
   for (const Stage& stage : plan_.stages) {
     const Reach reach = stage.kernel->reach();
-    for (const size_t input : stage.inputs) {
-      Tensor& tensor = tensors_[input];
+    for (size_t i = 0; i < stage.inputs.size(); ++i) {
+      if (stage.kernel->needs_all(i)) continue;
+      Tensor& tensor = tensors_[stage.inputs[i]];
       tensor.left = std::max(tensor.left, reach.before);
       tensor.right = std::max(tensor.right, reach.after + kTileSize - 1);
       tensor.slack = std::max(tensor.slack, kReadAhead * reach.down);
@@ -122,29 +130,48 @@ void Stream::measure_distances() {
   rounds_ahead_ = tensors_.front().distance;
 }
 
-size_t Stream::rows_wanted(size_t index) const {
+void Stream::find_readers() {
+  for (size_t i = 0; i < plan_.stages.size(); ++i) {
+    const Stage& stage = plan_.stages[i];
+    for (size_t input = 0; input < stage.inputs.size(); ++input) waits_ |= stage.kernel->needs_all(input);
+    for (const size_t read : stage.reads()) {
+      std::vector<size_t>& readers = tensors_[read].readers;
+      if (readers.empty() || readers.back() != i) readers.push_back(i);
+    }
+  }
+}
+
+size_t Stream::rows_wanted(size_t index) {
   // A tensor is one round ahead of those that are made from it.
   const size_t rounds = round_ + 1 + tensors_[index].distance;
-  const size_t output_rows = rounds > rounds_ahead_ ? (rounds - rounds_ahead_) * kRowsPerRound : 0;
-  if (output_rows == 0) return 0;
-  std::vector<size_t> rows(tensors_.size(), 0);
+  if (rounds <= rounds_ahead_) return 0;
+  const size_t output_rows = std::min((rounds - rounds_ahead_) * kRowsPerRound, round_up(image_.height, kRowsPerRound));
+  return rows_for(output_rows)[index];
+}
+
+/// The rows of each tensor that the first rows of output are made from.
+const std::vector<size_t>& Stream::rows_for(size_t output_rows) {
+  std::vector<size_t>& rows = rows_for_[output_rows];
+  if (!rows.empty()) return rows;
+  rows.resize(tensors_.size(), 0);
   rows.back() = output_rows;
   // The next frame may need rows of a state that the output of this one does not.
   for (const State& state : plan_.states) {
     if (output_rows >= image_.height) rows[state.kept] = tensors_[state.kept].height;
   }
-  for (size_t i = tensors_.size(); i-- > index;) {
+  for (size_t i = tensors_.size(); i-- > 0;) {
     rows[i] = std::min(tensors_[i].height, round_up(rows[i], kTileSize));
-    if (i == index || rows[i] == 0) continue;
+    if (i == 0 || rows[i] == 0) continue;
     const Stage& stage = plan_.stages[i - 1];
     const Reach reach = stage.kernel->reach();
-    for (const size_t input : stage.inputs) {
+    for (size_t input = 0; input < stage.inputs.size(); ++input) {
+      size_t& needed = rows[stage.inputs[input]];
       const size_t last = (rows[i] * reach.down + reach.up - 1) / reach.up + reach.after;
-      rows[input] = std::max(rows[input], last);
+      needed = stage.kernel->needs_all(input) ? image_.height : std::max(needed, last);
     }
     if (stage.residual) rows[*stage.residual] = std::max(rows[*stage.residual], rows[i]);
   }
-  return rows[index];
+  return rows;
 }
 
 void Stream::add_rows(Tensor& tensor, size_t end) {
@@ -160,14 +187,15 @@ void Stream::add_rows(Tensor& tensor, size_t end) {
 void Stream::release_rows(size_t index) {
   Tensor& tensor = tensors_[index];
   size_t needed = index + 1 == tensors_.size() ? written_ : tensor.done;
-  for (size_t i = 0; i < plan_.stages.size(); ++i) {
+  for (const size_t i : tensor.readers) {
     const Stage& stage = plan_.stages[i];
     const size_t next = tensors_[i + 1].done;
-    const bool finished = next == tensors_[i + 1].height;
-    if (std::count(stage.inputs.begin(), stage.inputs.end(), index) > 0 && !finished) {
-      needed = std::min(needed, first_needed(stage.kernel->reach(), next));
+    if (next == tensors_[i + 1].height) continue;
+    for (size_t input = 0; input < stage.inputs.size(); ++input) {
+      if (stage.inputs[input] != index) continue;
+      needed = stage.kernel->needs_all(input) ? 0 : std::min(needed, first_needed(stage.kernel->reach(), next));
     }
-    if (stage.residual == index && !finished) needed = std::min(needed, next);
+    if (stage.residual == index) needed = std::min(needed, next);
   }
   for (; tensor.released < needed; ++tensor.released) give_back(tensor, tensor.released);
 }
@@ -192,9 +220,10 @@ size_t Stream::rows_possible(size_t index) const {
   const Reach reach = stage.kernel->reach();
   const Tensor& output = tensors_[index + 1];
   size_t end = output.height;
-  for (const size_t input : stage.inputs) {
-    const Tensor& tensor = tensors_[input];
+  for (size_t input = 0; input < stage.inputs.size(); ++input) {
+    const Tensor& tensor = tensors_[stage.inputs[input]];
     if (tensor.done == tensor.height) continue;
+    if (stage.kernel->needs_all(input)) return 0;
     const size_t usable = tensor.done > reach.after ? tensor.done - reach.after : 0;
     end = std::min(end, usable * reach.up / reach.down);
   }
@@ -202,10 +231,16 @@ size_t Stream::rows_possible(size_t index) const {
   return end == output.height ? end : end / kTileSize * kTileSize;
 }
 
+/// How far a tensor that could be computed up to a row gets in this round.
+size_t Stream::next_end(const Tensor& tensor, size_t end) const {
+  if (!waits_) return end;
+  return std::min(end, tensor.done + round_up(kMostRowsPerRound / tensor.scale, kTileSize));
+}
+
 void Stream::plan_input(std::vector<Job>& jobs) {
   Tensor& tensor = tensors_.front();
   if (tensor.done == tensor.height) return;
-  const size_t begin = tensor.done, end = rows_wanted(0);
+  const size_t begin = tensor.done, end = next_end(tensor, rows_wanted(0));
   if (end <= begin) return;
   add_rows(tensor, end);
   jobs.push_back({end - begin, end, &tensor.done, [this, begin](size_t block, std::byte* /*scratch*/) {
@@ -217,8 +252,9 @@ void Stream::plan_input(std::vector<Job>& jobs) {
 }
 
 void Stream::plan_stage(size_t index, std::vector<Job>& jobs) {
-  const size_t end = std::min(rows_possible(index), rows_wanted(index + 1));
   Tensor& output = tensors_[index + 1];
+  if (output.done == output.height) return;
+  const size_t end = next_end(output, std::min(rows_possible(index), rows_wanted(index + 1)));
   if (end <= output.done) return;
   add_rows(output, end);
   const Stage& stage = plan_.stages[index];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -22,11 +23,13 @@ struct Image {
 
 /// Streams columns [begin, end) of an image through a plan, top to bottom. Each round is for a few more rows of the
 /// output: each stage computes the rows that these will need of it, one round ahead of the stages that read them, as
-/// far as its inputs allow; rows that nobody needs any more are reused. Columns up to the plan's halo beside the range
-/// are read, so that cuts leave no trace.
+/// far as its inputs allow; rows that nobody needs any more are reused. Where a stage needs all of an input first,
+/// those before it and behind it go through the image a few rows at a time as well, one behind another. Columns up to
+/// the plan's halo beside the range are read, so that cuts leave no trace.
 class Stream {
  public:
-  /// A plan with states needs `memory`, and all columns at once; FrameMemory::end_frame() ends the frame.
+  /// A plan that needs whole rows needs all columns at once, as does one with states, and `memory`;
+  /// FrameMemory::end_frame() ends the frame.
   Stream(const Plan& plan, const Image& image, size_t begin, size_t end, FrameMemory* memory = nullptr);
   ~Stream();
   Stream(const Stream&) = delete;
@@ -46,7 +49,7 @@ class Stream {
   struct Tensor {
     std::vector<std::byte*> table;
     ptrdiff_t first = 0;  ///< row of table[0]
-    size_t channels = 0, width = 0, height = 0;
+    size_t channels = 0, width = 0, height = 0, scale = 1;
     ElementType type = ElementType::kFloat32;
     size_t pixel_bytes = 0;
     size_t left = 0, right = 0;          ///< zero pixels beside the row
@@ -54,6 +57,7 @@ class Stream {
     size_t distance = 0;                 ///< stages between it and the output, at most
     size_t done = 0;                     ///< rows [0, done) are computed
     size_t released = 0;                 ///< rows [0, released) are gone
+    std::vector<size_t> readers;         ///< stages
     const WholeTensor* whole = nullptr;  ///< where its rows are for good, of states
 
     [[nodiscard]] Rows rows() const { return {table.data(), first}; }
@@ -73,10 +77,13 @@ class Stream {
   void give_back(Tensor& tensor, size_t y);
   void make_tables();
   void measure_distances();
+  void find_readers();
   void add_rows(Tensor& tensor, size_t end);
   void release_rows(size_t tensor);
   [[nodiscard]] size_t rows_possible(size_t stage) const;
-  [[nodiscard]] size_t rows_wanted(size_t tensor) const;
+  [[nodiscard]] size_t rows_wanted(size_t tensor);
+  [[nodiscard]] const std::vector<size_t>& rows_for(size_t output_rows);
+  [[nodiscard]] size_t next_end(const Tensor& tensor, size_t end) const;
   void plan_input(std::vector<Job>& jobs);
   void plan_stage(size_t stage, std::vector<Job>& jobs);
   void plan_output(std::vector<Job>& jobs);
@@ -89,6 +96,8 @@ class Stream {
   std::vector<Tensor> tensors_;
   size_t round_ = 0, rounds_ahead_ = 0;  ///< the input is so many rounds ahead of the output
   size_t written_ = 0;
+  bool waits_ = false;                              ///< a stage needs all of an input
+  std::map<size_t, std::vector<size_t>> rows_for_;  ///< of each tensor, by the rows of output
   RowPool own_pool_;
   RowPool* pool_;  ///< its own, or that of the frames' memory
   AlignedBuffer zero_row_;

@@ -92,6 +92,18 @@ TEST(EngineParity, HyperE2vidGivesTheSameFrames) {
   expect_parity_over_frames(model.network, model.weights, 40, 56);
 }
 
+TEST(EngineParity, EtNetGivesTheSameFrames) {
+  const auto model = imported(model::transformer_checkpoint({.channels = 8, .wide = 100}));
+  expect_parity_over_frames(model.network, model.weights, 40, 56);
+}
+
+TEST(EngineParity, PixelsThatSeeTheWholeImageGiveTheSameFrames) {
+  for (const auto& test : engine::whole_image_networks()) {
+    const auto multiple = static_cast<int64_t>(test.multiple);
+    expect_parity_over_frames(test.network, engine::random_weights(test.network, 5), 11 * multiple, 7 * multiple);
+  }
+}
+
 TEST(EngineParity, FireNetGivesTheSameFrames) {
   const auto model = imported(model::firenet_checkpoint(true));
   expect_parity_over_frames(model.network, model.weights, 21, 35);

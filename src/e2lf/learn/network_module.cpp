@@ -6,6 +6,7 @@
 #include <map>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/learn/attention.h"
 #include "e2lf/learn/convolve.h"
 
 namespace e2lf::learn {
@@ -37,8 +38,12 @@ size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
     case Op::kUpsample:
     case Op::kUpsampleBilinear:
     case Op::kAdd:
+    case Op::kMean:
     case Op::kSigmoid:
     case Op::kTanh:
+    case Op::kLayerNorm:
+    case Op::kPositionCode:
+    case Op::kAttention:
       return inputs.front();
   }
   return 0;
@@ -103,6 +108,11 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
         parameters_[name + ".bias"] = torch::zeros({outputs}, torch::device(device)).set_requires_grad(true);
       }
       continue;
+    }
+    if (layer.op == Op::kLayerNorm) {
+      const auto size = static_cast<int64_t>(inputs.front());
+      parameters_[layer.name + ".weight"] = torch::ones({size}, torch::device(device)).set_requires_grad(true);
+      parameters_[layer.name + ".bias"] = torch::zeros({size}, torch::device(device)).set_requires_grad(true);
     }
     if (layer.op != Op::kConv && layer.op != Op::kConvTransposed) continue;
 
@@ -179,7 +189,19 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
         x = run_cell(layer, x, weights, state);
         break;
       case Op::kAdd:
+      case Op::kMean:
         for (size_t i = 1; i < layer.inputs.size(); ++i) x = x + values.at(layer.inputs[i]);
+        if (layer.op == Op::kMean) x = x / static_cast<double>(layer.inputs.size());
+        break;
+      case Op::kLayerNorm:
+        x = normalise_pixels(x, weights.at(layer.name + ".weight").to(compute),
+                             weights.at(layer.name + ".bias").to(compute));
+        break;
+      case Op::kPositionCode:
+        x = add_position_code(x);
+        break;
+      case Op::kAttention:
+        x = attend(x, values.at(layer.inputs[1]), values.at(layer.inputs[2]), static_cast<int64_t>(layer.heads));
         break;
       case Op::kConcat: {
         std::vector<torch::Tensor> parts;

@@ -2,6 +2,7 @@
 // Checkpoints of published networks, imported and run by the engine, against the published order of operations in
 // torch, on the tensors as they are in the checkpoint.
 #include <gtest/gtest.h>
+#include <torch/nn/modules/activation.h>
 #include <torch/types.h>
 
 #include "e2lf/base/text.h"
@@ -104,6 +105,88 @@ class HyperE2vid final : public Published {
   Tensor last_;
 };
 
+/// Tokens are [token, 1, channel], as torch's attention takes them.
+class EtNet final : public Published {
+ public:
+  explicit EtNet(const Safetensors& checkpoint) : Published(checkpoint, "") {}
+
+  Tensor next(const Tensor& grid) override {
+    const Tensor head = torch::relu(conv("head.conv2d", grid, 1, 2));
+    Tensor x = head;
+    std::vector<Tensor> cells;
+    for (int i = 0; i < 3; ++i) cells.push_back(x = encoder(cat("DownsampleConv.", i), x));
+    const int64_t height = x.size(2), width = x.size(3);
+    const std::vector<Tensor> maps = {encode(0, cells[2]), encode(1, conv("split1", cells[1], 2, 0)),
+                                      encode(2, conv("split2", cells[0], 4, 0))};
+    Tensor sum = maps[0] + maps[1] + maps[2];
+    for (int i = 0; i < 3; ++i) sum = sum + relate(i, maps[i], maps[std::max(i - 1, 0)]);
+    x = (sum / 6).permute({1, 2, 0}).reshape({1, -1, height, width});
+    for (int i = 0; i < 3; ++i) {
+      x = torch::relu(conv(cat("UpsampleConv.", i, ".conv2d"), twice(x + cells[2 - i]), 1, 2));
+    }
+    return torch::sigmoid(conv("pred.conv2d", x + head, 1, 0));
+  }
+
+ private:
+  [[nodiscard]] Tensor encode(int scale, const Tensor& image) const {
+    Tensor x = image.flatten(2).permute({2, 0, 1});
+    x = x + positions(x.size(0), x.size(2));
+    for (int i = 0; i < 3; ++i) {
+      const std::string key = cat("trans_encoder", scale, ".encoder.layers.", i);
+      const Tensor even = layer_norm(key + ".norm1", x);
+      x = x + attend(key + ".self_attn", even, even);
+      x = x + feed_forward(key, layer_norm(key + ".norm2", x));
+    }
+    return x;
+  }
+
+  [[nodiscard]] Tensor relate(int scale, const Tensor& target, const Tensor& memory) const {
+    Tensor x = target;
+    for (int i = 0; i < 2; ++i) {
+      const std::string key = cat("trans_decoder", scale, ".decoder.layers.", i);
+      const Tensor even = layer_norm(key + ".norm1", x);
+      x = x + attend(key + ".self_attn", even, even);
+      x = x + attend(key + ".cross_attn", layer_norm(key + ".norm21", x), layer_norm(key + ".norm22", memory));
+      x = x + feed_forward(key, layer_norm(key + ".norm3", x));
+    }
+    return x;
+  }
+
+  [[nodiscard]] static Tensor positions(int64_t count, int64_t channels) {
+    Tensor table = torch::zeros({count, 1, channels}, torch::kDouble);
+    for (int64_t n = 0; n < count; ++n) {
+      for (int64_t c = 0; c < channels; ++c) {
+        const double exponent = 2.0 * static_cast<double>(c / 2) / static_cast<double>(channels);
+        const double angle = static_cast<double>(n) / std::pow(10000.0, exponent);
+        table[n][0][c] = c % 2 == 0 ? std::sin(angle) : std::cos(angle);
+      }
+    }
+    return table.to(torch::kFloat);
+  }
+
+  [[nodiscard]] Tensor layer_norm(const std::string& key, const Tensor& x) const {
+    return at::layer_norm(x, {x.size(2)}, tensor(key + ".weight"), tensor(key + ".bias"), 1e-5);
+  }
+
+  [[nodiscard]] Tensor linear(const std::string& key, const Tensor& x) const {
+    return at::linear(x, tensor(key + ".weight"), tensor(key + ".bias"));
+  }
+
+  [[nodiscard]] Tensor feed_forward(const std::string& key, const Tensor& x) const {
+    return linear(key + ".linear2", torch::relu(linear(key + ".linear1", x)));
+  }
+
+  [[nodiscard]] Tensor attend(const std::string& key, const Tensor& queries, const Tensor& memory) const {
+    torch::nn::MultiheadAttention module(torch::nn::MultiheadAttentionOptions(queries.size(2), 8));
+    module->eval();
+    module->in_proj_weight.copy_(tensor(key + ".in_proj_weight"));
+    module->in_proj_bias.copy_(tensor(key + ".in_proj_bias"));
+    module->out_proj->weight.copy_(tensor(key + ".out_proj.weight"));
+    module->out_proj->bias.copy_(tensor(key + ".out_proj.bias"));
+    return std::get<0>(module->forward(queries, memory, memory));
+  }
+};
+
 /// Three frames of both; the largest difference, of the largest value.
 double largest_difference(const Safetensors& checkpoint, Published& published, int64_t height, int64_t width) {
   torch::manual_seed(11);
@@ -134,6 +217,12 @@ TEST(PublishedVideo, HyperE2vidGivesTheFramesOfItsProgram) {
   const auto checkpoint = model::unet_checkpoint({.is_dynamic = true});
   HyperE2vid published(checkpoint);
   EXPECT_LT(largest_difference(checkpoint, published, 48, 72), 2e-5);
+}
+
+TEST(PublishedVideo, EtNetGivesTheFramesOfItsProgram) {
+  const auto checkpoint = model::transformer_checkpoint({});
+  EtNet published(checkpoint);
+  EXPECT_LT(largest_difference(checkpoint, published, 72, 104), 2e-5);
 }
 
 }  // namespace

@@ -47,6 +47,23 @@ Result<std::string> CheckpointImporter::conv(Layer layer, const std::string& key
   return add(std::move(layer), std::move(weight), std::move(bias));
 }
 
+Result<std::string> CheckpointImporter::linear(Layer layer, const std::string& key) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> extents, shape(key + ".weight", 2));
+  layer.out_channels = extents[0];
+  E2LF_ASSIGN_OR_RETURN(std::vector<float> weight, values(key + ".weight", extents[0] * extents[1]));
+  E2LF_ASSIGN_OR_RETURN(std::vector<float> bias, values(key + ".bias", extents[0]));
+  return add(std::move(layer), std::move(weight), std::move(bias));
+}
+
+Result<std::string> CheckpointImporter::layer_norm(const std::string& name, const std::string& key,
+                                                   const std::string& input) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> extents, shape(key + ".weight", 1));
+  E2LF_ASSIGN_OR_RETURN(std::vector<float> weight, values(key + ".weight", extents[0]));
+  E2LF_ASSIGN_OR_RETURN(std::vector<float> bias, values(key + ".bias", extents[0]));
+  return add({.name = name, .op = Op::kLayerNorm, .inputs = {input}, .residual = {}}, std::move(weight),
+             std::move(bias));
+}
+
 Result<std::string> CheckpointImporter::cell(const std::string& name, const std::string& key,
                                              const std::string& input) {
   const bool is_lstm = has(key + ".Gates.weight");

@@ -29,6 +29,12 @@ class CheckpointImporter {
   /// A convolution "<key>.weight", with a bias and batch normalisation "<norm>" where they are there.
   Result<std::string> conv(Layer layer, const std::string& key, const std::string& norm = "");
 
+  /// A linear layer "<key>.weight" [out, in] of each pixel, with its bias: a 1x1 convolution.
+  Result<std::string> linear(Layer layer, const std::string& key);
+
+  /// "<key>.weight" and "<key>.bias" of each channel.
+  Result<std::string> layer_norm(const std::string& name, const std::string& key, const std::string& input);
+
   /// A cell: a GRU by its three gates, or an LSTM by its one tensor of gates.
   Result<std::string> cell(const std::string& name, const std::string& key, const std::string& input);
 

@@ -42,6 +42,11 @@ class Chain {
 
   void add(Layer layer) {
     layer.inputs = {last_};
+    put(std::move(layer));
+  }
+
+  /// Of the inputs that the layer names itself.
+  void put(Layer layer) {
     last_ = layer.name;
     network_.layers.push_back(std::move(layer));
   }
@@ -51,6 +56,118 @@ class Chain {
  private:
   Network network_;
   std::string last_ = "input";
+};
+
+/// Head and encoders; returns what is added on the way back.
+std::vector<std::string> encode(Chain& chain, size_t channels, size_t encoders) {
+  chain.conv("head", channels, 5);
+  std::vector<std::string> skips = {chain.last()};
+  for (size_t i = 0; i < encoders; ++i) {
+    channels *= 2;
+    chain.conv(cat("encoder", i), channels, 5, 2);
+    chain.cell(cat("cell", i), Op::kConvLstm, channels);
+    skips.push_back(chain.last());
+  }
+  return skips;
+}
+
+/// Decoders and the picture.
+void decode(Chain& chain, size_t channels, std::vector<std::string> skips) {
+  for (size_t i = 0; skips.size() > 1; ++i) {
+    channels /= 2;
+    chain.plus(cat("join", i), skips.back());
+    skips.pop_back();
+    chain.add({.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {}, .stride = 2, .residual = {}});
+    chain.conv(cat("decoder", i), channels, 5);
+  }
+  chain.plus("join", skips.back());
+  chain.add({.name = "picture", .inputs = {}, .out_channels = 1, .residual = {}});
+}
+
+/// ET-Net's, behind the encoders.
+class Transformers {
+ public:
+  Transformers(Chain& chain, const EventTransformerOptions& options)
+      : chain_(chain), options_(options), channels_(options.channels << options.encoders) {}
+
+  void add(const std::vector<std::string>& skips) {
+    std::vector<std::string> maps;
+    for (size_t scale = 0; scale < options_.encoders; ++scale) {
+      encode_scale(scale, skips[options_.encoders - scale]);
+      maps.push_back(chain_.last());
+    }
+    for (size_t scale = 0; scale < options_.encoders; ++scale) {
+      relate(scale, maps[scale], maps[scale == 0 ? 0 : scale - 1]);
+      maps.push_back(chain_.last());
+    }
+    chain_.put({.name = "mean", .op = Op::kMean, .inputs = maps, .residual = {}});
+  }
+
+ private:
+  void encode_scale(size_t scale, const std::string& input) {
+    std::string x = input;
+    if (scale > 0) {
+      const size_t size = size_t{1} << scale;
+      x = cat("split", scale);
+      chain_.put(
+          {.name = x, .inputs = {input}, .out_channels = channels_, .kernel = size, .stride = size, .residual = {}});
+    }
+    chain_.put({.name = cat("place", scale), .op = Op::kPositionCode, .inputs = {x}, .residual = {}});
+    for (size_t i = 0; i < options_.self_layers; ++i) {
+      const std::string name = cat("self", scale, "_", i), last = chain_.last();
+      look_around(name, last);
+      feed_forward(name, "_norm2");
+    }
+  }
+
+  void relate(size_t scale, const std::string& target, const std::string& memory) {
+    std::string x = target;
+    for (size_t i = 0; i < options_.cross_layers; ++i) {
+      const std::string name = cat("cross", scale, "_", i);
+      look_around(name, x);
+      norm(name + "_norm21", name + "_self");
+      norm(name + "_norm22", memory);
+      attend(name + "_cross", name + "_norm21", name + "_norm22", name + "_self");
+      feed_forward(name, "_norm3");
+      x = name;
+    }
+  }
+
+  void norm(const std::string& name, const std::string& input) {
+    chain_.put({.name = name, .op = Op::kLayerNorm, .inputs = {input}, .residual = {}});
+  }
+
+  void linear(const std::string& name, const std::string& input, size_t channels, const std::string& sum = "") {
+    chain_.put({.name = name, .inputs = {input}, .out_channels = channels, .residual = sum});
+  }
+
+  void look_around(const std::string& name, const std::string& x) {
+    norm(name + "_norm1", x);
+    attend(name + "_self", name + "_norm1", name + "_norm1", x);
+  }
+
+  void attend(const std::string& name, const std::string& queries, const std::string& memory, const std::string& sum) {
+    const std::vector<std::string> parts = {name + "_query", name + "_key", name + "_value"};
+    for (const std::string& part : parts) linear(part, part == parts[0] ? queries : memory, channels_);
+    chain_.put(
+        {.name = name + "_look", .op = Op::kAttention, .inputs = parts, .heads = options_.heads, .residual = {}});
+    linear(name, name + "_look", channels_, sum);
+  }
+
+  void feed_forward(const std::string& name, const char* norm_name) {
+    const std::string x = chain_.last();
+    norm(name + norm_name, x);
+    chain_.put({.name = name + "_wide",
+                .inputs = {name + norm_name},
+                .out_channels = options_.wide,
+                .residual = {},
+                .relu = true});
+    linear(name, name + "_wide", channels_, x);
+  }
+
+  Chain& chain_;
+  const EventTransformerOptions& options_;
+  size_t channels_;
 };
 
 }  // namespace
@@ -68,26 +185,20 @@ Network firenet(size_t bins, size_t channels) {
 
 Network event_unet(const EventUnetOptions& options) {
   Chain chain(options.bins);
-  size_t channels = options.channels;
-  chain.conv("head", channels, 5);
-  std::vector<std::string> skips = {chain.last()};
-  for (size_t i = 0; i < options.encoders; ++i) {
-    channels *= 2;
-    chain.conv(cat("encoder", i), channels, 5, 2);
-    chain.cell(cat("cell", i), Op::kConvLstm, channels);
-    skips.push_back(chain.last());
-  }
+  std::vector<std::string> skips = encode(chain, options.channels, options.encoders);
+  const size_t channels = options.channels << options.encoders;
   for (size_t i = 0; i < options.blocks; ++i) chain.residual_block(cat("block", i), channels);
-  for (size_t i = 0; i < options.encoders; ++i) {
-    channels /= 2;
-    chain.plus(cat("join", i), skips.back());
-    skips.pop_back();
-    chain.add({.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {}, .stride = 2, .residual = {}});
-    chain.conv(cat("decoder", i), channels, 5);
-  }
-  chain.plus("join", skips.back());
-  chain.add({.name = "picture", .inputs = {}, .out_channels = 1, .residual = {}});
+  decode(chain, channels, std::move(skips));
   if (options.ends_in_sigmoid) chain.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {}, .residual = {}});
+  return chain.take();
+}
+
+Network event_transformer(const EventTransformerOptions& options) {
+  Chain chain(options.bins);
+  std::vector<std::string> skips = encode(chain, options.channels, options.encoders);
+  Transformers(chain, options).add(skips);
+  decode(chain, options.channels << options.encoders, std::move(skips));
+  chain.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {}, .residual = {}});
   return chain.take();
 }
 

@@ -7,12 +7,13 @@
 #include "e2lf/base/text.h"
 #include "e2lf/model/checkpoint_importer.h"
 #include "e2lf/model/import_dynamic_decoder.h"
+#include "e2lf/model/import_transformer.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
 namespace {
 
-enum class Family { kFireNet, kFireNetPlus, kUnet, kDynamicUnet };
+enum class Family { kFireNet, kFireNetPlus, kUnet, kDynamicUnet, kTransformer };
 
 /// What the tensors of a network do not tell.
 struct Conventions {
@@ -30,7 +31,8 @@ constexpr Conventions kConventions[] = {{"firenet", Family::kFireNet, true, fals
                                         {"e2vid", Family::kUnet, true, true, 0, Tone::kRobust},
                                         {"e2vid+", Family::kUnet, false, false, 0, Tone::kNone},
                                         {"ssl-e2vid", Family::kUnet, false, false, 0, Tone::kExpRobust},
-                                        {"hypere2vid", Family::kDynamicUnet, false, false, 0, Tone::kNone}};
+                                        {"hypere2vid", Family::kDynamicUnet, false, false, 0, Tone::kNone},
+                                        {"et-net", Family::kTransformer, false, true, 0, Tone::kNone}};
 
 constexpr const char* kLastConv = "pred.conv2d.weight";
 
@@ -47,21 +49,24 @@ Result<void> import_firenet(CheckpointImporter& importer, const std::vector<std:
   return {};
 }
 
-/// The recurrent U-Net: encoders that halve the resolution, each with a cell, residual blocks, and decoders that double
-/// it; what the encoders gave is added on the way back.
-Result<void> import_unet(CheckpointImporter& importer) {
+/// The recurrent U-Net: encoders that halve the resolution, each with a cell, residual blocks or transformers, and
+/// decoders that double it; what the encoders gave is added on the way back. `encoder` and `decoder` begin their keys.
+Result<void> import_unet(CheckpointImporter& importer, const std::string& encoder, const std::string& decoder) {
   importer.set_head("head.conv2d.weight");
   const auto conv_layer = [](const std::string& name, const std::string& input, size_t stride = 1) {
     return Layer{.name = name, .inputs = {input}, .stride = stride, .residual = {}, .relu = true};
   };
   E2LF_ASSIGN_OR_RETURN(std::string x, importer.conv(conv_layer("head", "input"), "head.conv2d", "head.norm_layer"));
   std::vector<std::string> skips = {x};
-  for (size_t i = 0; importer.has(cat("encoders.", i, ".conv.conv2d.weight")); ++i) {
-    const std::string key = cat("encoders.", i), conv = key + ".conv";
+  for (size_t i = 0; importer.has(cat(encoder, i, ".conv.conv2d.weight")); ++i) {
+    const std::string key = cat(encoder, i), conv = key + ".conv";
     E2LF_ASSIGN_OR_RETURN(x,
                           importer.conv(conv_layer(cat("encoder", i), x, 2), conv + ".conv2d", conv + ".norm_layer"));
     E2LF_ASSIGN_OR_RETURN(x, importer.cell(cat("cell", i), key + ".recurrent_block", x));
     skips.push_back(x);
+  }
+  if (has_transformers(importer)) {
+    E2LF_ASSIGN_OR_RETURN(x, import_transformers(importer, {skips.begin() + 1, skips.end()}));
   }
   for (size_t i = 0; importer.has(cat("resblocks.", i, ".conv1.weight")); ++i) {
     E2LF_ASSIGN_OR_RETURN(x, importer.residual_block(cat("block", i), cat("resblocks.", i), x));
@@ -72,7 +77,7 @@ Result<void> import_unet(CheckpointImporter& importer) {
     return importer.add({.name = name, .op = Op::kAdd, .inputs = {x, skip}, .residual = {}});
   };
   for (size_t i = 0; skips.size() > 1; ++i) {
-    const std::string key = cat("decoders.", i);
+    const std::string key = cat(decoder, i);
     if (importer.has(key + ".transposed_conv2d.weight")) {
       return Error{ErrorCode::kUnsupported,
                    "its decoders are transposed convolutions, which are not read; give a network that resizes first",
@@ -104,6 +109,7 @@ std::optional<std::string> find_prefix(const Safetensors& tensors) {
 std::optional<Family> find_family(const CheckpointImporter& importer) {
   if (importer.has("G1.update_gate.weight")) return Family::kFireNetPlus;
   if (importer.has("head.recurrent_block.update_gate.weight")) return Family::kFireNet;
+  if (has_transformers(importer)) return Family::kTransformer;
   if (is_dynamic_decoder(importer, "decoders.0")) return Family::kDynamicUnet;
   if (importer.has("encoders.0.conv.conv2d.weight")) return Family::kUnet;
   return std::nullopt;
@@ -114,6 +120,7 @@ Result<Conventions> find_conventions(const std::string& as, Family family, bool 
                            : family == Family::kFireNet     ? "firenet"
                            : family == Family::kFireNetPlus ? "firenet+"
                            : family == Family::kDynamicUnet ? "hypere2vid"
+                           : family == Family::kTransformer ? "et-net"
                            : is_normalised                  ? "e2vid"
                                                             : "e2vid+";
   const auto found = std::find_if(std::begin(kConventions), std::end(kConventions),
@@ -152,7 +159,9 @@ Result<VideoModel> import_event_video(const std::filesystem::path& path, const s
   const bool is_normalised = importer.has("encoders.0.conv.norm_layer.running_mean");
   E2LF_ASSIGN_OR_RETURN(const Conventions conventions, find_conventions(as, *family, is_normalised));
   if (*family == Family::kUnet || *family == Family::kDynamicUnet) {
-    E2LF_RETURN_IF_ERROR(import_unet(importer));
+    E2LF_RETURN_IF_ERROR(import_unet(importer, "encoders.", "decoders."));
+  } else if (*family == Family::kTransformer) {
+    E2LF_RETURN_IF_ERROR(import_unet(importer, "DownsampleConv.", "UpsampleConv."));
   } else if (*family == Family::kFireNet) {
     E2LF_RETURN_IF_ERROR(import_firenet(importer, {"head.conv.conv2d", "head.recurrent_block", "resblocks.0.conv",
                                                    "resblocks.0.recurrent_block", "resblocks.1"}));

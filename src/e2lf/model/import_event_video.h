@@ -11,7 +11,7 @@ namespace e2lf::model {
 
 /// The published networks whose checkpoints are read: "firenet" (Scheerlinck et al., WACV 2020), "firenet+", "e2vid+"
 /// (Stoffregen et al., ECCV 2020), "e2vid" (Rebecq et al., TPAMI 2021), "ssl-e2vid" (Paredes-Valles and de Croon, CVPR
-/// 2021), "hypere2vid" (Ercan et al., TIP 2024).
+/// 2021), "hypere2vid" (Ercan et al., TIP 2024), "et-net" (Weng et al., ICCV 2021).
 [[nodiscard]] std::vector<std::string> event_video_names();
 
 /// A published checkpoint as a model: `path` is its state dictionary as a .safetensors file, with the names of its

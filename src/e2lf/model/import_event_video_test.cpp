@@ -115,6 +115,80 @@ TEST(ImportEventVideo, RefusesDynamicDecodersThatDoNotFit) {
               HasSubstr("other layers"));
 }
 
+/// A small one of every part.
+Safetensors small_transformers() {
+  return transformer_checkpoint({.channels = 2, .self_layers = 2, .cross_layers = 1, .wide = 20});
+}
+
+TEST(ImportEventVideo, EtNetHasItsParametersAndConventions) {
+  const auto model = import_tensors(transformer_checkpoint({}));
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  EXPECT_EQ(model->name, "et-net");
+  EXPECT_FALSE(model->normalises_voxels);
+  EXPECT_EQ(model->tone, Tone::kNone);
+  EXPECT_EQ(model->pad_multiple, 8U);
+  EXPECT_EQ(num_parameters(model->network), 22175361U);
+  EXPECT_EQ(model->network, event_transformer());
+  const auto small = import_tensors(small_transformers());
+  ASSERT_TRUE(small.ok()) << small.error().text();
+  EXPECT_EQ(small->network, event_transformer({.channels = 2, .self_layers = 2, .cross_layers = 1, .wide = 20}));
+}
+
+TEST(ImportEventVideo, AttentionHasQueriesKeysAndValuesInThisOrder) {
+  const Safetensors tensors = small_transformers();
+  const auto model = import_tensors(tensors);
+  ASSERT_TRUE(model.ok()) << model.error().text();
+  const std::string key = "trans_decoder1.decoder.layers.0.cross_attn.in_proj_";
+  const auto weight = tensors.tensors.at(key + "weight").to_float("w").value();  // [48, 16]
+  const auto bias = tensors.tensors.at(key + "bias").to_float("b").value();
+  EXPECT_EQ(model->weights.at("cross1_0_cross_query.weight")[3 * 16 + 5], weight[3 * 16 + 5]);
+  EXPECT_EQ(model->weights.at("cross1_0_cross_key.weight")[3 * 16 + 5], weight[(16 + 3) * 16 + 5]);
+  EXPECT_EQ(model->weights.at("cross1_0_cross_value.weight")[3 * 16 + 5], weight[(32 + 3) * 16 + 5]);
+  EXPECT_EQ(model->weights.at("cross1_0_cross_value.bias")[3], bias[35]);
+}
+
+TEST(ImportEventVideo, ATableOfPositionsMustBeOfSines) {
+  Safetensors tensors = small_transformers();
+  std::vector<float> table(size_t{40} * 16);
+  for (size_t i = 0; i < table.size(); ++i) {
+    const double angle = static_cast<double>(i / 16) / std::pow(10000.0, static_cast<double>(i % 16 / 2) / 8.0);
+    table[i] = static_cast<float>(i % 2 == 0 ? std::sin(angle) : std::cos(angle));
+  }
+  tensors.tensors["position_embedding.pos_table"] = make_tensor({1, 40, 16}, table);
+  EXPECT_TRUE(import_tensors(tensors).ok());
+  table[300] += 0.1F;
+  tensors.tensors["position_embedding.pos_table"] = make_tensor({1, 40, 16}, table);
+  EXPECT_EQ(import_tensors(tensors).error().code, ErrorCode::kUnsupported);
+}
+
+TEST(ImportEventVideo, RefusesTransformersThatDoNotFit) {
+  const auto error_after = [](const std::string& name, const std::vector<size_t>& shape) {
+    Safetensors tensors = small_transformers();
+    size_t size = 1;
+    for (const size_t extent : shape) size *= extent;
+    if (shape.empty()) {
+      tensors.tensors.erase(name);
+    } else {
+      tensors.tensors[name] = make_tensor(shape, std::vector<float>(size, 0.1F));
+    }
+    const auto model = import_tensors(tensors);
+    EXPECT_FALSE(model.ok()) << name;
+    return model.ok() ? ErrorCode::kIo : model.error().code;
+  };
+  const std::string layer = "trans_encoder1.encoder.layers.1.";
+  EXPECT_EQ(error_after(layer + "self_attn.in_proj_weight", {47, 16}), ErrorCode::kShape);
+  EXPECT_EQ(error_after(layer + "self_attn.in_proj_weight", {36, 12}), ErrorCode::kShape);
+  EXPECT_EQ(error_after(layer + "self_attn.in_proj_bias", {16}), ErrorCode::kShape);
+  EXPECT_EQ(error_after(layer + "linear1.weight", {20}), ErrorCode::kShape);
+  EXPECT_EQ(error_after(layer + "linear1.weight", {20, 17}), ErrorCode::kShape);
+  EXPECT_EQ(error_after(layer + "norm2.weight", {15}), ErrorCode::kShape);
+  EXPECT_EQ(error_after(layer + "norm2.bias", {}), ErrorCode::kNotFound);
+  EXPECT_EQ(error_after(layer + "linear1.weight", {}), ErrorCode::kFormat);  // of a layer that is no more
+  EXPECT_EQ(error_after("trans_decoder2.decoder.layers.0.linear1.weight", {}), ErrorCode::kNotFound);
+  EXPECT_EQ(error_after("split1.weight", {16, 8, 4, 4}), ErrorCode::kInvalidValue);
+  EXPECT_THAT(import_tensors(small_transformers(), "e2vid").error().message, HasSubstr("other layers"));
+}
+
 TEST(ImportEventVideo, FoldsBatchNormalisationIntoTheConvolutionBeforeIt) {
   Safetensors tensors = unet_checkpoint({.is_normalised = true, .channels = 2});
   const std::string key = "unetrecurrent.encoders.0.conv.";

@@ -23,6 +23,10 @@ bool is_cell(const Layer& layer) {
   return layer.op == Op::kConvGru || layer.op == Op::kConvLstm;
 }
 
+bool needs_whole_image(const Layer& layer) {
+  return layer.op == Op::kAttention || layer.op == Op::kPositionCode;
+}
+
 bool is_recurrent(const Network& network) {
   return std::any_of(network.layers.begin(), network.layers.end(),
                      [](const Layer& layer) { return is_cell(layer) || layer.op == Op::kPrevious; });

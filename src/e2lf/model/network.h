@@ -20,13 +20,19 @@ enum class Op {
   kUpsample,          ///< nearest neighbour by `stride`
   kUpsampleBilinear,  ///< by `stride`: output pixel i lies at (i + 1/2) / stride - 1/2; beyond the edge is the edge
   kAdd,               ///< sum of all inputs
+  kMean,              ///< mean of all inputs
   kConcat,            ///< inputs one after another along the channels
   kSigmoid,           ///< 1 / (1 + exp(-x))
   kTanh,
   kDynamicFilter,  ///< each pixel has filters of its own: inputs x [C] and f [M kernel^2] give [M C],
                    ///< out[m C + c](y, x) = sum over dy, dx of f[(m kernel + dy) kernel + dx](y, x) x[c](y + dy - r, x
                    ///< + dx - r), r = kernel / 2 (odd kernel)
-  kPrevious,  ///< what the last layer gave of the frame before, zeros at first; no inputs, out_channels as that layer
+  kLayerNorm,      ///< each pixel over its channels: (x - mean) / sqrt(variance + 1e-5) * weight + bias
+  kPositionCode,   ///< x + a code of where the pixel is: of pixel n = y width + x, channel 2 i gets sin(n /
+                   ///< 10000^(2 i / C)), channel 2 i + 1 the cosine
+  kAttention,  ///< each pixel looks at all: inputs q, k, v [C], whose channels are `heads` equal parts; each part of
+               ///< pixel i is the sum over pixels j of softmax_j(q_i . k_j / sqrt(C / heads)) v_j
+  kPrevious,   ///< what the last layer gave of the frame before, zeros at first; no inputs, out_channels as that layer
 
   // Cells with a memory of the frame before, which begins at zero; * is "same" convolution with `kernel` (odd), [a, b]
   // is kConcat. The input is x, the result h.
@@ -35,8 +41,9 @@ enum class Op {
 };
 
 /// One layer; its output is known by its name. Weights: "<name>.weight" [out, in, kernel, kernel] (for kConvTransposed
-/// [in, out, kernel, kernel], as in torch) and "<name>.bias" [out]. Cells have the same of two convolutions,
-/// "<name>.gates" (kConvGru: 2 out = u, r; kConvLstm: 4 out = i, f, o, g) and, of kConvGru, "<name>.candidate" (out).
+/// [in, out, kernel, kernel], as in torch) and "<name>.bias" [out]; of kLayerNorm both are [channels]. Cells have the
+/// same of two convolutions, "<name>.gates" (kConvGru: 2 out = u, r; kConvLstm: 4 out = i, f, o, g) and, of kConvGru,
+/// "<name>.candidate" (out).
 struct Layer {
   std::string name;
   Op op = Op::kConv;
@@ -44,6 +51,7 @@ struct Layer {
   size_t out_channels = 0;          ///< kConv, kConvTransposed, kPrevious, cells
   size_t kernel = 1;                ///< kConv, kConvTransposed, kDynamicFilter, cells
   size_t stride = 1;
+  size_t heads = 1;      ///< kAttention
   std::string residual;  ///< kConv: a tensor of the output's shape added before the activation; "" = none
   bool relu = false;     ///< ReLU at the end, for the ops up to kSigmoid
 
@@ -78,6 +86,9 @@ struct LayerShape {
 /// Whether a layer is kConvGru or kConvLstm.
 [[nodiscard]] bool is_cell(const Layer& layer);
 
+/// Whether a layer's output depends on all pixels of an image: kAttention; or on where in it they are: kPositionCode.
+[[nodiscard]] bool needs_whole_image(const Layer& layer);
+
 /// Whether a network remembers the frame before: whether it has cells or kPrevious.
 [[nodiscard]] bool is_recurrent(const Network& network);
 
@@ -90,9 +101,13 @@ struct WeightShape {
 /// Every tensor that the network's layers need, in their order.
 [[nodiscard]] std::vector<WeightShape> weight_shapes(const Network& network);
 
-/// Multiply-adds per input pixel, and the number of weights and biases.
+/// Multiply-adds per input pixel, without those of kAttention, which grow with the image (2 C for each pair of pixels);
+/// and the number of weights and biases.
 [[nodiscard]] double macs_per_pixel(const Network& network);
 [[nodiscard]] size_t num_parameters(const Network& network);
+
+/// What receptive_radius() is of networks with a layer that needs the whole image.
+inline constexpr size_t kWholeImage = ~size_t{0};
 
 /// Rows (and columns) of context on each side that one output pixel sees at most, of the same frame: 26 for the paper's
 /// network.

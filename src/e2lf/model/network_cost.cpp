@@ -50,39 +50,39 @@ std::map<std::string, LayerShape> shapes_by_name(const Network& network) {
   return by_name;
 }
 
-/// All convolutions of a network, in the order of its layers.
-std::vector<ConvCost> convolutions(const Network& network) {
-  const auto shapes = shapes_by_name(network);
-  std::vector<ConvCost> all;
-  for (const Layer& layer : network.layers) {
-    if (layer.inputs.empty()) continue;
-    const LayerShape input = shapes.at(layer.inputs.front());
-    for (ConvCost& conv : convolutions(layer, input.channels, input.scale, shapes.at(layer.name).scale)) {
-      all.push_back(std::move(conv));
-    }
-  }
-  return all;
+std::vector<ConvCost> convolutions(const Layer& layer, const std::map<std::string, LayerShape>& shapes) {
+  if (layer.inputs.empty()) return {};
+  const LayerShape input = shapes.at(layer.inputs.front());
+  return convolutions(layer, input.channels, input.scale, shapes.at(layer.name).scale);
 }
 
 }  // namespace
 
 std::vector<WeightShape> weight_shapes(const Network& network) {
   std::vector<WeightShape> result;
-  for (const ConvCost& conv : convolutions(network)) {
-    result.push_back({conv.name + ".weight", {conv.out, conv.in, conv.kernel, conv.kernel}});
-    result.push_back({conv.name + ".bias", {conv.bias}});
+  const auto shapes = shapes_by_name(network);
+  for (const Layer& layer : network.layers) {
+    const size_t channels = shapes.at(layer.name).channels;
+    if (layer.op == Op::kLayerNorm) {
+      result.push_back({layer.name + ".weight", {channels}});
+      result.push_back({layer.name + ".bias", {channels}});
+    }
+    for (const ConvCost& conv : convolutions(layer, shapes)) {
+      result.push_back({conv.name + ".weight", {conv.out, conv.in, conv.kernel, conv.kernel}});
+      result.push_back({conv.name + ".bias", {conv.bias}});
+    }
   }
   return result;
 }
 
 double macs_per_pixel(const Network& network) {
   double sum = 0.0;
-  for (const ConvCost& conv : convolutions(network)) {
-    const size_t weights = conv.in * conv.out * conv.kernel * conv.kernel;
-    sum += static_cast<double>(weights) / static_cast<double>(conv.scale * conv.scale);
-  }
   const auto shapes = shapes_by_name(network);
   for (const Layer& layer : network.layers) {
+    for (const ConvCost& conv : convolutions(layer, shapes)) {
+      const size_t weights = conv.in * conv.out * conv.kernel * conv.kernel;
+      sum += static_cast<double>(weights) / static_cast<double>(conv.scale * conv.scale);
+    }
     if (layer.op != Op::kDynamicFilter) continue;
     const LayerShape output = shapes.at(layer.name);
     const size_t products = output.channels * layer.kernel * layer.kernel;
@@ -106,6 +106,7 @@ size_t receptive_radius(const Network& network) {
       radius[layer.name] = 0;  // nothing of the same frame
       continue;
     }
+    if (needs_whole_image(layer)) return kWholeImage;
     size_t reach = 0;
     for (const std::string& input : layer.inputs) reach = std::max(reach, radius.at(input));
     const size_t scale_in = shapes.at(layer.inputs.front()).scale;

@@ -17,10 +17,14 @@ constexpr std::pair<Op, const char*> kOps[] = {{Op::kConv, "conv"},
                                                {Op::kUpsample, "upsample"},
                                                {Op::kUpsampleBilinear, "upsample-bilinear"},
                                                {Op::kAdd, "add"},
+                                               {Op::kMean, "mean"},
                                                {Op::kConcat, "concat"},
                                                {Op::kSigmoid, "sigmoid"},
                                                {Op::kTanh, "tanh"},
                                                {Op::kDynamicFilter, "dynamic-filter"},
+                                               {Op::kLayerNorm, "layer-norm"},
+                                               {Op::kPositionCode, "position-code"},
+                                               {Op::kAttention, "attention"},
                                                {Op::kPrevious, "previous"},
                                                {Op::kConvGru, "conv-gru"},
                                                {Op::kConvLstm, "conv-lstm"}};
@@ -44,6 +48,7 @@ Json layer_to_json(const Layer& layer) {
   if (layer.out_channels != defaults.out_channels) json["out_channels"] = layer.out_channels;
   if (layer.kernel != defaults.kernel) json["kernel"] = layer.kernel;
   if (layer.stride != defaults.stride) json["stride"] = layer.stride;
+  if (layer.heads != defaults.heads) json["heads"] = layer.heads;
   if (!layer.residual.empty()) json["residual"] = layer.residual;
   if (layer.relu) json["relu"] = true;
   return json;
@@ -59,6 +64,7 @@ Result<Layer> layer_from_json(const Json& json, const std::string& location) {
       .read("out_channels", layer.out_channels)
       .read("kernel", layer.kernel)
       .read("stride", layer.stride)
+      .read("heads", layer.heads)
       .read("residual", layer.residual)
       .read("relu", layer.relu);
   E2LF_RETURN_IF_ERROR(reader.finish());

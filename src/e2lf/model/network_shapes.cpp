@@ -57,7 +57,7 @@ class LayerCheck {
       E2LF_ASSIGN_OR_RETURN(const LayerShape shape, find(name));
       inputs_.push_back(shape);
     }
-    const bool joins = layer_.op == Op::kAdd || layer_.op == Op::kConcat;
+    const bool joins = layer_.op == Op::kAdd || layer_.op == Op::kMean || layer_.op == Op::kConcat;
     const size_t wanted = num_inputs();
     if (joins ? inputs_.size() < wanted : inputs_.size() != wanted) {
       return invalid(cat(inputs_.size(), " inputs; this operation takes ", wanted, joins ? " or more" : ""));
@@ -70,9 +70,12 @@ class LayerCheck {
       case Op::kPrevious:
         return 0;
       case Op::kAdd:
+      case Op::kMean:
       case Op::kConcat:
       case Op::kDynamicFilter:
         return 2;
+      case Op::kAttention:
+        return 3;
       default:
         return 1;
     }
@@ -106,8 +109,13 @@ class LayerCheck {
       case Op::kSigmoid:
         return input;
       case Op::kTanh:
+      case Op::kLayerNorm:
+      case Op::kPositionCode:
         E2LF_RETURN_IF_ERROR(check_plain());
         return input;
+      case Op::kAttention:
+        E2LF_RETURN_IF_ERROR(check_plain());
+        return attended();
       case Op::kDynamicFilter:
         E2LF_RETURN_IF_ERROR(check_plain());
         return filtered();
@@ -118,6 +126,7 @@ class LayerCheck {
         E2LF_RETURN_IF_ERROR(check_cell());
         return LayerShape{layer_.out_channels, input.scale};
       case Op::kAdd:
+      case Op::kMean:
       case Op::kConcat:
         return joined();
     }
@@ -160,6 +169,14 @@ class LayerCheck {
                       taps, " at ", input.scale, "; make as many as the kernel has taps, of the same resolution"));
   }
 
+  [[nodiscard]] Result<LayerShape> attended() const {
+    const size_t channels = inputs_.front().channels;
+    if (layer_.heads == 0 || channels % layer_.heads != 0) {
+      return invalid(cat(layer_.heads, " heads for ", channels, " channels; use a number that divides them"));
+    }
+    return joined();
+  }
+
   [[nodiscard]] Result<LayerShape> finer(size_t channels) const {
     const size_t scale = inputs_.front().scale;
     if (scale % layer_.stride != 0) {
@@ -171,7 +188,7 @@ class LayerCheck {
   [[nodiscard]] Result<LayerShape> joined() const {
     LayerShape shape = inputs_.front();
     for (size_t i = 1; i < inputs_.size(); ++i) {
-      if (inputs_[i].scale != shape.scale || (layer_.op == Op::kAdd && inputs_[i].channels != shape.channels)) {
+      if (inputs_[i].scale != shape.scale || (layer_.op != Op::kConcat && inputs_[i].channels != shape.channels)) {
         return misfit(cat("input \"", layer_.inputs[i], "\" has ", inputs_[i].channels, " channels at scale ",
                           inputs_[i].scale, ", the first one ", shape.channels, " at ", shape.scale,
                           "; make them equal"));

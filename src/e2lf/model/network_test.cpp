@@ -193,6 +193,52 @@ TEST(InferShapes, RefusesFiltersAndFeedbackThatDoNotFit) {
   EXPECT_EQ(error_after([](Network& n) { n.layers.push_back(conv("half", "out", 8, 2, 2)); }).code, ErrorCode::kShape);
 }
 
+/// Pixels of half the resolution that look at one another.
+Network with_attention() {
+  Network network;
+  network.input_channels = 2;
+  Layer look = layer("look", Op::kAttention, {"norm", "a", "a"});
+  look.heads = 3;
+  network.layers = {conv("a", "input", 12, 2, 2),
+                    layer("place", Op::kPositionCode, {"a"}),
+                    layer("norm", Op::kLayerNorm, {"place"}),
+                    look,
+                    layer("mean", Op::kMean, {"look", "a", "place"}),
+                    strided("out", Op::kUpsample, "mean", 2)};
+  return network;
+}
+
+TEST(InferShapes, PixelsThatLookAtAllKeepTheirShape) {
+  const Network network = with_attention();
+  const auto shapes = infer_shapes(network);
+  ASSERT_TRUE(shapes.ok()) << shapes.error().text();
+  EXPECT_EQ(shapes->at(3).channels, 12U);
+  EXPECT_EQ(shapes->at(3).scale, 2U);
+  EXPECT_FALSE(is_recurrent(network));
+  EXPECT_EQ(num_parameters(network), 12U * 2U * 4U + 12U + 2U * 12U);
+  EXPECT_EQ(weight_shapes(network).at(2).name, "norm.weight");
+  EXPECT_EQ(weight_shapes(network).at(2).shape, std::vector<size_t>{12});
+  EXPECT_EQ(macs_per_pixel(network), 12.0 * 2.0);
+  EXPECT_EQ(receptive_radius(network), kWholeImage);
+}
+
+TEST(InferShapes, RefusesAttentionThatDoesNotFit) {
+  const auto error_after = [](const std::function<void(Network&)>& change) {
+    Network network = with_attention();
+    change(network);
+    return shapes_error(network);
+  };
+  for (const size_t heads : {size_t{0}, size_t{5}, size_t{24}}) {
+    EXPECT_EQ(error_after([&](Network& n) { n.layers[3].heads = heads; }).code, ErrorCode::kInvalidValue);
+  }
+  EXPECT_EQ(error_after([](Network& n) { n.layers[3].inputs.pop_back(); }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[3].inputs[1] = "input"; }).code, ErrorCode::kShape);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[3].relu = true; }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[2].stride = 2; }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[1].inputs = {"a", "a"}; }).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(error_after([](Network& n) { n.layers[4].inputs = {"a"}; }).code, ErrorCode::kInvalidValue);
+}
+
 TEST(NetworkCost, CountsEveryScale) {
   const Network network = two_scales();
   EXPECT_EQ(size_multiple(network), 4U);
@@ -219,7 +265,7 @@ TEST(NetworkCost, ReceptiveRadiusGrowsWithTheScale) {
 }
 
 TEST(NetworkJson, RoundTrips) {
-  for (const Network& network : {two_scales(), recnet(3), with_feedback()}) {
+  for (const Network& network : {two_scales(), recnet(3), with_feedback(), with_attention()}) {
     const auto read = network_from_json(to_json(network), "x");
     ASSERT_TRUE(read.ok()) << read.error().text();
     EXPECT_EQ(*read, network);
@@ -232,7 +278,7 @@ TEST(NetworkJson, NamesTheKnownTypesAndOperations) {
   EXPECT_EQ(type.location, "m: $.network.type");
   EXPECT_THAT(type.message, HasSubstr("conv-graph"));
   Json json = to_json(two_scales());
-  json["layers"][2]["op"] = "attention";
+  json["layers"][2]["op"] = "look-around";
   const Error op = network_from_json(json, "m: $.network").error();
   EXPECT_EQ(op.code, ErrorCode::kUnsupported);
   EXPECT_EQ(op.location, "m: $.network.layers[2].op");

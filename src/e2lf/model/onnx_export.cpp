@@ -70,8 +70,7 @@ Result<std::string> onnx_file(const Model& model) {
                  model.name};
   }
   if (const std::string refusal = onnx_refusal(model.network); !refusal.empty()) {
-    return Error{ErrorCode::kUnsupported, refusal + ", which ONNX has no operation for; export another network",
-                 model.name};
+    return Error{ErrorCode::kUnsupported, refusal + ", which is not exported; export another network", model.name};
   }
   const size_t transitions = model.num_patterns - 1;
   OnnxGraph graph;

@@ -8,6 +8,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/model/onnx_graph.h"
+#include "e2lf/model/onnx_layers.h"
 
 namespace e2lf::model {
 namespace {
@@ -223,6 +224,12 @@ TEST(OnnxExport, RefusesLayersThatOnnxHasNoOperationFor) {
   ASSERT_FALSE(file.ok());
   EXPECT_EQ(file.error().code, ErrorCode::kUnsupported);
   EXPECT_NE(file.error().message.find("\"filtered\""), std::string::npos);
+  for (const Op op : {Op::kLayerNorm, Op::kPositionCode}) {
+    Network network = model.network;
+    network.layers[1].op = op;
+    network.layers[1].inputs = {"a"};
+    EXPECT_NE(onnx_refusal(network).find("\"filtered\""), std::string::npos);
+  }
 }
 
 TEST(OnnxExport, RefusesAModelThatDoesNotFit) {

@@ -61,6 +61,8 @@ class LayerWriter {
             {{"mode", std::string("linear")}, {"coordinate_transformation_mode", std::string("half_pixel")}});
       case Op::kAdd:
         return graph_.add_node("Sum", inputs, output);
+      case Op::kMean:
+        return graph_.add_node("Mean", inputs, output);
       case Op::kConcat:
         return graph_.add_node("Concat", inputs, output, {{"axis", int64_t{1}}});
       case Op::kSigmoid:
@@ -71,6 +73,9 @@ class LayerWriter {
       case Op::kConvLstm:
       case Op::kPrevious:
       case Op::kDynamicFilter:
+      case Op::kLayerNorm:
+      case Op::kPositionCode:
+      case Op::kAttention:
         break;
     }
     E2LF_REQUIRE(false, "onnx_refusal() names such layers");
@@ -122,6 +127,8 @@ std::string onnx_refusal(const Network& network) {
       return cat("layer \"", layer.name, "\" remembers the frame before");
     }
     if (layer.op == Op::kDynamicFilter) return cat("layer \"", layer.name, "\" filters each pixel in its own way");
+    if (layer.op == Op::kLayerNorm) return cat("layer \"", layer.name, "\" normalises each pixel over its channels");
+    if (needs_whole_image(layer)) return cat("layer \"", layer.name, "\" needs the whole image");
   }
   return "";
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/summary.h"
 
+#include <optional>
+
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/files/json_text.h"
@@ -9,16 +11,19 @@
 namespace e2lf::model {
 namespace {
 
-size_t receptive_field_px(const Network& network) {
-  return 2 * receptive_radius(network) + 1;
+/// Empty: the whole image.
+std::optional<size_t> receptive_field_px(const Network& network) {
+  const size_t radius = receptive_radius(network);
+  return radius == kWholeImage ? std::nullopt : std::optional(2 * radius + 1);
 }
 
 Json network_summary(const Network& network) {
+  const auto field_px = receptive_field_px(network);
   return {{"type", to_json(network)["type"]},
           {"layers", network.layers.size()},
           {"parameters", num_parameters(network)},
           {"macs_per_pixel", macs_per_pixel(network)},
-          {"receptive_field_px", receptive_field_px(network)},
+          {"receptive_field_px", field_px ? Json(*field_px) : Json()},
           {"size_multiple_px", size_multiple(network)}};
 }
 
@@ -48,11 +53,11 @@ void append_provenance(std::string& text, const Json& provenance) {
 }
 
 void append_network(std::string& text, const Network& network) {
-  const size_t field_px = receptive_field_px(network);
+  const auto field_px = receptive_field_px(network);
   append_field(text, "network",
                cat(network.layers.size(), " layers, ", grouped(num_parameters(network)), " parameters"));
   append_field(text, "multiply-adds", cat(grouped(static_cast<size_t>(macs_per_pixel(network))), " per pixel"));
-  append_field(text, "receptive field", cat(field_px, " x ", field_px, " px"));
+  append_field(text, "receptive field", field_px ? cat(*field_px, " x ", *field_px, " px") : "the whole image");
 }
 
 void append_origin(std::string& text, const Json& provenance) {
