@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/summary.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "e2lf/base/text.h"
@@ -56,7 +57,11 @@ void append_network(std::string& text, const Network& network) {
   const auto field_px = receptive_field_px(network);
   append_field(text, "network",
                cat(network.layers.size(), " layers, ", grouped(num_parameters(network)), " parameters"));
-  append_field(text, "multiply-adds", cat(grouped(static_cast<size_t>(macs_per_pixel(network))), " per pixel"));
+  const bool has_attention = std::any_of(network.layers.begin(), network.layers.end(),
+                                         [](const Layer& layer) { return layer.op == Op::kAttention; });
+  append_field(text, "multiply-adds",
+               cat(grouped(static_cast<size_t>(macs_per_pixel(network))), " per pixel",
+                   has_attention ? ", without attention" : ""));
   append_field(text, "receptive field", field_px ? cat(*field_px, " x ", *field_px, " px") : "the whole image");
 }
 
