@@ -29,8 +29,10 @@ def version():
 
 def cmake(*arguments):
     """Runs CMake; its own messages say what fails."""
+    # pip hides the packages of the system by PYTHONPATH. CMake asks Python for its headers and for numpy, which lie there.
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     try:
-        subprocess.run(["cmake", *map(str, arguments)], cwd=ROOT, check=True)
+        subprocess.run(["cmake", *map(str, arguments)], cwd=ROOT, env=environment, check=True)
     except FileNotFoundError:
         raise SystemExit("e2lf: cmake is not installed; `./run demo` installs what a build needs") from None
     except subprocess.CalledProcessError as error:

@@ -36,3 +36,13 @@ wrong --config-settings build-dir="$PWD/wrong"
 grep -q "wrong is no build folder of CMake" pip.txt || fail "$(tail -5 pip.txt)"
 PATH=$PWD/no-cmake wrong
 grep -q "cmake is not installed" pip.txt || fail "$(tail -5 pip.txt)"
+# A plain `pip install .` finds Python's headers and numpy, which pip hides from it. It ends where CMake would compile.
+mkdir no-compiling
+cat >no-compiling/cmake <<SH
+#!/bin/sh
+[ "\$1" != --build ] || exit 1
+exec "$(command -v cmake)" "\$@"
+SH
+chmod +x no-compiling/cmake
+PATH=$PWD/no-compiling:$PATH wrong
+grep -q "python: ON" pip.txt || fail "$(tail -20 pip.txt)"
