@@ -99,7 +99,7 @@ function(e2lf_add_test module)
   if(NOT ARG_WITH_TORCH)  # torch's macros are not those that the headers were compiled with
     e2lf_use_precompiled(${name} e2lf_test_headers)
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX "${module}/" DISCOVERY_MODE PRE_TEST
+  gtest_discover_tests(${name} TEST_PREFIX "${module}/" DISCOVERY_MODE PRE_TEST NO_PRETTY_VALUES
     PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${E2LF_TEST_LIMIT_S})
 endfunction()
 
