@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fcntl.h>
 #include <limits>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 
 #include "e2lf/base/stop.h"
@@ -17,6 +19,8 @@
 namespace e2lf {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr std::chrono::milliseconds kReaderPoll(20);  // how long a stop may take while nobody reads a pipe
 
 Error system_error(const fs::path& path, const char* action, int error_number) {
   const ErrorCode code = error_number == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
@@ -100,14 +104,22 @@ bool is_stream(const fs::path& path) {
 }
 
 Result<int> open_stream(const fs::path& path) {
+  std::error_code ignored;
+  // Opening a named pipe would wait in the kernel. A signal just before that would end nothing.
+  const int waiting = fs::is_fifo(path, ignored) ? O_NONBLOCK : 0;
   for (;;) {
-    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-    if (descriptor >= 0) return descriptor;
-    if (errno != EINTR) return system_error(path, "write", errno);
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | waiting);
+    if (descriptor >= 0) {
+      if (waiting != 0) ::fcntl(descriptor, F_SETFL, 0);  // writing waits
+      return descriptor;
+    }
+    const bool has_no_reader = errno == ENXIO && waiting != 0;
+    if (errno != EINTR && !has_no_reader) return system_error(path, "write", errno);
     if (stop_requested()) {
       return Error{ErrorCode::kCancelled, "nobody read from here before the run was ended; start the reader first",
                    path.string()};
     }
+    if (has_no_reader) std::this_thread::sleep_for(kReaderPoll);
   }
 }
 

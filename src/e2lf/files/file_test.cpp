@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/files/file.h"
 
+#include <csignal>
 #include <fstream>
+#include <future>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "e2lf/base/stop.h"
 #include "e2lf/files/is_stream.h"
 #include "e2lf/files/workspace.h"
 #include "testing/test_files.h"
@@ -92,6 +96,25 @@ TEST(File, ADeviceIsWrittenToAndNotReplaced) {
   EXPECT_TRUE(is_stream("/dev/null"));
   EXPECT_EQ(write_file("/dev/full", std::string("x")).error().code, ErrorCode::kIo);
   EXPECT_EQ(AtomicFile::create("/dev/null").error().code, ErrorCode::kUnsupported);
+}
+
+TEST(File, AStopThatCameBeforeANamedPipeIsOpenedIsSeen) {
+  const TestFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  request_stop(SIGTERM);
+  const Result<int> stopped = open_stream(folder / "pipe");
+  request_stop(0);
+  ASSERT_FALSE(stopped.ok());
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+}
+
+TEST(File, ANamedPipeHasMoreThanItsBufferHoldsWrittenOnceSomebodyReads) {
+  const TestFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const std::vector<uint8_t> bytes(1'000'000, 7);
+  auto written = std::async(std::launch::async, [&] { return write_file(folder / "pipe", bytes).ok(); });
+  EXPECT_EQ(read_file(folder / "pipe").value(), bytes);
+  EXPECT_TRUE(written.get());
 }
 
 }  // namespace

@@ -2,11 +2,17 @@
 #include "e2lf/recordings/live/camera.h"
 
 #include <chrono>
+#include <csignal>
+#include <future>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <thread>
 
+#include "e2lf/base/stop.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
+#include "e2lf/files/file.h"
+#include "e2lf/recordings/live/cameras.h"
 #include "testing/test_streams.h"
 
 namespace e2lf::recordings {
@@ -89,6 +95,28 @@ TEST(Camera, NamesThatAreNoneSayWhatThereIs) {
   EXPECT_EQ(open_camera("replay:/nowhere.raw").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(open_camera("camera://pipe/7").error().code, ErrorCode::kNotFound);
   EXPECT_TRUE(is_camera_name("tcp://127.0.0.1:9") && is_camera_name("replay:x") && !is_camera_name("x.raw"));
+}
+
+TEST(PipeCamera, AStopThatCameBeforeTheFirstByteIsSeen) {
+  const TestFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  request_stop(SIGTERM);
+  const auto stopped = open_pipe_camera(folder / "pipe");
+  request_stop(0);
+  ASSERT_FALSE(stopped.ok());
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+}
+
+TEST(PipeCamera, GivesWhatIsWrittenUntilTheWriterLeaves) {
+  const TestFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const std::vector<uint8_t> script(300'000, 9);
+  auto writer = std::async(std::launch::async, [&] { return write_file(folder / "pipe", script).ok(); });
+  auto camera = open_pipe_camera(folder / "pipe").value();
+  std::vector<uint8_t> all, bytes;
+  while (camera->read(bytes).value()) all.insert(all.end(), bytes.begin(), bytes.end());
+  EXPECT_EQ(all, script);
+  EXPECT_TRUE(writer.get());
 }
 
 /// A recording of `cycles` pattern cycles in `path`; its events.

@@ -13,7 +13,8 @@ namespace e2lf::recordings {
 /// Fails as open_recording() does, and with kInvalidValue for a sensor that EVT3 cannot hold.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path);
 
-/// Standard input. The address must be empty.
+/// What comes through the named pipe at `address`, or through standard input where it is empty. Waits for the first
+/// byte; fails with kCancelled when a stop is asked for before, and with kNotFound or kIo when it cannot be opened.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address);
 
 /// A sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.

@@ -54,6 +54,18 @@ class DescriptorCamera final : public Camera {
   std::atomic<bool> is_stopped_ = false;
 };
 
+/// Returns when there is something to read or whoever wrote has left. Fails when a stop is asked for before.
+Result<void> wait_for_bytes(int descriptor, const std::string& address) {
+  pollfd waiting = {descriptor, POLLIN, 0};
+  while (::poll(&waiting, 1, kPollMs) <= 0) {
+    if (stop_requested()) {
+      return Error{ErrorCode::kCancelled, "nobody wrote to it before the run was ended; start the writer first",
+                   address};
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
@@ -62,15 +74,15 @@ Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
     camera = std::make_unique<DescriptorCamera>(STDIN_FILENO, /*owned=*/false, "stdin");
     return camera;
   }
-  const int descriptor = ::open(address.c_str(), O_RDONLY | O_CLOEXEC);  // waits for who writes
-  if (descriptor < 0 && errno == EINTR && stop_requested()) {
-    return Error{ErrorCode::kCancelled, "nobody wrote to it before the run was ended; start the writer first", address};
-  }
+  // A pipe opened to wait would wait in the kernel. A signal just before that would end nothing.
+  const int descriptor = ::open(address.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
     return Error{code, cat("cannot open (", std::strerror(errno), "); check the path and its permissions"), address};
   }
   camera = std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, address);
+  E2LF_RETURN_IF_ERROR(wait_for_bytes(descriptor, address));
+  ::fcntl(descriptor, F_SETFL, 0);
   return camera;
 }
 
