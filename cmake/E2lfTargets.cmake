@@ -100,6 +100,7 @@ function(e2lf_add_test module)
     e2lf_use_precompiled(${name} e2lf_test_headers)
   endif()
   gtest_discover_tests(${name} TEST_PREFIX "${module}/" DISCOVERY_MODE PRE_TEST NO_PRETTY_VALUES
+    DISCOVERY_TIMEOUT 300  # a cold start of libtorch takes longer than the usual 5 s
     PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${E2LF_TEST_LIMIT_S})
 endfunction()
 

@@ -89,14 +89,21 @@ cmp one/table.tex merged/table.tex
 sed -i 's/"seeds": \[1, 2\]/"seeds": [1, 2, 3, 4]/' c.json
 "$E2LF" compare c.json -o killed --quiet &
 process=$!
-until [ "$(find killed/results -name '*.json' 2>/dev/null | wc -l)" -ge 2 ]; do sleep 0.02; done
+has_results() { [ "$(find killed/results -name '*.json' 2>/dev/null | wc -l)" -ge "$1" ]; }
+wait_for_results() {
+  until has_results "$1"; do
+    kill -0 "$process" || fail "it ended before $1 results"
+    sleep 0.02
+  done
+}
+wait_for_results 2
 kill -KILL "$process"
 wait "$process" 2>/dev/null || true
 found=$(find killed/results -name '*.json' | wc -l)
 [ "$found" -lt 48 ] || fail "all was done before the kill"
 "$E2LF" compare c.json -o killed >stdout.txt 2>stderr.txt &
 process=$!
-until [ "$(find killed/results -name '*.json' | wc -l)" -ge "$((found + 2))" ]; do sleep 0.02; done
+wait_for_results $((found + 2))
 kill -INT "$process"
 code=0
 wait "$process" || code=$?

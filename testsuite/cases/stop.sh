@@ -56,6 +56,8 @@ ended() {
   wait "$process" || got=$?
   [ "$got" -eq "$code" ] || fail "exit code $got instead of $code after $signal from: $* ($(cat stderr.txt))"
 }
+# Whether the process of `ended` handles SIGTERM already (bit 14 of the mask).
+catches_term() { (( 0x$(sed -n 's/^SigCgt:[[:space:]]*//p' "/proc/$process/status") & 0x4000 )); }
 # The data of the file that is being written in the workspace of an output.
 grown() { [ "$(cat "$1".*.part/* 2>/dev/null | wc -c)" -gt "$2" ]; }
 
@@ -138,7 +140,7 @@ grep -q "late.npz: this format is written at the end.*record to .raw" stderr.txt
 mkfifo unread.svg unread.csv unwritten
 for command in "info rec.raw --plot unread.svg" "convert rec.raw unread.csv" "info unwritten"; do
   # shellcheck disable=SC2086
-  ended TERM 143 'sleep 1' "$E2LF" $command
+  ended TERM 143 'catches_term && sleep 1' "$E2LF" $command
   grep -q "nobody" stderr.txt || fail "$command: $(cat stderr.txt)"
 done
 ended KILL 137 'grown taken.raw 20000' "$E2LF" convert "$address" taken.raw --event-format evt3

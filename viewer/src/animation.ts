@@ -70,7 +70,10 @@ export async function recordVideo(ending: string, picture: HTMLCanvasElement, pa
     recorder.addEventListener('stop', resolve);
     recorder.addEventListener('error', () => reject(new Error('The browser stopped recording; take a GIF.')));
   });
+  const started = new Promise((resolve) => recorder.addEventListener('start', resolve, { once: true }));
   recorder.start();
+  // Frames before the start are lost. Some browsers tell of it with the first frame alone.
+  await Promise.race([started, new Promise((resolve) => setTimeout(resolve, 500))]);
   for (let i = 0; i <= numFrames; ++i) {
     paint(i % numFrames);
     track.requestFrame();

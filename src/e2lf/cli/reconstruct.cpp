@@ -250,12 +250,13 @@ Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder
     }
     E2LF_ASSIGN_OR_RETURN(LightField light_field, writer.process(*images, folder));
     const Json& cycle = writer.cycles().back();
+    if (!is_all) E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", cycle}}));
+    const bool appears = first && !is_all && !is_strict;
+    if (appears) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
+    // Who sees a cycle in the browser finds its files.
     if (view != nullptr) view->add(name, std::move(light_field), note_of(cycle, images->is_live));
+    if (view != nullptr && appears) view->set_folder(arguments.output);
     if (is_all) return {};
-    E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", cycle}}));
-    if (!first || is_strict) continue;
-    E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
-    if (view != nullptr) view->set_folder(arguments.output);
   }
   return {};
 }

@@ -234,7 +234,7 @@ size_t Stream::rows_possible(size_t index) const {
 /// How far a tensor that could be computed up to a row gets in this round.
 size_t Stream::next_end(const Tensor& tensor, size_t end) const {
   if (!waits_) return end;
-  return std::min(end, tensor.done + round_up(kMostRowsPerRound / tensor.scale, kTileSize));
+  return std::min(end, tensor.done + round_up(std::max<size_t>(kMostRowsPerRound / tensor.scale, 1), kTileSize));
 }
 
 void Stream::plan_input(std::vector<Job>& jobs) {
