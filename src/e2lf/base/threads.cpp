@@ -2,12 +2,13 @@
 #include "e2lf/base/threads.h"
 
 #include <algorithm>
-#include <exception>
+#include <atomic>
 #ifdef _OPENMP
 #include <omp.h>
 #endif
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/team.h"
 
 namespace e2lf {
 
@@ -33,19 +34,11 @@ void parallel_for(size_t count, size_t min_chunk, const std::function<void(size_
   if (threads == 1) return body(0, count);
   // Several chunks for each thread, so that one slow chunk does not hold up the rest.
   const size_t chunk = std::max(min_chunk, (count + threads * 4 - 1) / (threads * 4));
-  const auto chunks = static_cast<long>((count + chunk - 1) / chunk);
-  std::exception_ptr failure;
-#pragma omp parallel for schedule(dynamic) num_threads(static_cast <int>(threads))
-  for (long i = 0; i < chunks; ++i) {
-    try {
-      const size_t begin = static_cast<size_t>(i) * chunk;
-      body(begin, std::min(count, begin + chunk));
-    } catch (...) {
-#pragma omp critical(e2lf_parallel_for)
-      failure = std::current_exception();
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
+  const size_t chunks = (count + chunk - 1) / chunk;
+  std::atomic<size_t> next = 0;
+  run_team(threads, [&](size_t /*member*/) {
+    for (size_t i = next++; i < chunks; i = next++) body(i * chunk, std::min(count, (i + 1) * chunk));
+  });
 }
 
 }  // namespace e2lf

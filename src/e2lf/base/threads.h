@@ -6,8 +6,8 @@
 
 namespace e2lf {
 
-/// The number of threads parallel work uses: every core this process may run on, unless set. OpenMP (libgomp) is the
-/// one threading runtime; torch shares it.
+/// The number of threads parallel work uses: every core this process may run on, unless set. It is
+/// OpenMP's number (OMP_NUM_THREADS), which torch shares; the threads are those of run_team().
 [[nodiscard]] int num_threads();
 
 /// Sets the number; 0 = all cores. Negative breaks the contract.

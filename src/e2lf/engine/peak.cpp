@@ -2,9 +2,11 @@
 #include "e2lf/engine/peak.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 
 #include "e2lf/base/isa.h"
+#include "e2lf/base/team.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 
@@ -78,10 +80,9 @@ double measure(ElementType type) {
   const volatile float zero = 0.0F;
   double best = 0.0;
   for (int i = 0; i < kTries; ++i) {
-    double operations = 0.0;
+    std::atomic<double> operations = 0.0;
     const auto begin = std::chrono::steady_clock::now();
-#pragma omp parallel num_threads(num_threads()) reduction(+ : operations)
-    operations += run_loop(type, zero);
+    run_team(static_cast<size_t>(num_threads()), [&](size_t /*member*/) { operations += run_loop(type, zero); });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     best = std::max(best, operations / elapsed.count());
   }

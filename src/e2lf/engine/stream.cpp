@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
-#include <exception>
-#include <omp.h>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/team.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/planes.h"
 
@@ -316,17 +315,7 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
     }
   };
   // Not parallel_for(): each thread keeps its own scratch memory from round to round, in its cache.
-  std::exception_ptr failure;
-#pragma omp parallel num_threads(static_cast <int>(threads))
-  {
-    try {
-      run_blocks(scratch_[static_cast<size_t>(omp_get_thread_num())].data());
-    } catch (...) {
-#pragma omp critical(e2lf_stream)
-      failure = std::current_exception();
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
+  run_team(threads, [&](size_t member) { run_blocks(scratch_[member].data()); });
 }
 
 }  // namespace e2lf::engine
