@@ -1,4 +1,5 @@
 """Simulation, cycles, reconstruction, pictures and measures give the numbers of the command line."""
+import os
 import pickle
 import unittest
 from pathlib import Path
@@ -74,6 +75,15 @@ class PipelineTest(InFolder):
         self.assertEqual(e2lf.accumulate("rec.raw").source, "triggers")
         with self.assertRaisesRegex(e2lf.Error, "bursts"):
             e2lf.accumulate("rec.raw", source="burst")
+
+    def test_reconstruct_in_a_forked_process(self):
+        images, _ = event_images(1)
+        reconstructor = e2lf.Reconstructor(self.model)
+        own = reconstructor.reconstruct(images[0], gain=1)
+        child = os.fork()
+        if child == 0:
+            os._exit(0 if same(reconstructor.reconstruct(images[0], gain=1), own) else 1)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
 
     def test_reconstruct(self):
         images, codes = event_images(1)
