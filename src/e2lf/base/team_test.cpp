@@ -56,7 +56,7 @@ TEST(Team, HelpersThatSleptComeAgain) {
 }
 
 TEST(Team, AHelperWithoutACoreIsNotWaitedFor) {
-  // A helper of the lowest kind beside this thread on one core: the system runs it when this thread sleeps.
+  // Both on one core, and runs too short for the system to change threads in each.
   cpu_set_t all;
   ASSERT_EQ(::sched_getaffinity(0, sizeof all, &all), 0);
   std::thread([&] {
