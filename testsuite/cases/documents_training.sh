@@ -9,7 +9,7 @@ training() {
 }
 page docs/training.md training
 page docs/training-elsewhere.md
-page docs/experiments/network-comparison.md
+page docs/experiments/decisions.md
 page docs/experiments/camera-fit.md
 page docs/experiments/imperfections.md
 page docs/experiments/capture-at-equal-tones.md
