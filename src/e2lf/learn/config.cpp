@@ -17,7 +17,7 @@ Error invalid(const std::string& message, const std::string& location) {
 Result<void> read_input(const Json& json, const std::string& location, std::vector<model::InputGroup>& input) {
   if (json.is_null()) return {};
   if (!json.is_array() || json.empty()) {
-    return invalid("input is a list of objects; see docs/training-settings.md", location);
+    return invalid("input is a list of objects; see docs/training.md", location);
   }
   input.clear();
   for (const Json& item : json) {

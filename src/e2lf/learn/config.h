@@ -80,7 +80,7 @@ struct TrainConfig {
   uint64_t log_steps = 50, evaluate_steps = 1000, checkpoint_steps = 250;
 };
 
-/// Everything that defines a training run; see docs/training-settings.md for the JSON keys.
+/// Everything that defines a training run; see docs/training.md for the JSON keys.
 struct Config {
   std::string name = "model";
   uint64_t seed = 1;
@@ -104,7 +104,7 @@ struct Config {
 /// All fields, so that a run's folder tells what was done. config_from_json reads it back.
 [[nodiscard]] Json to_json(const Config& config);
 
-/// All fields with their defaults and meanings, as rows of a Markdown table: that of docs/training-settings.md.
+/// All fields with their defaults and meanings, as rows of a Markdown table: that of docs/training.md.
 [[nodiscard]] std::string config_table();
 
 /// The network that a configuration describes.

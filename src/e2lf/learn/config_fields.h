@@ -5,7 +5,7 @@
 
 #include "e2lf/learn/config.h"
 
-/// The one list of all fields of a configuration. Reading, writing and the table in docs/training-settings.md go
+/// The one list of all fields of a configuration. Reading, writing and the table in docs/training.md go
 /// through it.
 ///
 /// visit(key, field, meaning) is called for each field, visit.section(key, list) for each object in the object, and
