@@ -22,6 +22,7 @@
 #include "e2lf/cli/scene_input.h"
 #include "e2lf/cli/simulate_stream.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
@@ -151,7 +152,7 @@ Result<void> write_recording(const SimulateArguments& arguments, const fs::path&
   info.header = header_of(setup);
   E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(path, "", info));
   cycles::SynthesisOptions synthesis;
-  synthesis.schedule = cycles::paper_schedule(setup.codes->num_patterns);
+  synthesis.schedule = cycles::paper_schedule_of(*setup.codes);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
   if (!arguments.no_triggers && !writer->holds_triggers()) {
     log_warning(cat(arguments.output.string(), ": this format holds no triggers, so they are left out; write .raw, ",
