@@ -166,6 +166,12 @@ Result<void> check_patterns(const PatternConfig& patterns, capture::MeasurementK
         "num_patterns",
         location);
   }
+  if (patterns.whole_cycle && (!patterns.black_first || patterns.num_patterns < 5 || patterns.num_patterns % 2 == 0)) {
+    return invalid(
+        "a whole cycle begins and ends with black: leave black_first at true and set num_patterns to 2N + 1 for N "
+        "codes, at least 5",
+        location);
+  }
   const size_t least = patterns.black_first || capture::has_events(measurement) ? 2 : 1;
   if (patterns.num_patterns < least)
     return invalid(cat("num_patterns must be at least ", least, "; raise it"), location);
