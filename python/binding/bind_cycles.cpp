@@ -142,7 +142,7 @@ class CycleIterator {
  private:
   void end() {
     warn_of_losses(name_, reader_.summary());
-    confidence_.warn(name_, reader_.report());
+    confidence_.warn(name_, reader_.report(), reader_.schedule());
   }
 
   std::string name_;
@@ -162,6 +162,7 @@ struct CycleArguments {
   bool one_trigger_per_cycle = false, filter_pixels = false;
   std::optional<int64_t> origin_us;
   std::string transitions = "lit";
+  bool invert_polarity = false;
 };
 
 std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArguments& arguments,
@@ -176,6 +177,7 @@ std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArgu
   flags.first_pattern = arguments.first_pattern;
   flags.one_trigger_per_cycle = arguments.one_trigger_per_cycle;
   flags.filter_pixels = arguments.filter_pixels;
+  flags.invert_polarity = arguments.invert_polarity;
   flags.origin_us = arguments.origin_us;
   Schedule schedule = schedule_of(arguments.schedule, arguments.num_codes);
   if (arguments.transitions == "all") schedule = with_all_transitions(std::move(schedule));
@@ -200,18 +202,18 @@ void bind_cycle_reader(py::module_& module) {
       [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule, size_t num_codes,
          const std::string& edge, std::optional<uint16_t> channel, std::optional<size_t> first_pattern,
          bool one_trigger_per_cycle, std::optional<int64_t> origin_us, bool filter_pixels,
-         const std::string& transitions, E2LF_OPEN_PARAMETERS) {
+         const std::string& transitions, bool invert_polarity, E2LF_OPEN_PARAMETERS) {
         if (num_codes < 2) throw py::value_error("num_codes is at least 2");
         const CycleArguments arguments{
-            source,        edge,      schedule,   num_codes, channel, first_pattern, one_trigger_per_cycle,
-            filter_pixels, origin_us, transitions};
+            source,        edge,      schedule,    num_codes,      channel, first_pattern, one_trigger_per_cycle,
+            filter_pixels, origin_us, transitions, invert_polarity};
         return open_cycles(path, arguments, E2LF_OPEN_VALUES);
       },
       py::arg("path"), py::kw_only(), py::arg("source") = "auto", py::arg("schedule") = py::none(),
       py::arg("num_codes") = 4, py::arg("edge") = "rising", py::arg("channel") = py::none(),
       py::arg("first_pattern") = py::none(), py::arg("one_trigger_per_cycle") = false,
       py::arg("origin_us") = py::none(), py::arg("filter_pixels") = false, py::arg("transitions") = "lit",
-      E2LF_OPEN_ARGUMENTS,
+      py::arg("invert_polarity") = false, E2LF_OPEN_ARGUMENTS,
       "Cuts a recording into pattern cycles: an iterator over Cycle(images, number, begin_us, slices, events, "
       "saturated, "
       "confidence), images int16 [transition, y, x].\n\n"
@@ -225,7 +227,8 @@ void bind_cycle_reader(py::module_& module) {
       "origin_us: when the first pattern of any cycle began.\n"
       "filter_pixels: silence hot and flickering pixels.\n"
       "transitions: images of the changes into the lit patterns a2 to aN (\"lit\"), or of all changes of the whole "
-      "cycle, from a1 to a2 on until the change to the next a1 (\"all\")." E2LF_OPEN_DOC);
+      "cycle, from a1 to a2 on until the change to the next a1 (\"all\").\n"
+      "invert_polarity: take ON events for OFF and OFF for ON." E2LF_OPEN_DOC);
 }
 
 /// A recording as `e2lf simulate` writes it.

@@ -285,6 +285,7 @@ def accumulate(
     origin_us: Optional[int] = None,
     filter_pixels: bool = False,
     transitions: str = "lit",
+    invert_polarity: bool = False,
     format: str = "",
     width: int = 0,
     height: int = 0,

@@ -193,7 +193,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(arguments.input, facts, cycles, plot, first));
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }
-  confidence.warn(arguments.input, report);
+  confidence.warn(arguments.input, report, reader.schedule());
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
   E2LF_RETURN_IF_ERROR(writer.finish());
   record.resolve("source", source_name(reader.source()));
@@ -212,6 +212,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     json["each"] = std::move(cycles);
     std::printf("%s", json_text(json).c_str());
   } else if (!common.quiet) {
+    std::printf("%s\n", report.triggers.c_str());
     std::printf("%s in %s, least confidence %.2f\n", report_text(report).c_str(), arguments.output.c_str(),
                 static_cast<double>(confidence.least()));
   }

@@ -53,6 +53,8 @@ class CycleInput {
     return reader_ ? setup_of_cycles(input, *reader_) : recorded_setup(file_, input);
   }
   [[nodiscard]] cycles::CycleSource source() const { return reader_->source(); }
+  /// Of a recording alone.
+  [[nodiscard]] const cycles::Schedule& schedule() const { return reader_->schedule(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
   [[nodiscard]] cycles::CycleReport report() const { return reader_->report(); }
   /// What was left out of a recording and of sums.

@@ -2,6 +2,7 @@
 #include "e2lf/cli/cycle_options.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
@@ -90,6 +91,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
       ->group(group);
   app.add_option("--origin-us", flags.origin_us, "--source schedule: when the first pattern of any cycle began")
       ->group(group);
+  app.add_flag("--invert-polarity", flags.invert_polarity, "take ON events for OFF and OFF for ON")->group(group);
   app.add_flag("--filter-pixels", flags.filter_pixels, "silence hot and flickering pixels")->group(group);
   app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
       ->capture_default_str();
@@ -100,6 +102,7 @@ Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Sche
   cycles::CycleOptions options;
   options.schedule = std::move(schedule);
   options.source = source_of(flags);
+  options.invert_polarity = flags.invert_polarity;
   options.edge = edge_of(flags.edge);
   options.channel = flags.channel;
   options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
@@ -159,13 +162,52 @@ void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source
   least_ = std::min(least_, cycle.confidence);
 }
 
-void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& report) const {
+namespace {
+
+/// Cycles whose signs contradict the schedule, with the option that mends it.
+void warn_of_signs(const fs::path& input, const cycles::CycleReport& report) {
+  if (report.inverted > 0) {
+    log_warning(cat(input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
+                    " cycles: the change from black to the first pattern makes OFF events; give --invert-polarity"));
+  }
+  if (report.half_cycle_off > 0) {
+    log_warning(cat(input.string(), ": the patterns of ", report.half_cycle_off, " of ", report.complete,
+                    " cycles are taken for their inverses; check --first-pattern and --origin-us"));
+  }
+}
+
+/// The triggers that are out of step, the first few by name.
+void warn_of_late_edges(const fs::path& input, const cycles::CycleReport& report, const cycles::Schedule& schedule) {
+  constexpr size_t kNamed = 3;
+  if (report.late_edges.empty()) return;
+  std::vector<std::string> named;
+  for (const cycles::LateEdge& edge : report.late_edges) {
+    if (named.size() == kNamed) break;
+    named.push_back(cat("cycle ", edge.cycle, ", pattern ", edge.pattern, " (", schedule.patterns[edge.pattern].name,
+                        "): ", std::abs(edge.late_us), " us ", edge.late_us > 0 ? "late" : "early"));
+  }
+  log_warning(cat(input.string(), ": ", report.late_edges.size(), " trigger",
+                  report.late_edges.size() == 1 ? " is" : "s are",
+                  " out of step with the others, so that events went to the wrong pattern (", join(named, "; "),
+                  report.late_edges.size() > kNamed ? "; ..." : "", "); the confidence of these cycles is 0"));
+}
+
+}  // namespace
+
+void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& report,
+                           const cycles::Schedule& schedule) const {
+  warn_of_signs(input, report);
+  warn_of_late_edges(input, report, schedule);
+  if (report.complete > 0 && !report.advice.empty()) {
+    log_warning(cat(input.string(), ": ", report.advice));
+  }
   if (report.has_assumed_first) {
     log_warning(cat(input.string(),
                     ": neither intervals nor events tell which pattern the first trigger begins: pattern ",
                     "0 of the schedule is assumed; name it with --first-pattern"));
   }
-  if (doubtful_ == 0) return;
+  const uint64_t explained = report.inverted + report.half_cycle_off;
+  if (doubtful_ <= explained || (explained == 0 && doubtful_ <= report.late_edges.size())) return;
   log_warning(cat(input.string(), ": the events of ", doubtful_, " of ", cycles_,
                   " cycles do not change when the patterns should have (least confidence ", least_,
                   "); check --schedule, --origin-us and --first-pattern, or look at `e2lf accumulate --plot`"));
@@ -183,15 +225,15 @@ std::string report_text(const cycles::CycleReport& report) {
 }
 
 Error no_cycle_error(const fs::path& input, const cycles::CycleReport& report) {
-  std::string found = report_text(report);
-  if (report.unassigned_marks > 0) {
-    found += cat("; ", report.unassigned_marks, " of ", report.marks,
-                 " triggers or bursts fit no pattern for sure, --first-pattern K says which pattern the first begins");
+  std::string advice = report.advice;
+  if (advice.empty() && report.unassigned_marks > 0) {
+    advice = cat(report.unassigned_marks, " of ", report.marks,
+                 " triggers or bursts fit no pattern for sure; --first-pattern K says which pattern the first begins");
   }
+  if (advice.empty()) advice = "--source, --schedule and --patterns say what to look for";
   return {ErrorCode::kInvalidValue,
-          cat("no complete pattern cycle was found (", found,
-              "); `e2lf accumulate ... --plot cycles.svg` shows what is there, --source, --schedule and --patterns say "
-              "what to look for"),
+          cat("no complete pattern cycle was found (", report_text(report), "). Found are ", report.triggers, ". ",
+              advice, ". `e2lf accumulate ... --plot cycles.svg` shows what is there"),
           input.string()};
 }
 
@@ -200,10 +242,18 @@ Json report_json(const cycles::CycleReport& report) {
   for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
     dropped[cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i))] = report.dropped[i];
   }
+  Json late_edges = Json::array();
+  for (const cycles::LateEdge& edge : report.late_edges) {
+    late_edges.push_back({{"cycle", edge.cycle}, {"pattern", edge.pattern}, {"late_us", edge.late_us}});
+  }
   return {{"complete", report.complete},
           {"dropped", dropped},
           {"marks", report.marks},
           {"unassigned_marks", report.unassigned_marks},
+          {"triggers", report.triggers},
+          {"inverted", report.inverted},
+          {"half_cycle_off", report.half_cycle_off},
+          {"late_edges", late_edges},
           {"events_given_up", report.events_given_up},
           {"silenced_pixels", report.hot_pixels}};
 }

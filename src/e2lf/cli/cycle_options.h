@@ -25,7 +25,7 @@ struct CycleFlags {
   std::string transitions = "auto";
   size_t usual_patterns = 4;         ///< for the paper's schedule where nothing else says how many
   std::optional<size_t> num_wanted;  ///< patterns whose transitions the network takes; "auto" goes by it
-  bool one_trigger_per_cycle = false, filter_pixels = false;
+  bool one_trigger_per_cycle = false, filter_pixels = false, invert_polarity = false;
   std::optional<int64_t> origin_us;
   uint64_t max_cycles = 0;  ///< 0 = all
   RecordingFlags recording;
@@ -62,8 +62,10 @@ class ConfidenceWatch {
  public:
   void add(const cycles::Cycle& cycle, cycles::CycleSource source);
   [[nodiscard]] float least() const { return least_; }
-  /// Warns of cycles in whose claimed changes nothing happens, or the opposite, and of what had to be assumed.
-  void warn(const std::filesystem::path& input, const cycles::CycleReport& report) const;
+  /// Warns of cycles in whose claimed changes nothing happens, or the opposite, of inverted polarity, of triggers that
+  /// are out of step, and of what had to be assumed.
+  void warn(const std::filesystem::path& input, const cycles::CycleReport& report,
+            const cycles::Schedule& schedule) const;
 
  private:
   float least_ = 1.0F;

@@ -371,7 +371,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   if (input.is_recording()) {
     writer.live_log().finish(input.report());
     if (writer.cycles().empty()) return no_cycle_error(arguments.input, input.report());
-    input.confidence().warn(arguments.input, input.report());
+    input.confidence().warn(arguments.input, input.report(), input.schedule());
     record.resolve("source", source_name(input.source()));
     record.note("found", report_json(input.report()));
   }

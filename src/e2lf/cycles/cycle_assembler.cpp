@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <functional>
 
+#include "e2lf/recordings/count_on.h"
+
 namespace e2lf::cycles {
 namespace {
 
@@ -43,7 +45,8 @@ CycleAssembler::CycleAssembler(const CycleOptions& options, size_t width, size_t
       width_(width),
       height_(height),
       first_pattern_(options.schedule.first_of_cycle()),
-      window_us_(evidence_window_us(options.schedule)) {
+      window_us_(evidence_window_us(options.schedule)),
+      late_edges_(options.schedule) {
   if (options.filter) filter_.emplace(width, height, *options.filter);
 }
 
@@ -122,6 +125,7 @@ void CycleAssembler::begin_cycle(int64_t t_us) {
   open_->cycle.number = next_number_++;
   open_->cycle.begin_us = t_us;
   open_->cycle.images = capture::EventImages(options_.schedule.num_images(), height_, width_);
+  open_->events.resize(options_.schedule.size());
 }
 
 void CycleAssembler::set_fault(CycleFault fault, int64_t t_us) {
@@ -138,7 +142,8 @@ void CycleAssembler::end_cycle() {
     if (report_.drops.size() < CycleReport::kMaxDrops) report_.drops.push_back(*open_->fault);
   } else {
     ++report_.complete;
-    open_->cycle.confidence = confidence_of(open_->starts);
+    open_->cycle.confidence = open_->has_late_edge ? 0.0F : confidence_of(open_->starts);
+    judge_polarity(open_->events, open_->cycle);
     if (filter_) {
       filter_->apply(open_->cycle.images);
       report_.hot_pixels = filter_->num_silenced();
@@ -146,6 +151,25 @@ void CycleAssembler::end_cycle() {
     complete_.push_back(std::move(open_->cycle));
   }
   open_.reset();
+}
+
+/// Signs that contradict the schedule leave nothing certain.
+void CycleAssembler::judge_polarity(const std::vector<PatternEvents>& events, Cycle& cycle) {
+  cycle.polarity = polarity_of(options_.schedule, events);
+  report_.inverted += cycle.polarity == CyclePolarity::kInverted ? 1 : 0;
+  report_.half_cycle_off += cycle.polarity == CyclePolarity::kHalfCycleOff ? 1 : 0;
+  const bool contradicts = cycle.polarity == CyclePolarity::kInverted || cycle.polarity == CyclePolarity::kHalfCycleOff;
+  if (contradicts) cycle.confidence = 0.0F;
+}
+
+/// The trigger before `start` is known to be out of step now; its cycle is still open.
+void CycleAssembler::note_late_edge(const PatternStart& start) {
+  if (options_.source != CycleSource::kTriggers || options_.one_trigger_per_cycle) return;
+  auto late = late_edges_.add(start);
+  if (!late || !open_) return;
+  late->cycle = open_->cycle.number;
+  open_->has_late_edge = true;
+  if (report_.late_edges.size() < CycleReport::kMaxDrops) report_.late_edges.push_back(*late);
 }
 
 /// The least of the starts'. Bursts are events; what a trigger or the schedule claims, the events must confirm: the two
@@ -171,6 +195,7 @@ float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) con
 }
 
 void CycleAssembler::apply(const PatternStart& start, const PatternTracker* tracker) {
+  note_late_edge(start);
   if (start.kind == PatternStart::Kind::kDoubled) return set_fault(CycleFault::kDoubled, start.t_us);
   close_pattern(start.t_us);
   if (start.kind == PatternStart::Kind::kLost) {
@@ -205,6 +230,10 @@ void CycleAssembler::consume_events(int64_t until_us) {
   };
   const size_t end = index_at(until_us);
   if (pattern_ && open_) {
+    PatternEvents& events = open_->events[*pattern_];
+    const uint64_t on = recordings::count_on(std::span(events_.p).subspan(next_, end - next_));
+    events.on += on;
+    events.off += end - next_ - on;
     if (options_.schedule.patterns[*pattern_].image) accumulate(next_, end);
     if (filter_) {
       const size_t quiet = std::min(end, index_at(pattern_begin_us_ + options_.filter->settle_us));

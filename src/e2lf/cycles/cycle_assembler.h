@@ -39,11 +39,15 @@ class CycleAssembler {
   struct Open {
     Cycle cycle;
     std::optional<DroppedCycle> fault;
-    std::vector<PatternStart> starts;  ///< of its patterns
+    std::vector<PatternStart> starts;   ///< of its patterns
+    std::vector<PatternEvents> events;  ///< of each pattern of the schedule
+    bool has_late_edge = false;
   };
 
   void begin_cycle(int64_t t_us);
   void end_cycle();
+  void judge_polarity(const std::vector<PatternEvents>& events, Cycle& cycle);
+  void note_late_edge(const PatternStart& start);
   void apply(const PatternStart& start, const PatternTracker* tracker);
   [[nodiscard]] float confidence_of(const std::vector<PatternStart>& starts) const;
   [[nodiscard]] bool is_last_of_cycle(size_t pattern) const;
@@ -60,6 +64,7 @@ class CycleAssembler {
   std::optional<PixelFilter> filter_;
   int64_t window_us_;         ///< before and after a claimed start, in which the events must confirm it
   EventHistogram histogram_;  ///< of the open cycle
+  LateEdgeFinder late_edges_;
 
   std::deque<PatternStart> starts_;
   recordings::EventColumns events_;  ///< waiting, from next_ on

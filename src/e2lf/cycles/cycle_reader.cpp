@@ -75,6 +75,7 @@ class CycleReader::Impl {
         tracker_(tracked_schedule(options), tracker_options(options)),
         bursts_(options.bursts),
         signer_(options.signs),
+        shown_signer_(options.signs),
         assembler_(options, reader_->info().width, reader_->info().height) {}
 
   Result<std::optional<Cycle>> next() {
@@ -98,6 +99,15 @@ class CycleReader::Impl {
     report.marks = marks_;
     report.unassigned_marks = tracker_.unassigned_marks();
     report.has_assumed_first = tracker_.has_assumed_first();
+    report.triggers = survey_text(triggers_, options_.schedule);
+    if (options_.source == CycleSource::kTriggers || report.complete == 0) {
+      const SurveyOptions asked = {.takes_rising = options_.edge != TriggerEdge::kFalling,
+                                   .takes_falling = options_.edge != TriggerEdge::kRising,
+                                   .has_channel = options_.channel.has_value(),
+                                   .channel = options_.channel.value_or(0),
+                                   .one_trigger_per_cycle = options_.one_trigger_per_cycle};
+      report.advice = trigger_advice(triggers_, options_.schedule, asked, last_us_);
+    }
     return report;
   }
 
@@ -124,6 +134,10 @@ class CycleReader::Impl {
   Result<void> advance() {
     E2LF_ASSIGN_OR_RETURN(const bool more, read_batch());
     has_ended_ = !more;
+    if (options_.invert_polarity) {
+      for (uint8_t& p : batch_.events.p) p = p != 0 ? 0 : 1;
+    }
+    triggers_.add(batch_.triggers);
     if (options_.on_batch) options_.on_batch(batch_);
     if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
     if (!batch_.triggers.empty()) last_us_ = std::max(last_us_, batch_.triggers.back().t);
@@ -166,16 +180,23 @@ class CycleReader::Impl {
 
   void add_mark(const Mark& mark) {
     ++marks_;
-    if (options_.on_mark) options_.on_mark(mark);
+    if (options_.on_mark && options_.source == CycleSource::kBursts) options_.on_mark(mark);
     tracker_.add(mark, starts_);
   }
 
   /// While the pattern is known, triggers go on at once; otherwise each waits for the sign of its events.
   void add_starts_of_triggers() {
     starts_.clear();
+    if (options_.on_mark) show_triggers();
     signer_.add(batch_.events, found_);
     while (const auto mark = signer_.take(/*needs_sign=*/!tracker_.is_locked(), has_ended_)) add_mark(*mark);
     add_starts();
+  }
+
+  /// Who looks on sees each trigger with its sign, also while the tracker needs none.
+  void show_triggers() {
+    shown_signer_.add(batch_.events, found_);
+    while (const auto mark = shown_signer_.take(/*needs_sign=*/true, has_ended_)) options_.on_mark(*mark);
   }
 
   /// The starts up to the last time read; the first whole cycle of the recording is the first.
@@ -229,7 +250,8 @@ class CycleReader::Impl {
   CycleOptions options_;
   PatternTracker tracker_;
   BurstDetector bursts_;
-  MarkSigner signer_;
+  MarkSigner signer_, shown_signer_;
+  TriggerSurvey triggers_;
   CycleAssembler assembler_;
   recordings::EventBatch batch_;
   std::vector<Mark> found_;

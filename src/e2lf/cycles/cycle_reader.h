@@ -12,10 +12,13 @@
 #include <vector>
 
 #include "e2lf/cycles/burst_detector.h"
+#include "e2lf/cycles/late_edges.h"
 #include "e2lf/cycles/mark_signer.h"
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/cycles/pixel_filter.h"
+#include "e2lf/cycles/polarity_check.h"
 #include "e2lf/cycles/schedule.h"
+#include "e2lf/cycles/trigger_survey.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cycles {
@@ -33,6 +36,8 @@ enum class TriggerEdge { kRising, kFalling, kBoth };
 struct CycleOptions {
   CycleSource source = CycleSource::kBursts;
   Schedule schedule = paper_schedule();
+
+  bool invert_polarity = false;  ///< ON and OFF of the recording change places
 
   TriggerEdge edge = TriggerEdge::kRising;
   std::optional<uint16_t> channel = {};  ///< of the triggers; nothing = all
@@ -67,8 +72,10 @@ struct Cycle {
   capture::EventImages images;
   uint64_t events = 0;     ///< in the images
   uint64_t saturated = 0;  ///< events for which the images had no room
-  float confidence =
-      1.0F;  ///< that the patterns changed when they are said to, by the events; of the least certain one
+  /// That the patterns changed when they are said to, by the events; of the least certain one. 0 where the signs of the
+  /// events contradict the schedule, or where a trigger is out of step.
+  float confidence = 1.0F;
+  CyclePolarity polarity = CyclePolarity::kUnknown;
 
   int64_t known_us = 0;  ///< how far the recording had been read when the cycle was complete
   /// When the bytes that completed it arrived; nothing for a recording that is not live. The time from the end of its
@@ -96,12 +103,17 @@ struct DroppedCycle {
 struct CycleReport {
   uint64_t complete = 0;
   std::array<uint64_t, kNumCycleFaults> dropped{};
-  std::vector<DroppedCycle> drops;  ///< the first kMaxDrops
-  uint64_t marks = 0;               ///< triggers of the channel and edge, or bursts
-  uint64_t unassigned_marks = 0;    ///< of them, those whose pattern could not be told
-  bool has_assumed_first = false;   ///< intervals and events left open what the first trigger begins
-  uint64_t events_given_up = 0;     ///< waited too long
-  uint64_t hot_pixels = 0;          ///< that the filter silences now
+  std::vector<DroppedCycle> drops;   ///< the first kMaxDrops
+  uint64_t marks = 0;                ///< triggers of the channel and edge, or bursts
+  uint64_t unassigned_marks = 0;     ///< of them, those whose pattern could not be told
+  bool has_assumed_first = false;    ///< intervals and events left open what the first trigger begins
+  uint64_t events_given_up = 0;      ///< waited too long
+  uint64_t hot_pixels = 0;           ///< that the filter silences now
+  uint64_t inverted = 0;             ///< complete cycles whose events have the opposite signs
+  uint64_t half_cycle_off = 0;       ///< complete cycles whose patterns are taken for their inverses
+  std::vector<LateEdge> late_edges;  ///< the first kMaxDrops
+  std::string triggers;              ///< survey_text()
+  std::string advice;                ///< trigger_advice(); empty where the source is not triggers and cycles were found
 
   static constexpr size_t kMaxDrops = 1000;
 };

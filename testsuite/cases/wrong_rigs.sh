@@ -1,0 +1,76 @@
+# Recordings of rigs that are set up wrongly: inverted polarity, triggers out of step, other edges, channels and schedules.
+"$E2LF" demo -o demo --width 96 --height 64 --quiet
+network="$TESTSUITE/../models/e2lf-n4.safetensors"
+"$E2LF" simulate demo/scene -m "$network" --camera evk4-lcos --cycles 6 --seed 3 -o rig.raw --quiet
+# As the camera gives it.
+"$E2LF" accumulate rig.raw -o right.npz --json >right.json 2>err.txt
+[ ! -s err.txt ] || fail "$(cat err.txt)"
+check "$(json right.json "j['least_confidence']") > 0.8 and $(json right.json "j['inverted']") == 0"
+"$E2LF" accumulate rig.raw -o line.npz | grep -q "channel 0 has .* rising and .* falling edges" || fail "no line of triggers"
+# B3: inverted polarity is said and not certain, and the option gives the events back.
+"$E2LF" convert rig.raw rig.csv --quiet
+py - <<'PY'
+lines = open("rig.csv").read().splitlines()
+first = next(i for i, line in enumerate(lines) if line[:1].isdigit())
+columns = [name.strip() for name in lines[first - 1].lstrip("#% ").split(",")] if first else ["x", "y", "p", "t"]
+p = columns.index("p") if "p" in columns else 2
+out = lines[:first]
+for line in lines[first:]:
+    cells = line.split(",")
+    cells[p] = "0" if cells[p].strip() == "1" else "1"
+    out.append(",".join(cells))
+open("inverted.csv", "w").write("\n".join(out) + "\n")
+PY
+cp rig_triggers.csv inverted_triggers.csv
+"$E2LF" accumulate inverted.csv -o inverted.npz --sensor-width 96 --sensor-height 64 --json >inverted.json 2>err.txt
+grep -q "polarity is inverted" err.txt || fail "$(cat err.txt inverted.json)"
+grep -q -- "--invert-polarity" err.txt || fail "$(cat err.txt)"
+check "$(json inverted.json "j['least_confidence']") == 0"
+"$E2LF" accumulate inverted.csv -o mended.npz --sensor-width 96 --sensor-height 64 --invert-polarity --quiet 2>err.txt
+[ ! -s err.txt ] || fail "$(cat err.txt)"
+py -c 'import numpy as n; assert n.array_equal(n.load("mended.npz")["events"], n.load("right.npz")["events"])' || fail "the events differ"
+# B4: one trigger 500 us late.
+cp rig.csv late.csv
+py - <<'PY'
+lines = open("rig_triggers.csv").read().splitlines()
+out, rising = [], 0
+for line in lines:
+    cells = line.split(",")
+    if cells[0].strip().lstrip("-").isdigit():
+        p = [c for c in cells if c.strip() in ("0", "1")]
+        rising += 1
+        if rising in (43, 44):  # the rising and the falling edge of the 22nd pulse
+            time = max(range(len(cells)), key=lambda i: int(cells[i]))
+            cells[time] = str(int(cells[time]) + 500)
+    out.append(",".join(cells))
+open("late_triggers.csv", "w").write("\n".join(out) + "\n")
+PY
+"$E2LF" accumulate late.csv -o late.npz --sensor-width 96 --sensor-height 64 --json >late.json 2>err.txt
+grep -q "500 us late" err.txt || fail "$(cat err.txt late.json)"
+[ "$(json late.json "len(j['late_edges'])")" = 1 ] || fail "$(cat late.json)"
+check "$(json late.json "j['least_confidence']") == 0"
+# B5: what is there against what the schedule expects, and the option that helps.
+"$E2LF" codes render -m "$network" -o display --quiet
+py - <<'PY'
+import json
+schedule = json.load(open("display/schedule.json"))
+for name, scale in (("slow", 1.6), ("fast", 0.6)):
+    scaled = json.loads(json.dumps(schedule))
+    for pattern in scaled["patterns"]:
+        pattern["duration_us"] = int(pattern["duration_us"] * scale)
+        pattern["overhead_us"] = int(pattern.get("overhead_us", 0) * scale)
+    json.dump(scaled, open(name + ".json", "w"))
+PY
+fails 1 "times as long" "$E2LF" accumulate rig.raw -o out.npz --schedule slow.json
+fails 1 "the schedule expects 8" "$E2LF" accumulate rig.raw -o out.npz --schedule slow.json
+fails 1 "times as long" "$E2LF" accumulate rig.raw -o out.npz --schedule fast.json
+fails 1 "--patterns 4" "$E2LF" accumulate rig.raw -o out.npz --patterns 7
+fails 1 "--channel 0" "$E2LF" accumulate rig.raw -o out.npz --channel 5
+# B6: each trigger is drawn, the first one too, with its sign in every cycle.
+"$E2LF" accumulate rig.raw -o plot.npz --plot cycles.svg --quiet
+py - <<'PY'
+import re
+svg = open("cycles.svg").read()
+ticks = re.findall(r'stroke-width="1.5" stroke-opacity', svg)
+assert len(ticks) >= 48, len(ticks)
+PY
