@@ -8,6 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/cli/cycle_options.h"
+#include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/live_log.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
@@ -139,6 +140,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     return Error{ErrorCode::kUnsupported, "event images are written as .npz; give it such a name",
                  arguments.output.string()};
   }
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
+  if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
   OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule}, .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> picture, open_picture(arguments.plot, rules));
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));

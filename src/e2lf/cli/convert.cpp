@@ -211,6 +211,10 @@ Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
                    arguments.input.string()};
     case FileKind::kCycles:
       return lightfield::detect_kind(arguments.input).error();
+    case FileKind::kTrainingRun:
+    case FileKind::kDisplay:
+    case FileKind::kResults:
+      return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
     case FileKind::kModel:
       break;
   }

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/plausible_events.h"
 #include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/live_log.h"
 
@@ -64,19 +65,26 @@ Result<std::optional<CycleImages>> CycleInput::next() {
   return sum;
 }
 
+bool CycleInput::is_without_events() const {
+  const auto is_empty = [](const capture::Measurement& cycle) { return capture::is_without_events(cycle.events); };
+  return !reader_ && capture::has_events(measurement()) &&
+         std::all_of(file_.cycles.begin(), file_.cycles.end(), is_empty);
+}
+
 Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
                                     size_t cycles_per_field, const Verb& verb) {
+  if (flags.max_cycles != 0 && flags.max_cycles < cycles_per_field) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("a light field takes the ", cycles_per_field, " cycles of --cycles-per-field; ask for as many"),
+                 cat("--max-cycles ", flags.max_cycles)};
+  }
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
   if (kind == FileKind::kRecording) {
     E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, flags));
     return CycleInput(std::move(reader), flags, cycles_per_field);
   }
   if (kind != FileKind::kEventImages && kind != FileKind::kImages) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("this is ", kind_text(kind),
-                     "; give a recording or event images (`e2lf simulate` makes them of a "
-                     "light field)"),
-                 input.string()};
+    return other_kind_error(input, kind, "a recording or event images");
   }
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kCycleOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(capture::MeasurementFile file, capture::read_measurements(input));

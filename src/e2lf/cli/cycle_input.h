@@ -30,6 +30,7 @@ class CycleInput {
  public:
   CycleInput(capture::MeasurementFile file, const CycleFlags& flags, size_t cycles_per_field)
       : file_(std::move(file)), cycles_per_field_(cycles_per_field), is_strict_(flags.recording.is_strict) {
+    has_one_field_ = file_.cycles.size() / cycles_per_field == 1;
     if (flags.max_cycles != 0 && flags.max_cycles < file_.cycles.size()) file_.cycles.resize(flags.max_cycles);
   }
   CycleInput(cycles::CycleReader reader, const CycleFlags& flags, size_t cycles_per_field)
@@ -42,9 +43,11 @@ class CycleInput {
   /// leave out is counted in summary(), and is an error with --strict.
   [[nodiscard]] Result<std::optional<CycleImages>> next();
 
+  /// Whether all counts of a file of events are 0.
+  [[nodiscard]] bool is_without_events() const;
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
-  /// Of a recording nobody knows.
-  [[nodiscard]] bool has_one_field() const { return !reader_ && file_.cycles.size() / cycles_per_field_ == 1; }
+  /// Whether the file holds the cycles of one light field, however many are asked for. Of a recording nobody knows.
+  [[nodiscard]] bool has_one_field() const { return has_one_field_; }
   [[nodiscard]] capture::MeasurementKind measurement() const {
     return reader_ ? capture::MeasurementKind::kEventImages : file_.cycles.front().kind;
   }
@@ -67,14 +70,14 @@ class CycleInput {
   std::optional<cycles::CycleReader> reader_;
   uint64_t max_cycles_ = 0;
   size_t cycles_per_field_ = 1;
-  bool is_strict_ = false;
+  bool is_strict_ = false, has_one_field_ = false;
   ConfidenceWatch confidence_;
   size_t taken_ = 0;
   uint64_t saturated_ = 0;  ///< of sums
 };
 
 /// Opens event images, another measurement or a recording. Fails with kInvalidValue where flags of recordings are given
-/// for a measurement, and where a file holds fewer cycles than one light field needs.
+/// for a measurement, where a file holds fewer cycles than one light field needs or fewer are asked for.
 [[nodiscard]] Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
                                                   size_t cycles_per_field, const Verb& verb);
 

@@ -157,12 +157,14 @@ Result<void> to_folder(const DepthArguments& arguments, const std::vector<fs::pa
   Json maps = Json::array();
   for (const fs::path& cycle : cycles) {
     if (!maps.empty() && stop_requested()) break;
-    E2LF_ASSIGN_OR_RETURN(const Estimate result, estimate(arguments, cycle, verb.common().quiet));
-    share(arguments, result.map, shared);
-    maps.push_back(json_of(result, shared));
+    const auto result = estimate(arguments, cycle, verb.common().quiet);
+    if (!result && result.error().code == ErrorCode::kCancelled && !maps.empty()) break;
+    if (!result) return result.error();
+    share(arguments, result->map, shared);
+    maps.push_back(json_of(*result, shared));
     const std::string name = cycle.filename().string();
     E2LF_ASSIGN_OR_RETURN(const fs::path folder, output.begin_part(name));
-    E2LF_RETURN_IF_ERROR(write_all(folder, arguments, result, shared));
+    E2LF_RETURN_IF_ERROR(write_all(folder, arguments, *result, shared));
     E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"map", maps.back()}}));
     if (maps.size() == 1) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
   }

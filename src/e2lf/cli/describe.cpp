@@ -215,6 +215,10 @@ Result<Description> describe(FileKind kind, const fs::path& path, const Describe
       return describe_cycles(path, options.light_field);
     case FileKind::kRecording:
       return describe_recording(path, options);
+    case FileKind::kTrainingRun:
+    case FileKind::kDisplay:
+    case FileKind::kResults:
+      return describe_folder(kind, path);
     case FileKind::kLightField:
       break;
   }

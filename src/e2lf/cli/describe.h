@@ -34,6 +34,9 @@ struct DescribeOptions {
 [[nodiscard]] Result<Description> describe(FileKind kind, const std::filesystem::path& path,
                                            const DescribeOptions& options);
 
+/// Describes a folder that is made of several things: a training run, the pictures of a display, results of a verb.
+[[nodiscard]] Result<Description> describe_folder(FileKind kind, const std::filesystem::path& path);
+
 /// What a reader has met: counts, times and what was left out.
 [[nodiscard]] Json summary_json(const recordings::DecodeSummary& summary);
 

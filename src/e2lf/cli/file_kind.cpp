@@ -8,6 +8,8 @@
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/files/options.h"
+#include "e2lf/files/result_folder.h"
 #include "e2lf/lightfield/light_field_io.h"
 
 namespace e2lf::cli {
@@ -26,11 +28,32 @@ Result<void> check_readable(const fs::path& path) {
                path.string()};
 }
 
+/// The verb that wrote a run.json; empty where it is not of our writing.
+std::string verb_of(const fs::path& record) {
+  const auto json = read_json(record);
+  const Json::json_pointer verb("/verb");
+  const bool is_ours = is_our_record(record) && json && json->contains(verb) && json->at(verb).is_string();
+  return is_ours ? json->at(verb).get<std::string>() : "";
+}
+
+bool is_training_run(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path / "config.json", error) &&
+         (fs::exists(path / "log.csv", error) || fs::exists(path / "checkpoint.safetensors", error));
+}
+
 Result<FileKind> folder_kind(const fs::path& path) {
   std::error_code error;
   if (fs::exists(path / "event_image_00000.npy", error)) return FileKind::kEventImages;
-  if (!lightfield::cycle_folders(path).empty()) return FileKind::kCycles;
-  if (lightfield::detect_kind(path)) return FileKind::kLightField;
+  const std::string verb = verb_of(path / "run.json");
+  if (verb == "codes render") return FileKind::kDisplay;
+  const bool is_depth = verb == "depth";  // in cycles, too
+  if (!is_depth && !lightfield::cycle_folders(path).empty()) return FileKind::kCycles;
+  const auto kind = lightfield::detect_kind(path);
+  if (kind) return FileKind::kLightField;
+  if (kind.error().code != ErrorCode::kUnsupported) return kind.error();
+  if (is_training_run(path)) return FileKind::kTrainingRun;
+  if (!verb.empty()) return FileKind::kResults;
   return Error{ErrorCode::kFormat,
                "the folder holds neither event images (event_image_00000.npy ...) nor views of a light field; name "
                "what is in it",
@@ -64,6 +87,29 @@ bool holds_event_images(const fs::path& path) {
   return names && std::find(names->begin(), names->end(), "events") != names->end();
 }
 
+/// What can be done with a thing where something else is wanted.
+std::string use_of(FileKind kind, const fs::path& path) {
+  switch (kind) {
+    case FileKind::kRecording:
+    case FileKind::kEventImages:
+    case FileKind::kImages:
+      return ", as `e2lf reconstruct` makes it of this";
+    case FileKind::kLightField:
+      return ", as `e2lf simulate` makes it of a light field";
+    case FileKind::kCycles:
+      return cat(", as ", (path / "cycle_00000").string(), " in it");
+    case FileKind::kTrainingRun:
+      return ": its model is a .safetensors in the folder, `e2lf resume` goes on with it";
+    case FileKind::kDisplay:
+      return ": its codes.json is for --codes, its schedule.json for --schedule";
+    case FileKind::kModel:
+      return ": a model is for -m";
+    case FileKind::kResults:
+      return ": `e2lf info` says what made it";
+  }
+  return "";
+}
+
 }  // namespace
 
 const char* kind_text(FileKind kind) {
@@ -80,8 +126,19 @@ const char* kind_text(FileKind kind) {
       return "a folder of cycles";
     case FileKind::kModel:
       return "a model";
+    case FileKind::kTrainingRun:
+      return "a training run";
+    case FileKind::kDisplay:
+      return "the pictures that an aperture display shows";
+    case FileKind::kResults:
+      return "a folder of results";
   }
   return "a file";
+}
+
+Error other_kind_error(const fs::path& path, FileKind kind, const char* wanted) {
+  return {ErrorCode::kUnsupported, cat("this is ", kind_text(kind), "; give ", wanted, use_of(kind, path)),
+          path.string()};
 }
 
 Result<FileKind> file_kind(const fs::path& path) {

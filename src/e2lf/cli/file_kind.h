@@ -15,6 +15,9 @@ enum class FileKind {
   kLightField,   ///< a light field of any format
   kCycles,       ///< a folder of cycle_00000 ..., a light field in each
   kModel,        ///< a .safetensors: a model, or data to train on
+  kTrainingRun,  ///< a folder of `e2lf train`
+  kDisplay,      ///< a folder of `e2lf codes render`
+  kResults,      ///< a folder with the run.json of another verb
 };
 
 /// With its article, e.g. "a light field".
@@ -22,7 +25,11 @@ enum class FileKind {
 
 /// Tells what a path stands for from names, first bytes and headers; data are not read. A file that is nothing else may
 /// be a recording: opening it tells. Fails with kNotFound, kIo (may not be looked into), kFormat (a folder that holds
-/// nothing of all this).
+/// nothing of all this, or a view twice).
 [[nodiscard]] Result<FileKind> file_kind(const std::filesystem::path& path);
+
+/// The error of a verb that takes `wanted`, as "a light field", and was given a thing of this kind: says what it is and
+/// what to do with it.
+[[nodiscard]] Error other_kind_error(const std::filesystem::path& path, FileKind kind, const char* wanted);
 
 }  // namespace e2lf::cli

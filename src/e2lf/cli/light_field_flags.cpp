@@ -18,6 +18,11 @@ void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_vie
   app.add_option("--white", flags.white, "the stored number that is white, as 255; default: the largest of the type")
       ->check(positive_number())
       ->group(group);
+  app.add_option(
+         "--view-columns", flags.view_columns,
+         "views in a row of the grid whose views are numbered one by one (input_Cam000.png ...); default: found")
+      ->check(whole_number(1, 10000))
+      ->group(group);
   app.add_option("--lenslet-views", flags.lenslet_views,
                  "views per axis under a microlens of a mosaic that does not say")
       ->check(whole_number(1, 1000))
@@ -31,6 +36,7 @@ lightfield::ReadOptions read_options(const LightFieldFlags& flags) {
     views->step = flags.step;
   }
   options.white = flags.white;
+  options.view_columns = flags.view_columns;
   options.lenslet_views = flags.lenslet_views;
   return options;
 }

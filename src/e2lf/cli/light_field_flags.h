@@ -14,10 +14,11 @@ inline constexpr const char* kLightFieldOptions = "Light fields";
 struct LightFieldFlags {
   size_t views = 8, step = 1;  ///< per axis; views 0 = all
   float white = 0.0F;          ///< the stored number that is 1; 0 = as the type says
+  size_t view_columns = 0;     ///< of views that are numbered one by one; 0 = found
   size_t lenslet_views = 0;    ///< per axis of a lenslet mosaic; 0 = as it says
 };
 
-/// Declares --step, --white and --lenslet-views, and --views where the verb can use any number of them.
+/// Declares --step, --white, --view-columns and --lenslet-views, and --views where the verb can use any number of them.
 void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views);
 
 [[nodiscard]] lightfield::ReadOptions read_options(const LightFieldFlags& flags);

@@ -11,6 +11,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/plausible_events.h"
 #include "e2lf/capture/whole_cycle.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_input.h"
@@ -228,13 +229,27 @@ class CycleWriter {
     // Of live input the log tells, a line for each cycle.
     ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet || cycle.is_live);
     bar.update(0, 1);
+    warn_of_events(cycle);
     auto field = sequence_.next(cycle.images, bar.callback());
     if (!field && field.error().location.empty()) return at(field.error(), arguments_.input);
     return field;
   }
 
+  /// Says of the first cycles why their events are hardly those of a scene.
+  void warn_of_events(const CycleImages& cycle) {
+    constexpr size_t kMostWarnings = 3;
+    if (warned_ == kMostWarnings || !capture::has_events(cycle.images.kind)) return;
+    const std::vector<std::string> doubts = capture::event_doubts(cycle.images.events);
+    for (const std::string& doubt : doubts) {
+      log_warning(cat(arguments_.input.string(), ", cycle ", cycles_.size(), ": ", doubt));
+    }
+    warned_ += doubts.empty() ? 0 : 1;
+    if (warned_ == kMostWarnings && !doubts.empty()) log_warning("of further cycles nothing of that kind is said");
+  }
+
   const ReconstructArguments& arguments_;
   const CommonOptions& common_;
+  size_t warned_ = 0;
   recon::FieldSequence sequence_;
   Json cycles_ = Json::array();
   LiveLog live_log_;
@@ -333,6 +348,12 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(const CycleFlags cycles, wanted_cycles(arguments, model));
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(arguments.input, cycles, arguments.cycles_per_field, verb));
+  if (input.is_without_events()) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        "there are no events: all counts are 0, so there is nothing to reconstruct; check what they were made of",
+        arguments.input.string()};
+  }
   E2LF_RETURN_IF_ERROR(check_measurement(arguments, input.measurement()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
   E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
@@ -377,8 +398,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   }
   record.note("left_out", losses_json(input.summary()));
   record.end_step("reconstruct");
-  record.resolve("gain", json_number(writer.tone().gain.value()));
-  record.resolve("black", json_number(writer.tone().black.value()));
+  // Where no cycle has events, neither is found.
+  record.resolve("gain", json_number(writer.tone().gain.value_or(1.0F)));
+  record.resolve("black", json_number(writer.tone().black.value_or(0.0F)));
   record.note("cycles", writer.cycles());
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));

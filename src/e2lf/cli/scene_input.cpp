@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/scene_input.h"
 
+#include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/sensor/colour_filter_light.h"
 
@@ -8,6 +9,11 @@ namespace e2lf::cli {
 
 Result<lightfield::LightField> load_scene(const std::filesystem::path& path, const SceneOptions& options,
                                           bool is_quiet) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+  // What is nothing else passes for a recording: reading it tells more.
+  if (kind != FileKind::kLightField && kind != FileKind::kRecording) {
+    return other_kind_error(path, kind, "a light field");
+  }
   lightfield::ReadOptions read = read_options(options.flags);
   read.views_y.count = options.views_y;
   read.views_x.count = options.views_x;

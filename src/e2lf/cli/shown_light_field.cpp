@@ -15,11 +15,7 @@ namespace fs = std::filesystem;
 Error no_light_field_error(const fs::path& path) {
   const auto kind = file_kind(path);
   if (!kind) return kind.error();
-  if (*kind == FileKind::kCycles) {
-    return {ErrorCode::kUnsupported, "a folder of cycles; name one of them, as cycle_00000 in it", path.string()};
-  }
-  return {ErrorCode::kUnsupported,
-          cat("this is ", kind_text(*kind), "; give a light field, as `e2lf reconstruct` makes it"), path.string()};
+  return other_kind_error(path, *kind, "a light field");
 }
 
 Result<lightfield::LightField> load_to_show(const fs::path& path, const LightFieldFlags& flags, bool is_quiet,

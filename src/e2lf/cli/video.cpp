@@ -180,8 +180,7 @@ Error no_frame_error(const VideoArguments& arguments, const cycles::WindowReader
 Result<std::unique_ptr<recordings::RecordingReader>> open_input(const VideoArguments& arguments) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind != FileKind::kRecording) {
-    return Error{ErrorCode::kUnsupported, cat("this is ", kind_text(kind), "; give a recording of events"),
-                 arguments.input.string()};
+    return other_kind_error(arguments.input, kind, "a recording of events");
   }
   E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(arguments.input, arguments.recording));
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(arguments.input.string(), open));

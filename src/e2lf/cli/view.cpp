@@ -68,6 +68,10 @@ class DocumentMaker {
         return add_light_field(path);
       case FileKind::kRecording:
         break;
+      case FileKind::kTrainingRun:
+      case FileKind::kDisplay:
+      case FileKind::kResults:
+        return other_kind_error(path, kind, "something that can be seen");
     }
     return add_recording(path);
   }

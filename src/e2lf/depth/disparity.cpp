@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/depth/plane_fit.h"
 #include "e2lf/depth/semi_global.h"
@@ -118,11 +119,18 @@ Image confidence_of(const Planes& planes, float noise) {
   return confidence;
 }
 
+/// Once a stop is asked for, each stage leaves out what it has not done.
+Result<void> check_stop() {
+  if (!stop_requested()) return {};
+  return Error{ErrorCode::kCancelled, "the disparities were not found to the end; run it again", ""};
+}
+
 /// The map of a grey light field.
-DisparityMap map_within(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
-                        const ProgressFn& progress) {
+Result<DisparityMap> map_within(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
+                                const ProgressFn& progress) {
   DisparityMap map{{}, {}, view, range, 0};
   Planes planes = flat_planes(coarse_disparities(light_field, view, range, progress));
+  E2LF_RETURN_IF_ERROR(check_stop());
   constexpr PlaneFit kPasses[] = {{.spacing = 3, .tolerance = 0.1F}, {.spacing = 3, .tolerance = 0.07F}};
   for (PlaneFit pass : kPasses) {
     const Measurements measurements = measure(light_field, view, planes.value);
@@ -131,6 +139,7 @@ DisparityMap map_within(const LightField& light_field, const ViewIndex& view, co
     pass.spacing = 1;
     pass.prior_error = 0.01F;
     fit_planes(measurements, pass, planes);
+    E2LF_RETURN_IF_ERROR(check_stop());
   }
   map.confidence = confidence_of(planes, map.residual);
   map.disparity = std::move(planes.value);
@@ -149,19 +158,19 @@ std::vector<float> sure_disparities(const DisparityMap& map, float least_confide
 
 /// What disparities the sure pixels have, but for a thousandth at either end, found on reduced views; with a margin.
 /// In dark areas of little contrast any disparity fits: they have no say, as long as there is something else.
-DisparityRange find_range(const LightField& light_field, const ViewIndex& view) {
+Result<DisparityRange> find_range(const LightField& light_field, const ViewIndex& view) {
   constexpr size_t kEnoughPixels = 192;
   constexpr float kSure = 0.5F;
   const Shape& shape = light_field.shape();
   const size_t factor = std::clamp<size_t>(std::min(shape.height, shape.width) / kEnoughPixels, 1, 8);
   const float scale = static_cast<float>(factor), farthest = kFarthestPx / scale;
   const LightField small = factor == 1 ? light_field : shrunk(light_field, factor);
-  const DisparityMap map = map_within(small, view, {-farthest, farthest}, {});
+  E2LF_ASSIGN_OR_RETURN(const DisparityMap map, map_within(small, view, {-farthest, farthest}, {}));
   std::vector<float> sorted = sure_disparities(map, kSure);
   if (sorted.size() <= map.disparity.pixels.size() / 50) sorted = sure_disparities(map, -1);
   const size_t last = sorted.size() - 1, few = last / 1000;
   const float margin = 0.1F + kLabelSpacingPx / static_cast<float>(farthest_steps(shape, view));
-  return {scale * sorted[few] - margin, scale * sorted[last - few] + margin};
+  return DisparityRange{scale * sorted[few] - margin, scale * sorted[last - few] + margin};
 }
 
 Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOptions& options) {
@@ -200,7 +209,9 @@ Result<DisparityMap> estimate_disparity(const LightField& light_field, const Dis
   E2LF_RETURN_IF_ERROR(check(light_field.shape(), view, options));
   if (light_field.shape().channels != 1) return estimate_disparity(grey_light_field(light_field), options, progress);
 
-  return map_within(light_field, view, options.range ? *options.range : find_range(light_field, view), progress);
+  if (options.range) return map_within(light_field, view, *options.range, progress);
+  E2LF_ASSIGN_OR_RETURN(const DisparityRange found, find_range(light_field, view));
+  return map_within(light_field, view, found, progress);
 }
 
 }  // namespace e2lf::depth

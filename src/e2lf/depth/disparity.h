@@ -42,7 +42,8 @@ struct DisparityMap {
 /// 2. smooth_costs() along paths.
 /// 3. Twice: measure() to fractions of the spacing, and fit_planes() to the measurements, in wide windows first.
 /// The result is the same for any number of threads. Fails with kShape (a single view, no pixels), kNotFound (a view
-/// that is not there), kInvalidValue (a range that is empty or not finite) and kUnsupported (more memory than 8 GiB).
+/// that is not there), kInvalidValue (a range that is empty or not finite), kUnsupported (more memory than 8 GiB) and
+/// kCancelled (a stop was asked for).
 [[nodiscard]] Result<DisparityMap> estimate_disparity(const lightfield::LightField& light_field,
                                                       const DisparityOptions& options = {},
                                                       const ProgressFn& progress = {});

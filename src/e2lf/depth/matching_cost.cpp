@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/shift_filter.h"
 
@@ -200,7 +201,7 @@ CostVolume matching_costs(const LightField& light_field, const ViewIndex& refere
   Progress done(bands, progress);
   parallel_for(bands, 1, [&](size_t begin, size_t end) {
     CostMaker maker(light_field, reference, most_difference);
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t i = begin; i < end && !stop_requested(); ++i) {
       Band band{i * kBandRows, std::min((i + 1) * kBandRows, shape.height), 0, 0};
       band.outer_begin = std::max<size_t>(band.begin, 1) - 1;
       band.outer_end = std::min(band.end + 1, shape.height);

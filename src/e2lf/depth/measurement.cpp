@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/shift_filter.h"
 
@@ -99,7 +100,7 @@ class Measurer {
 
   void measure_rows(size_t begin, size_t end, Measurements& out) const {
     std::vector<Taps> at_y(shape_.views_y), at_x(shape_.views_x);
-    for (size_t y = begin; y < end; ++y) {
+    for (size_t y = begin; y < end && !stop_requested(); ++y) {
       for (size_t x = 0; x < shape_.width; ++x) {
         const size_t i = y * shape_.width + x;
         const float d = disparity_.pixels[i];

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/threads.h"
 
 namespace e2lf::depth {
@@ -139,7 +140,7 @@ void fit_planes(const Measurements& measurements, const PlaneFit& options, Plane
   const Fitter fitter(measurements, options, before);
   parallel_for(before.value.height, 4, [&](size_t begin, size_t end) {
     RowSums sums(before.value.width);
-    for (size_t y = begin; y < end; ++y) fitter.fit_row(y, sums, planes);
+    for (size_t y = begin; y < end && !stop_requested(); ++y) fitter.fit_row(y, sums, planes);
   });
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/stop.h"
 #include "e2lf/base/threads.h"
 
 namespace e2lf::depth {
@@ -71,7 +72,7 @@ class Pass {
   void run(std::vector<int16_t>& sums) {
     const ptrdiff_t back = is_forward_ ? -1 : 1;
     const size_t height = volume_.height, width = volume_.width;
-    for (size_t i = 0; i < height; ++i) {
+    for (size_t i = 0; i < height && !stop_requested(); ++i) {
       const size_t y = is_forward_ ? i : height - 1 - i;
       for (size_t j = 0; j < width; ++j) {
         const size_t x = is_forward_ ? j : width - 1 - j;

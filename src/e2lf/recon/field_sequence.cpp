@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/plausible_events.h"
 #include "e2lf/recon/gain.h"
 
 namespace e2lf::recon {
@@ -59,12 +60,14 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   if (check_ && capture::has_events(measurement.kind)) {
     E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, measurement.events));
   }
-  if (!tone_.black) tone_.black = auto_black(field.light_field);
-  apply_tone(field.light_field, *tone_.black, 1.0F);
-  if (!tone_.gain) tone_.gain = auto_gain(field.light_field);
-  apply_tone(field.light_field, 0.0F, *tone_.gain);
-  field.black = *tone_.black;
-  field.gain = *tone_.gain;
+  // Without events nothing tells how bright the scene is: a later cycle does.
+  const bool has_scene = !capture::has_events(measurement.kind) || !capture::is_without_events(measurement.events);
+  if (!tone_.black && has_scene) tone_.black = auto_black(field.light_field);
+  field.black = tone_.black.value_or(0.0F);
+  apply_tone(field.light_field, field.black, 1.0F);
+  if (!tone_.gain && has_scene) tone_.gain = auto_gain(field.light_field);
+  field.gain = tone_.gain.value_or(1.0F);
+  apply_tone(field.light_field, 0.0F, field.gain);
   return field;
 }
 

@@ -30,14 +30,14 @@ struct Field {
   std::optional<EventError> error = {};  ///< against its events, where the camera is known
 };
 
-/// What a sequence does to brightness; nothing = found at its first light field.
+/// What a sequence does to brightness; nothing = found at the first light field of a cycle with events.
 struct Tone {
   std::optional<float> gain = {};     ///< nothing = auto_gain() of what is left of the light field above black
   std::optional<float> black = 0.0F;  ///< nothing = auto_black()
 };
 
-/// Light fields of cycles, one after the other. Their brightness is found at the first and kept, so that a sequence
-/// does not flicker.
+/// Light fields of cycles, one after the other. Their brightness is found at the first with events and kept, so that a
+/// sequence does not flicker.
 class FieldSequence {
  public:
   /// `check`: nothing = no comparison with the events.
