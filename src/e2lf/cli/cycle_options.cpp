@@ -6,6 +6,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/number_check.h"
+#include "e2lf/cli/option_types.h"
 #include "e2lf/cli/recorded_setup.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/recordings/live/camera.h"

@@ -25,4 +25,7 @@ enum class FileKind {
 /// nothing of all this).
 [[nodiscard]] Result<FileKind> file_kind(const std::filesystem::path& path);
 
+/// The bundled model of a name under which nothing lies here; any other path as it is.
+[[nodiscard]] std::filesystem::path thing_named(const std::filesystem::path& path);
+
 }  // namespace e2lf::cli
