@@ -5,6 +5,16 @@ include(CMakePackageConfigHelpers)
 
 set(E2LF_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/e2lf)
 
+# What programs are linked with breaks with each minor version before 1.0, and with each major version from then on. The name
+# of shared libraries and the version that find_package() accepts follow.
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(E2LF_SOVERSION 0.${PROJECT_VERSION_MINOR})
+  set(E2LF_COMPATIBILITY SameMinorVersion)
+else()
+  set(E2LF_SOVERSION ${E2LF_SOVERSION})
+  set(E2LF_COMPATIBILITY SameMajorVersion)
+endif()
+
 if(BUILD_SHARED_LIBS)
   # Programs and libraries find each other under any prefix.
   set(CMAKE_INSTALL_RPATH "\$ORIGIN" "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
@@ -32,7 +42,7 @@ function(e2lf_install_module module)
   set(target e2lf_${module})
   get_target_property(headers ${target} E2LF_HEADERS)
   get_target_property(folder ${target} SOURCE_DIR)
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${module} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${module} VERSION ${PROJECT_VERSION} SOVERSION ${E2LF_SOVERSION})
   target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   install(TARGETS ${target} EXPORT e2lf-${module} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${E2LF_LIBRARY_COMPONENT} NAMELINK_COMPONENT development)
@@ -91,7 +101,7 @@ function(e2lf_install_package)
   set(E2LF_PKG_NAMES "set(e2lf_pkg_HWY libhwy)\nset(e2lf_pkg_HDF5 hdf5)\nset(e2lf_pkg_LZ4 liblz4)\nset(e2lf_pkg_ZSTD libzstd)")
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/e2lfConfig.cmake.in ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake
     INSTALL_DESTINATION ${E2LF_CMAKE_DIR})
-  write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake COMPATIBILITY ${E2LF_COMPATIBILITY})
   install(FILES ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake ${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake
     DESTINATION ${E2LF_CMAKE_DIR} COMPONENT development)
 

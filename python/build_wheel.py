@@ -1,7 +1,8 @@
 """What `pip install .` runs (PEP 517): CMake builds the module, and this packs it as a wheel with the models and cameras.
 
-Nothing but Python's own library is needed, so pip downloads nothing. --config-settings build-dir=FOLDER takes the module
-that a CMake build folder of e2lf holds already, in place of building it in build/wheel.
+Nothing but Python's own library is needed, so pip downloads nothing. A build tree of this checkout that was configured for
+the same Python is built further; without one build/wheel is made. --config-settings build-dir=FOLDER takes the module that a
+CMake build folder of e2lf holds already, and builds nothing.
 """
 import base64
 import hashlib
@@ -11,12 +12,16 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import time
 import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 # Folders beside share/e2lf in an environment of Python: e2lf.data_file() looks there.
 DATA = {"models": "*.safetensors", "cameras": "*.json"}
+# Build trees that may hold the module already, the optimised ones first.
+REUSED = ["wheel", "minimal", "release", "dev"]
+PROGRESS_S = 10
 
 
 def get_requires_for_build_wheel(config_settings=None):
@@ -27,24 +32,81 @@ def version():
     return re.search(r"^project\(e2lf VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE).group(1)
 
 
+def interpreter():
+    """The Python that the module is for: the one behind pip's environment, which has the headers."""
+    return Path(sys.base_prefix) / "bin" / f"python{sys.version_info.major}.{sys.version_info.minor}"
+
+
+def tell(text):
+    """Says how far it is, on the terminal too: pip keeps what is printed to itself unless it is called with -v."""
+    print(text, flush=True)
+    try:
+        with open("/dev/tty", "w") as terminal:
+            terminal.write(f"\n  {text}")
+    except OSError:
+        pass  # no terminal: pip itself says once a minute that it is still running
+
+
 def cmake(*arguments):
     """Runs CMake; its own messages say what fails."""
     # pip hides the packages of the system by PYTHONPATH. CMake asks Python for its headers and for numpy, which lie there.
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    command = ["cmake", *map(str, arguments)]
+    told = time.monotonic()
     try:
-        subprocess.run(["cmake", *map(str, arguments)], cwd=ROOT, env=environment, check=True)
+        with subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True) as process:
+            for line in process.stdout:
+                print(line, end="", flush=True)
+                step = re.match(r"\[(\d+)/(\d+)\]", line)
+                if step and time.monotonic() - told > PROGRESS_S:
+                    tell(f"e2lf: step {step[1]} of {step[2]} of the build is done")
+                    told = time.monotonic()
     except FileNotFoundError:
         raise SystemExit("e2lf: cmake is not installed; `./run demo` installs what a build needs") from None
-    except subprocess.CalledProcessError as error:
-        raise SystemExit(f"e2lf: cmake failed (exit {error.returncode}); its messages above say why") from None
+    if process.returncode != 0:
+        raise SystemExit(f"e2lf: cmake failed (exit {process.returncode}) for {interpreter()}; its messages above say why")
 
 
-def build(folder):
-    """The extension module, made by CMake for the Python that runs this."""
-    python = Path(sys.base_prefix) / "bin" / f"python{sys.version_info.major}.{sys.version_info.minor}"
-    cmake("--preset", "minimal", "-B", folder, "-DE2LF_WITH_PYTHON=ON", "-DE2LF_WITH_VIEWER=OFF", "-DE2LF_WITH_FILMS=OFF",
-          f"-DPython_EXECUTABLE={python}")
+def cached(folder):
+    """What the cache of a build tree says, by name."""
+    try:
+        lines = (folder / "CMakeCache.txt").read_text().splitlines()
+    except OSError:
+        return {}
+    return {entry[1]: entry[2] for entry in (re.match(r"([^#/:]+):[^=]*=(.*)", line) for line in lines) if entry}
+
+
+def is_same(path, other):
+    return bool(path) and Path(path).exists() and Path(path).samefile(other)
+
+
+def tree_to_reuse():
+    """A build tree of this very checkout that can make the module for this Python; None where there is none."""
+    for name in REUSED:
+        folder = ROOT / "build" / name
+        cache = cached(folder)
+        python = cache.get("Python_EXECUTABLE") or cache.get("_Python_EXECUTABLE")
+        has_module = (cache.get("E2LF_WITH_PYTHON") in ("AUTO", "ON")
+                      and not cache.get("pybind11_DIR", "NOTFOUND").endswith("NOTFOUND"))
+        if has_module and is_same(cache.get("CMAKE_HOME_DIRECTORY"), ROOT) and is_same(python, interpreter()):
+            return folder
+    return None
+
+
+def build():
+    """The extension module, made by CMake for the Python that runs this. Returns its build tree."""
+    folder = tree_to_reuse()
+    if folder:
+        tell(f"e2lf: building for {interpreter()} in {folder}, which is there already")
+    else:
+        folder = ROOT / "build" / "wheel"
+        tell(f"e2lf: building for {interpreter()} in {folder}; the first time takes minutes")
+        # The cache of a checkout that lay elsewhere is of no use.
+        fresh = [] if is_same(cached(folder).get("CMAKE_HOME_DIRECTORY", ROOT), ROOT) else ["--fresh"]
+        cmake(*fresh, "--preset", "minimal", "-B", folder, "-DE2LF_WITH_PYTHON=ON", "-DE2LF_WITH_VIEWER=OFF",
+              "-DE2LF_WITH_FILMS=OFF", f"-DPython_EXECUTABLE={interpreter()}")
     cmake("--build", folder, "-j", os.cpu_count(), "--target", "e2lf_python")
+    return folder
 
 
 def package(folder, prefix):
@@ -87,9 +149,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     name = f"e2lf-{version()}-{tag()}.whl"
     record = f"e2lf-{version()}.dist-info/RECORD"
     settings = config_settings or {}
-    folder = Path(settings.get("build-dir", ROOT / "build" / "wheel")).absolute()
-    if "build-dir" not in settings:
-        build(folder)
+    folder = Path(settings["build-dir"]).absolute() if "build-dir" in settings else build()
     lines = []
     with tempfile.TemporaryDirectory() as prefix, zipfile.ZipFile(Path(wheel_directory) / name, "w") as wheel:
         for path, data, mode in contents(package(folder, prefix)):

@@ -4,6 +4,15 @@ documents=$TESTSUITE/documents/documents.py
 py "$documents" links "$TESTSUITE/.." >problems.txt || fail "$(cat problems.txt)"
 py "$documents" words "$TESTSUITE/.." "$E2LF" >problems.txt || fail "$(cat problems.txt)"
 
+# A clone with the whole history is large, and what a change is asked for stands where people look for it.
+grep -q "git clone --depth 1" "$TESTSUITE/../README.md" || fail "README.md does not say how to clone"
+for word in "march=native" OpenCV "derived from data of others" "with its figures"; do
+  grep -q -- "$word" "$TESTSUITE/../CONTRIBUTING.md" || fail "CONTRIBUTING.md says nothing of $word"
+done
+for word in 127.0.0.1 origin plugin readers "latest release"; do
+  grep -q -- "$word" "$TESTSUITE/../SECURITY.md" || fail "SECURITY.md says nothing of $word"
+done
+
 # The checks see what is wrong.
 mkdir -p wrong/docs
 printf '# A\n[b](none.md) [c](#d)\n```\ne2lf info x.raw\n```\n```sh\ne2lf inffo x.raw\n```\n`e2lf info --jsonn` `e2lf codes show --flip-x` `--nonsense` `models/none.safetensors`\n' >wrong/docs/a.md

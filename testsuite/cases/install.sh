@@ -64,3 +64,8 @@ mkdir wrong
 printf 'cmake_minimum_required(VERSION 3.22)\nproject(x CXX)\nfind_package(e2lf REQUIRED COMPONENTS reconn)\n' >wrong/CMakeLists.txt
 if cmake -S wrong -B wrong/build -DCMAKE_PREFIX_PATH="$PWD/prefix" >wrong.txt 2>&1; then fail "a component that is not there"; fi
 grep -q "no component reconn" wrong.txt || fail "$(cat wrong.txt)"
+
+# Shared libraries have a name of their own for each version that breaks what is linked with them: every minor one before 1.0.
+cmake -S "$TESTSUITE/.." -B shared -G Ninja -DBUILD_SHARED_LIBS=ON -DE2LF_BUILD_TESTS=OFF -DE2LF_WITH_TORCH=OFF \
+  -DE2LF_WITH_VIEWER=OFF -DE2LF_WITH_PYTHON=OFF >configure.log 2>&1 || fail "$(tail -20 configure.log)"
+grep -q "SONAME = libe2lf_base.so.0.1$" shared/build.ninja || fail "$(grep -m 1 'SONAME = libe2lf_base' shared/build.ninja)"

@@ -25,3 +25,35 @@ fails 2 "see e2lf eval --help" ../repository/run e2lf eval
 cd ..
 find repository | sort >after.txt
 cmp before.txt after.txt
+
+# A clone that was moved, or copied with its build folder, builds on: the cache of the old place alone is made anew.
+mkdir first
+cp "$TESTSUITE/../run" first/run
+cat >first/CMakeLists.txt <<'CMAKE'
+cmake_minimum_required(VERSION 3.22)
+project(moved NONE)
+message(STATUS "e2lf features:")
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+add_custom_target(e2lf COMMAND ln -sf $ENV{E2LF} ${CMAKE_BINARY_DIR}/bin/e2lf)
+CMAKE
+cat >first/CMakePresets.json <<'JSON'
+{"version": 3, "configurePresets": [{"name": "minimal", "generator": "Ninja", "binaryDir": "${sourceDir}/build/minimal"}]}
+JSON
+rm tools/cmake
+export E2LF
+first/run e2lf --version >version.txt 2>log.txt || fail "$(cat log.txt)"
+if grep -q "was made for" log.txt; then fail "a first build: $(cat log.txt)"; fi
+echo mine >first/build/minimal/notes.txt
+mv first second
+cp -r second third
+for clone in second third; do
+  $clone/run e2lf --version >version.txt 2>log.txt || fail "$clone: $(cat log.txt)"
+  grep -q "run: build/minimal was made for $PWD/first: configuring it again for $PWD/$clone" log.txt || fail "$(cat log.txt)"
+  [ "$(cat $clone/build/minimal/notes.txt)" = mine ] || fail "a file in the build folder is gone"
+  $clone/run e2lf --version >version.txt 2>log.txt
+  if grep -q "was made for" log.txt; then fail "again: $(cat log.txt)"; fi
+done
+# Another way to the same place is no move.
+ln -s second link
+link/run e2lf --version >version.txt 2>log.txt || fail "$(cat log.txt)"
+if grep -q "was made for" log.txt; then fail "a link: $(cat log.txt)"; fi

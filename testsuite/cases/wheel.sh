@@ -37,12 +37,59 @@ grep -q "wrong is no build folder of CMake" pip.txt || fail "$(tail -5 pip.txt)"
 PATH=$PWD/no-cmake wrong
 grep -q "cmake is not installed" pip.txt || fail "$(tail -5 pip.txt)"
 # A plain `pip install .` finds Python's headers and numpy, which pip hides from it. It ends where CMake would compile.
-mkdir no-compiling
+mkdir no-compiling plain
 cat >no-compiling/cmake <<SH
 #!/bin/sh
-[ "\$1" != --build ] || exit 1
+echo "cmake \$*" >>"$PWD/called.txt"
+[ "\$1" != --build ] || { echo "[1/2] compiling"; exit 1; }
 exec "$(command -v cmake)" "\$@"
 SH
 chmod +x no-compiling/cmake
-PATH=$PWD/no-compiling:$PATH wrong
+for name in "$TESTSUITE"/../*; do
+  case ${name##*/} in build | python | pyproject.toml | CMake*) ;; *) ln -s "$name" plain/ ;; esac
+done
+cp -r "$TESTSUITE"/../{python,pyproject.toml,CMakeLists.txt,CMakePresets.json} plain
+plain() {
+  : >called.txt
+  if PATH=$PWD/no-compiling:$PATH environment/bin/python -m pip wheel "$PWD/plain" --no-deps -w wheels >pip.txt 2>&1; then fail "built"; fi
+}
+python=$(py -c 'import os, sys; print(os.path.realpath(sys.executable))')
+plain
 grep -q "python: ON" pip.txt || fail "$(tail -20 pip.txt)"
+grep -q "cmake failed (exit 1) for $python" pip.txt || fail "no interpreter: $(tail -20 pip.txt)"
+grep -q -- "--preset minimal -B $PWD/plain/build/wheel" called.txt || fail "$(cat called.txt)"
+# The second time, and where another build of this checkout has the module, that tree is built further; not one of another
+# checkout.
+plain
+[ "$(sed "s/-j [0-9]*/-j N/" called.txt)" = "cmake --build $PWD/plain/build/wheel -j N --target e2lf_python" ] || fail "$(cat called.txt)"
+mv plain/build/wheel plain/build/minimal
+plain
+grep -q -- "^cmake --build $PWD/plain/build/minimal " called.txt || fail "$(cat called.txt)"
+sed -i "s|^CMAKE_HOME_DIRECTORY:.*|CMAKE_HOME_DIRECTORY:INTERNAL=$PWD/empty|" plain/build/minimal/CMakeCache.txt
+plain
+grep -q -- "--preset minimal -B $PWD/plain/build/wheel" called.txt || fail "$(cat called.txt)"
+# pip keeps what a build prints: the terminal is told how far it is.
+cat >told.py <<'PY'
+import os, pty, sys
+pid, terminal = pty.fork()  # a terminal that the child's /dev/tty is
+if pid == 0:
+    sys.path.insert(0, "plain/python")
+    import build_wheel
+    build_wheel.PROGRESS_S = 0
+    sys.stdout = open(os.devnull, "w")
+    build_wheel.cmake("--build", "nowhere")
+    sys.exit(0)
+told = b""
+try:
+    while data := os.read(terminal, 4096):
+        told += data
+except OSError:
+    pass
+os.waitpid(pid, 0)
+sys.exit(b"step 1 of 2 of the build is done" not in told)
+PY
+PATH=$PWD/no-compiling:$PATH py told.py || fail "nothing on the terminal"
+# What Python lacks is said of the interpreter that was tried.
+"$(command -v cmake)" -S plain -B no-headers -G Ninja -DE2LF_WITH_PYTHON=ON -DE2LF_WITH_TORCH=OFF -DE2LF_WITH_VIEWER=OFF \
+  -DE2LF_BUILD_TESTS=OFF -DPython_EXECUTABLE="$PWD/environment/bin/python-none" >cmake.txt 2>&1 && fail "built without Python"
+grep -q "no Python package for $PWD/environment/bin/python-none" cmake.txt || fail "$(tail -20 cmake.txt)"

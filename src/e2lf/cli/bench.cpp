@@ -16,6 +16,7 @@
 #include "e2lf/cli/bench_rig.h"
 #include "e2lf/cli/bench_video.h"
 #include "e2lf/cli/camera_option.h"
+#include "e2lf/cli/model_option.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/trainer_program.h"
 #include "e2lf/cli/verb.h"
@@ -77,7 +78,8 @@ int run_bench_reconstruct(const std::vector<std::string>& arguments) {
       .add_option("--runs", options.runs, "of each; figures are medians")
       ->check(whole_number(1))
       ->capture_default_str();
-  verb.app().add_option("-m,--model", model, "model file; default: the paper's network with random weights");
+  add_model_option(verb.app(), "-m,--model", model,
+                   "model file or bundled model; default: the paper's network with random weights");
   add_report_option(verb.app(), report_names);
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));

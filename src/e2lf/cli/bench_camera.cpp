@@ -13,6 +13,7 @@
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/camera_settings.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/model_option.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/scene_input.h"
 #include "e2lf/cli/verb.h"
@@ -217,14 +218,14 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
 int run_bench_camera(const std::vector<std::string>& arguments) {
   Verb verb("bench camera",
             "What each imperfection of a camera costs in PSNR, for each model; at the brightness that fits best.",
-            "e2lf bench camera scene/ -m models/e2lf-n4.safetensors");
+            "e2lf bench camera scene/ -m e2lf-n4");
   CameraBench options;
   std::vector<fs::path> report_names;
   CLI::App& app = verb.app();
   add_report_option(app, report_names);
   app.add_option("scenes,-i,--input", options.scenes, "light fields of any format e2lf reads")->required();
-  app.add_option("-m,--model", options.models, "model files; default: the bundled one");
-  app.add_option("--codes", options.codes, "patterns of models that hold none");
+  add_model_option(app, "-m,--model", options.models, "model files or bundled models; default: e2lf-n4");
+  add_codes_option(app, options.codes, "patterns of models that hold none");
   app.add_option("--size", options.size, "height and width of the middle part that is used, px")
       ->check(whole_number(16))
       ->capture_default_str();

@@ -11,6 +11,7 @@
 #include "e2lf/cli/bench_report.h"
 #include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/camera_option.h"
+#include "e2lf/cli/model_option.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/lightfield/demo_scene.h"
@@ -164,14 +165,15 @@ BenchReport rig_report(const Json& json) {
 
 int run_bench_rig(const std::vector<std::string>& arguments) {
   Verb verb("bench rig", "Simulate, encode, decode, accumulate and reconstruct one cycle; the time of each stage.",
-            "e2lf bench rig -m models/e2lf-n4.safetensors --json");
+            "e2lf bench rig -m e2lf-n4 --json");
   RigBench options;
   std::vector<std::filesystem::path> report_names;
   add_report_option(verb.app(), report_names);
   const CLI::Range pixels(size_t{16}, size_t{16384});
   verb.app().add_option("--width", options.width, "of the sensor in pixels")->check(pixels)->capture_default_str();
   verb.app().add_option("--height", options.height, "of the sensor in pixels")->check(pixels)->capture_default_str();
-  verb.app().add_option("-m,--model", options.model, "model file with patterns; default: the bundled one");
+  add_model_option(verb.app(), "-m,--model", options.model,
+                   "model file with patterns, or bundled model; default: e2lf-n4");
   verb.app()
       .add_option("--precision", options.precision, "arithmetic of the network")
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))

@@ -140,7 +140,7 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
 
 int run_codes_render(const std::vector<std::string>& arguments) {
   Verb verb("codes render", "Make the pictures that an aperture display shows, and their schedule.",
-            "e2lf codes render -m models/e2lf-n4.safetensors -o out/display --flip-x --bits 1");
+            "e2lf codes render -m e2lf-n4 -o out/display --flip-x --bits 1");
   RenderArguments render_arguments;
   capture::DisplayLayout& layout = render_arguments.layout;
   CLI::App& app = verb.app();

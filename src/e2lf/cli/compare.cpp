@@ -63,6 +63,7 @@ Result<fs::path> locate(const CompareArguments& arguments, const std::string& na
   if (fs::exists(beside, error)) return beside.lexically_normal();
   if (!arguments.data.empty() && fs::exists(arguments.data / path, error)) return arguments.data / path;
   if (const auto bundled = bundled_file(name); bundled && path.is_relative()) return *bundled;
+  if (const auto model = bundled_file_named(kBundledModels, name)) return *model;
   const std::string data =
       arguments.data.empty() ? "no folder of data is given (--data or E2LF_DATA)" : "in " + arguments.data.string();
   return Error{ErrorCode::kNotFound,

@@ -54,15 +54,25 @@ std::string groups_of(const std::vector<DeclaredVerb>& verbs) {
   return join(groups, "|");
 }
 
+/// "e2lf-n4 ideal", of an argument that is given by its place; empty where there is none of such names.
+std::string bundled_arguments(const DeclaredVerb& verb) {
+  for (const DeclaredOption& option : verb.options) {
+    if (!option.argument.empty()) return join(option.bundled, " ");
+  }
+  return "";
+}
+
 std::string bash_values(const std::vector<DeclaredVerb>& verbs) {
   std::string cases;
   for (const DeclaredVerb& verb : verbs) {
     for (const DeclaredOption& option : verb.options) {
       if (!option.takes_value || !is_shown(option)) continue;
-      if (option.choices.empty() && !option.is_number) continue;
+      if (option.choices.empty() && option.bundled.empty() && !option.is_number) continue;
       std::vector<std::string> patterns;
       for (const std::string& name : option.names()) patterns.push_back(quoted(verb.name + " " + name));
-      cases += cat("    ", join(patterns, "|"), ") words=", quoted(join(option.choices, " ")), "; is_value=1 ;;\n");
+      const auto& words = option.bundled.empty() ? option.choices : option.bundled;
+      cases += cat("    ", join(patterns, "|"), ") words=", quoted(join(words, " ")), "; is_value=1",
+                   option.bundled.empty() ? "" : " files=-f", " ;;\n");
     }
   }
   return cases;
@@ -72,7 +82,7 @@ std::string bash_script(const std::vector<DeclaredVerb>& verbs) {
   return cat(R"(# Completion of e2lf for bash; made by `e2lf completion bash`.
 _e2lf() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
-  local verb= first=1 words= is_value=
+  local verb= first=1 words= is_value= files=
   if ((COMP_CWORD > 1)); then verb=${COMP_WORDS[1]} first=2; fi
   case $verb in
     )",
@@ -91,14 +101,18 @@ _e2lf() {
                               "if ((COMP_CWORD < first)) || [ -z \"$verb\" ] || ((COMP_CWORD == first)); then words=",
                               quoted(join(verb.subverbs, " ") + " --help"), "; fi");
                         }
-                        return cat("words=", quoted(flags_of(verb)));
+                        const std::string flags = cat("words=", quoted(flags_of(verb)));
+                        const std::string names = bundled_arguments(verb);
+                        if (names.empty()) return flags;
+                        return cat("if [[ $current == -* ]]; then ", flags, "; else words=", quoted(names),
+                                   " is_value=1 files=-f; fi");
                       }),
              R"(    esac
   fi
   COMPREPLY=()
   if [ -n "$is_value" ] || [[ $current == -* ]] || ((COMP_CWORD < 2)); then
-    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
-    compopt +o default 2>/dev/null
+    mapfile -t COMPREPLY < <(compgen $files -W "$words" -- "$current")
+    if [ -n "$files" ]; then compopt -o filenames 2>/dev/null; else compopt +o default 2>/dev/null; fi
     return
   fi
   case $verb in
@@ -125,6 +139,9 @@ std::string zsh_text(const std::string& text) {
 std::string zsh_value(const DeclaredOption& option) {
   if (!option.takes_value) return "";
   if (!option.choices.empty()) return cat(":value:(", join(option.choices, " "), ")");
+  if (!option.bundled.empty()) {
+    return cat(":name:{_alternative \"names:bundled:(", join(option.bundled, " "), ")\" \"files:file:_files\"}");
+  }
   return option.is_number ? ":number: " : ":file:_files";
 }
 
@@ -136,6 +153,9 @@ std::string zsh_arguments(const DeclaredVerb& verb) {
       const std::string others = names.size() > 1 ? cat("(", join(names, " "), ")") : "";
       text += " " + quoted(cat(others, name, "[", zsh_text(option.help), "]", zsh_value(option)));
     }
+  }
+  for (const DeclaredOption& option : verb.options) {
+    if (!option.argument.empty() && !option.bundled.empty()) return text + " " + quoted("*" + zsh_value(option));
   }
   return text + " '*:file:_files'";
 }
@@ -182,6 +202,7 @@ std::string fish_option(const DeclaredVerb& verb, const DeclaredOption& option) 
   for (const std::string& name : option.long_names) text += " -l " + name.substr(2);
   if (option.takes_value && !option.choices.empty()) text += cat(" -x -a ", quoted(join(option.choices, " ")));
   if (option.takes_value && option.choices.empty()) text += option.is_number ? " -x" : " -r -F";
+  if (!option.bundled.empty()) text += " -a " + quoted(join(option.bundled, " "));
   return cat(text, " -d ", quoted(option.help), "\n");
 }
 
@@ -202,6 +223,10 @@ end
   for (const DeclaredVerb& verb : verbs) {
     for (const DeclaredOption& option : verb.options) {
       if (is_shown(option)) text += fish_option(verb, option);
+      if (!option.argument.empty() && !option.bundled.empty()) {
+        text += cat("complete -c e2lf -n ", quoted("__e2lf_ends_with " + verb.name), " -a ",
+                    quoted(join(option.bundled, " ")), "\n");
+      }
     }
     for (const std::string& name : verb.subverbs) {
       const std::string full = verb.name.empty() ? name : verb.name + " " + name;

@@ -8,7 +8,10 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/whole_cycle.h"
 #include "e2lf/cli/number_check.h"
+#include "e2lf/cli/option_types.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cycles/shown_pattern.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/declared_verbs.h"
 
 #include <sstream>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/option_types.h"
 
 namespace e2lf::cli {
 namespace {
@@ -25,6 +27,12 @@ bool is_number_type(const std::string& type) {
   return type.starts_with("INT") || type.starts_with("UINT") || type.starts_with("FLOAT");
 }
 
+std::vector<std::string> bundled_of(const std::string& type) {
+  if (type == kModelType || type == kCodesType) return bundled_names(kBundledModels);
+  if (type == kCameraType) return bundled_names(kBundledCameras);
+  return {};
+}
+
 DeclaredOption declared_option(const CLI::Option& option) {
   DeclaredOption declared;
   for (const std::string& name : option.get_snames()) declared.short_names.push_back("-" + name);
@@ -35,8 +43,10 @@ DeclaredOption declared_option(const CLI::Option& option) {
   declared.default_value = option.get_default_str();
   declared.takes_value = option.get_items_expected_max() > 0;
   declared.is_required = option.get_required();
-  declared.choices = choices_of(option.get_type_name());
-  declared.is_number = is_number_type(option.get_type_name());
+  declared.type = option.get_type_name();
+  declared.choices = choices_of(declared.type);
+  declared.bundled = bundled_of(declared.type);
+  declared.is_number = is_number_type(declared.type);
   return declared;
 }
 
@@ -58,7 +68,7 @@ std::vector<std::string> DeclaredOption::names() const {
 std::string DeclaredOption::placeholder() const {
   if (!takes_value) return "";
   if (!choices.empty()) return "{" + join(choices, ",") + "}";
-  return is_number ? "NUMBER" : "TEXT";
+  return is_number ? "NUMBER" : type;
 }
 
 bool are_verbs_asked() {

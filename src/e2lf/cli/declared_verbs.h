@@ -18,10 +18,12 @@ struct DeclaredOption {
   bool takes_value = false, is_required = false;
   bool is_number = false;
   std::vector<std::string> choices;  ///< all its values; empty = any
+  std::vector<std::string> bundled;  ///< names that it takes besides files
+  std::string type;                  ///< what --help calls its value
 
   /// All names, the short ones first.
   [[nodiscard]] std::vector<std::string> names() const;
-  /// What stands for its value: "FILE", "NUMBER", "{auto,float32}"; empty for a flag.
+  /// What stands for its value: "PATH", "NUMBER", "{auto,float32}"; empty for a flag.
   [[nodiscard]] std::string placeholder() const;
 };
 

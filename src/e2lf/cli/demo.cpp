@@ -9,6 +9,7 @@
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/light_field_output.h"
+#include "e2lf/cli/model_option.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/pictures.h"
 #include "e2lf/cli/run_record.h"
@@ -43,10 +44,10 @@ struct Camera {
   std::string method = "closed-form inversion (no trained model is bundled)";
 };
 
-Result<Camera> make_camera(const fs::path& named) {
+Result<Camera> make_camera(const std::optional<fs::path>& path, RunRecord& record) {
   Camera camera;
-  const auto path = named.empty() ? bundled_model() : named;
   if (!path) return camera;
+  record.add_input(*path);
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
   if (!model.codes) {
     return Error{ErrorCode::kNotFound,
@@ -85,11 +86,11 @@ void print_result(const DemoArguments& arguments, const Camera& camera, const ev
 
 Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  const auto bundled = arguments.model.empty() ? bundled_model() : arguments.model;
-  const OutputRules rules{.inputs = {bundled.value_or("")}, .overwrite = common.overwrite};
+  const auto model = arguments.model.empty() ? bundled_model() : arguments.model;
+  const OutputRules rules{.inputs = {model.value_or("")}, .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("demo");
-  E2LF_ASSIGN_OR_RETURN(const Camera camera, make_camera(arguments.model));
+  E2LF_ASSIGN_OR_RETURN(const Camera camera, make_camera(model, record));
   const lightfield::Shape shape{8, 8, arguments.height, arguments.width, 1};
   const LightField scene = lightfield::render_light_field(lightfield::demo_scene(common.seed), shape);
   record.end_step("render");
@@ -144,7 +145,7 @@ int run_demo(const std::vector<std::string>& arguments) {
             "e2lf demo -o out/demo --overwrite");
   DemoArguments demo_arguments;
   verb.app().add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
-  verb.app().add_option("-m,--model", demo_arguments.model, "model file; default: the bundled one");
+  add_model_option(verb.app(), "-m,--model", demo_arguments.model, "model file or bundled model; default: e2lf-n4");
   verb.app()
       .add_option("--width", demo_arguments.width, "of each view, px")
       ->check(CLI::Range(16, 8192))

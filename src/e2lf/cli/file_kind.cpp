@@ -5,6 +5,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement_io.h"
+#include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
@@ -152,6 +153,12 @@ Result<FileKind> file_kind(const fs::path& path) {
   if (extension == ".npy") return array_kind(path);
   if (extension == ".mat" && holds_event_images(path)) return FileKind::kEventImages;
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
+}
+
+fs::path thing_named(const fs::path& path) {
+  std::error_code error;
+  if (fs::exists(path, error)) return path;
+  return bundled_file_named(kBundledModels, path.string()).value_or(path);
 }
 
 }  // namespace e2lf::cli

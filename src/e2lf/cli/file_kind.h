@@ -32,4 +32,7 @@ enum class FileKind {
 /// what to do with it.
 [[nodiscard]] Error other_kind_error(const std::filesystem::path& path, FileKind kind, const char* wanted);
 
+/// The bundled model of a name under which nothing lies here; any other path as it is.
+[[nodiscard]] std::filesystem::path thing_named(const std::filesystem::path& path);
+
 }  // namespace e2lf::cli

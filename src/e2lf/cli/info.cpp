@@ -63,6 +63,7 @@ Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, co
 }
 
 Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
+  arguments.path = thing_named(arguments.path);
   const fs::path& path = arguments.path;
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
   if (kind != FileKind::kLightField && kind != FileKind::kCycles) {
@@ -88,7 +89,7 @@ int run_info(const std::vector<std::string>& arguments) {
   Verb verb("info", "Say what a file or folder is: a recording, event images, a light field or a model.",
             "e2lf info recording.raw --plot rate.svg");
   InfoArguments info;
-  verb.app().add_option("path,-i,--input", info.path, "file or folder")->required();
+  verb.app().add_option("path,-i,--input", info.path, "file or folder, or a bundled model")->required();
   verb.app()
       .add_option("--plot", info.plot, "recordings: write the event rate over time as a picture (.svg, .png)")
       ->check(chart_name());

@@ -5,6 +5,9 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
+#include "e2lf/cli/bundled_files.h"
+#include "e2lf/cli/model_option.h"
+#include "e2lf/cli/option_types.h"
 #include "e2lf/files/file.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -12,10 +15,18 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 
 void add_codes_options(CLI::App& app, CodesSource& source) {
-  app.add_option("-m,--model", source.model, "model file: its patterns and sensor constants");
-  app.add_option(
-      "--codes", source.codes,
-      "aperture patterns (.json, .npy, .npz); default: those of the events' file, the model's, built-in ones");
+  add_model_option(app, "-m,--model", source.model,
+                   "model file, or the name of a bundled model: its patterns and sensor constants");
+  add_codes_option(app, source.codes,
+                   "aperture patterns (.json, .npy, .npz, or those of a model); default: those of the events' file, the "
+                   "model's, those of e2lf-n4");
+}
+
+Result<capture::Codes> read_patterns(const fs::path& path) {
+  if (path.extension() != kBundledModels.extension) return capture::read_codes(path);
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(path));
+  if (model.codes) return std::move(*model.codes);
+  return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; name a file that does", path.string()};
 }
 
 Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record) {
@@ -43,7 +54,7 @@ Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const st
   }
   if (!source.codes.empty()) {
     record.add_input(source.codes);
-    E2LF_ASSIGN_OR_RETURN(codes, capture::read_codes(source.codes));
+    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(source.codes));
     known.origin = CodesOrigin::kGiven;
     if (of_events && *codes != *of_events) {
       log_warning(cat("the patterns of ", source.codes.string(), " are not those that the file of the events holds; ",
@@ -63,7 +74,15 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
     return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; give them with --codes",
                  source.model.string()};
   }
-  known.emplace().codes = capture::default_codes();
+  known.emplace();
+  if (const auto path = bundled_model()) {
+    E2LF_ASSIGN_OR_RETURN(known->codes, read_patterns(*path));
+    record.add_input(*path);
+    record.resolve("codes", path->stem().string());
+    log_info(cat("no patterns named: taking those of ", path->stem().string()));
+  } else {
+    known->codes = capture::default_codes();
+  }
   return std::move(*known);
 }
 

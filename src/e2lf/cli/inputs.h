@@ -26,7 +26,7 @@ enum class CodesOrigin {
   kGiven,    ///< --codes
   kEvents,   ///< the events' own file
   kModel,    ///< what the network was trained for
-  kBuiltIn,  ///< nothing told
+  kBuiltIn,  ///< nothing told: the bundled model's
 };
 
 /// The patterns and what is known of the sensor they were made for.
@@ -51,8 +51,12 @@ void add_codes_options(CLI::App& app, CodesSource& source);
                                                            const std::optional<capture::Codes>& of_events,
                                                            RunRecord& record);
 
-/// Reads the patterns: those of --codes, else those of the model, else the built-in ones when neither is given. Fails
-/// with kNotFound when the model holds no codes.
+/// The patterns of a file of them or of a model file. Fails as read_codes() and read_model(), and with kNotFound where the
+/// model holds none.
+[[nodiscard]] Result<capture::Codes> read_patterns(const std::filesystem::path& path);
+
+/// Reads the patterns: those of --codes, else those of the model. Where neither is given, takes those of the bundled
+/// model and says so; without one, the built-in ones. Fails with kNotFound when the model holds no codes.
 [[nodiscard]] Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record);
 
 /// read_light_field() with a line of progress.

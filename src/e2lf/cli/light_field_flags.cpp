@@ -2,6 +2,7 @@
 #include "e2lf/cli/light_field_flags.h"
 
 #include "e2lf/cli/number_check.h"
+#include "e2lf/cli/option_types.h"
 
 namespace e2lf::cli {
 

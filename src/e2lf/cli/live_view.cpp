@@ -12,6 +12,10 @@
 
 namespace e2lf::cli {
 
+bool has_viewer() {
+  return true;
+}
+
 class LiveView::Impl {
  public:
   Impl(std::string name, const std::filesystem::path& folder, view::Server server)

@@ -11,6 +11,9 @@
 
 namespace e2lf::cli {
 
+/// Whether this build has `e2lf view`.
+[[nodiscard]] bool has_viewer();
+
 /// Shows the light fields of a reconstruction in a browser while they come. Its own thread serves the viewer.
 class LiveView {
  public:

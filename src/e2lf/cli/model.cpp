@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf model info | import | store | export
+#include "e2lf/cli/model_option.h"
 #include "e2lf/model/model.h"
 
 #include <cstdio>
@@ -26,9 +27,9 @@ void print_model(const AnyModel& model, const Verb& verb) {
 }
 
 int run_model_info(const std::vector<std::string>& arguments) {
-  Verb verb("model info", "Say what a model file holds.", "e2lf model info models/e2lf-n4.safetensors");
+  Verb verb("model info", "Say what a model file holds.", "e2lf model info e2lf-n4");
   fs::path path;
-  verb.app().add_option("model,-m,--model", path, "model file (.safetensors)")->required();
+  add_model_option(verb.app(), "model,-m,--model", path, "model file (.safetensors), or a bundled model")->required();
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
     if (is_video) {
@@ -116,7 +117,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
             "e2lf model store MODEL.safetensors -o SMALL.safetensors --weights bfloat16");
   fs::path input, output;
   std::string weights = "bfloat16", camera;
-  verb.app().add_option("model,-m,--model", input, "model file (.safetensors)")->required();
+  add_model_option(verb.app(), "model,-m,--model", input, "model file (.safetensors), or a bundled model")->required();
   verb.app().add_option("-o,--output", output, "model file to write")->required();
   verb.app()
       .add_option("--weights", weights, "bfloat16 (half the size, relative errors of 2^-8 at most) or float32")
@@ -180,10 +181,10 @@ Result<void> export_model(const fs::path& input, const fs::path& output, const s
 
 int run_model_export(const std::vector<std::string>& arguments) {
   Verb verb("model export", "Write a model as ONNX: event images in, views out, for other programs.",
-            "e2lf model export models/e2lf-n4.safetensors -o e2lf-n4.onnx");
+            "e2lf model export e2lf-n4 -o e2lf-n4.onnx");
   fs::path input, output;
   std::string camera;
-  verb.app().add_option("model,-m,--model", input, "model file (.safetensors)")->required();
+  add_model_option(verb.app(), "model,-m,--model", input, "model file (.safetensors), or a bundled model")->required();
   verb.app().add_option("-o,--output", output, "file to write (.onnx)")->required();
   add_camera_option(verb.app(), camera, "for networks that are told: the camera whose events will be given");
   return verb.run(arguments, [&] { return export_model(input, output, camera, verb); });

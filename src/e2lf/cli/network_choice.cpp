@@ -23,7 +23,7 @@ Result<std::optional<model::Model>> bundled_network(const capture::Codes& codes,
     E2LF_ASSIGN_OR_RETURN(auto model, read_named_model({.model = *path, .codes = {}}, unused));
     if (!model->codes || *model->codes != codes) continue;
     record.add_input(*path);
-    record.resolve("model", path->string());
+    record.resolve("model", name);
     log_info(cat("no model named: taking ", model->name, ", which was trained for these patterns and ",
                  has_physical_pixels ? "physical pixels" : "the paper's event model"));
     return model;
@@ -80,7 +80,7 @@ void tell_camera(const std::optional<capture::Camera>& camera, model::Model& mod
   } else if (camera && camera->is_pixel()) {
     log_warning(cat("the events are those of physical pixels (", camera->name, "), which ", model.name,
                     " has never seen: the light field will be wrong; use a network that is told the camera, such as ",
-                    "models/e2lf-n4-camera.safetensors"));
+                    "e2lf-n4-camera"));
   }
 }
 

@@ -21,6 +21,7 @@
 #include "e2lf/cli/live_log.h"
 #include "e2lf/cli/live_view.h"
 #include "e2lf/cli/network_choice.h"
+#include "e2lf/cli/next_step.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_setup.h"
@@ -59,7 +60,7 @@ Result<std::optional<model::Model>> find_bundled_network(const ReconstructArgume
                                                          RunRecord& record) {
   std::optional<capture::Codes> codes = setup.codes;
   if (!arguments.codes.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(codes, capture::read_codes(arguments.codes.codes));
+    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(arguments.codes.codes));
   }
   if (!codes) {
     return Error{ErrorCode::kInvalidValue,
@@ -146,7 +147,7 @@ Result<recon::Method> classical_method(const ReconstructArguments& arguments, st
   }
   if (!known) {
     E2LF_ASSIGN_OR_RETURN(known, load_codes(arguments.codes, record));
-    log_warning("no patterns given: taking the built-in ones (`e2lf codes show`); give the camera's with --codes");
+    log_warning("nothing confirms that the camera showed these patterns; give the camera's with --codes");
   } else if (!are_patterns_told(known)) {
     warn_of_assumed_patterns(arguments.input, arguments.codes.model.string());
   }
@@ -320,6 +321,12 @@ std::string place_of_views(const fs::path& output, bool has_one_cycle, size_t cy
   return cycles == 1 ? first : cat(first, " ... ", cycle_name(cycles - 1));
 }
 
+std::string next_step(const ReconstructArguments& arguments, bool has_one_cycle) {
+  if (has_viewer()) return cat("e2lf view ", shell_word(arguments.output.string()));
+  const fs::path views = has_one_cycle ? arguments.output : arguments.output / cycle_name(0);
+  return cat("look at ", (views / "contact_sheet.png").string());
+}
+
 void print_result(const ReconstructArguments& arguments, const CommonOptions& common, const CycleInput& input,
                   const Json& cycles) {
   if (common.json) {
@@ -332,6 +339,7 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
                 cycles.size(), cycles.size() == 1 ? "" : "s", where.c_str(), cycles.front()["black"].get<double>(),
                 cycles.front()["gain"].get<double>());
     if (cycles.front().contains("event_error")) print_event_error(cycles.front());
+    if (!arguments.view) print_next_step(next_step(arguments, input.has_one_field()), common);
   }
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/cli/option_types.h"
 #include "e2lf/cli/recording_flags.h"
 
 #include "e2lf/base/log.h"

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/cli/option_types.h"
 #include "e2lf/cli/report_output.h"
 
 #include <fstream>
 #include <iterator>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/next_step.h"
 #include "e2lf/film/draw_svg.h"
 #include "e2lf/lightfield/contact_sheet.h"
 #include "e2lf/report/axis.h"
@@ -20,16 +22,6 @@ CLI::Validator report_name() {
     return format ? std::string() : format.error().text();
   };
   return {check, ""};
-}
-
-std::string shell_word(const std::string& word) {
-  const bool is_plain = word.find_first_not_of(
-                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                            "_@%+=:,./-") == std::string::npos;
-  if (is_plain && !word.empty()) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
 }
 
 /// As it was typed, as far as one can tell.

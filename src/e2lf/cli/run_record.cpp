@@ -61,9 +61,10 @@ Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progr
 /// Says which inputs have changed since the run that is made again.
 void warn_of_other_inputs(const Json& inputs, const Json& earlier_run) {
   if (!earlier_run.is_object() || !earlier_run.contains("inputs")) return;
+  const auto whole = [](const Json& input) { return fs::absolute(input.value("path", "")).lexically_normal(); };
   for (const Json& earlier : earlier_run["inputs"]) {
     for (const Json& input : inputs) {
-      if (!earlier.is_object() || earlier.value("path", "") != input["path"]) continue;
+      if (!earlier.is_object() || whole(earlier) != whole(input)) continue;
       if (earlier.value("sha256", "") == input["sha256"]) continue;
       log_warning(
           cat(input["path"].get<std::string>(), " is not what it was in the earlier run: neither is the result"));
@@ -120,6 +121,8 @@ Json RunRecord::json_so_far(const Verb& verb) const {
   record["written_by"] = "e2lf";
   record["verb"] = verb_;
   record["version"] = kVersion;
+  std::error_code ignored;
+  record["folder"] = fs::current_path(ignored).string();
   record["options"] = verb.resolved_options();
   record["options"].update(resolved_);
   record["seed"] = verb.common().seed;

@@ -13,8 +13,10 @@
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/capture/measurement_io.h"
+#include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/next_step.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_setup.h"
@@ -346,6 +348,26 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
   return {};
 }
 
+/// What makes light fields of these events. e2lf-n4 and its like are found by patterns and camera; where others were given,
+/// the closed form works.
+std::string network_flags(const SimulateArguments& arguments, const Setup& setup) {
+  const fs::path& model = arguments.codes.model;
+  if (!model.empty() && model == bundled_model()) return "";
+  if (!model.empty()) return " -m " + shell_word(shown_name(kBundledModels, model));
+  if (setup.known.measurement != capture::MeasurementKind::kEventImages) return " -m MODEL";
+  const fs::path& codes = arguments.codes.codes;
+  return codes.empty() || shown_name(kBundledModels, codes) != codes ? "" : " --method inversion";
+}
+
+std::string next_step(const SimulateArguments& arguments, const Setup& setup, bool as_images) {
+  const std::string events = shell_word(arguments.output.string());
+  fs::path result = arguments.output;
+  if (!as_images) return cat("e2lf accumulate ", events, " -o ", shell_word(result.replace_extension(".npz").string()));
+  result.replace_extension();
+  return cat("e2lf reconstruct ", events, network_flags(arguments, setup), " -o ",
+             shell_word(result.string() + "-lightfield"));
+}
+
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   const bool as_images = arguments.output.extension() == ".npz";
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments, as_images, verb.common().overwrite));
@@ -369,6 +391,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(output.commit());
   print_images(first, verb.common());
   print_statistics(first.events, verb.common());
+  if (!output.is_stream()) print_next_step(next_step(arguments, setup, as_images), verb.common());
   return {};
 }
 
@@ -376,7 +399,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
 
 int run_simulate(const std::vector<std::string>& arguments) {
   Verb verb("simulate", "Simulate the event images that a coded-aperture event camera records of a light field.",
-            "e2lf simulate scene/ -m models/e2lf-n4.safetensors -o events.npz --sigma-w 0.175 --seed 1");
+            "e2lf simulate scene/ -m e2lf-n4 -o events.npz --sigma-w 0.175 --seed 1");
   SimulateArguments simulation;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", simulation.input, "light field: a folder of views, or any format e2lf reads");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/cli/option_types.h"
 #include "e2lf/cli/stream_flags.h"
 
 #include <algorithm>

@@ -133,10 +133,12 @@ Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       return Error{ErrorCode::kInvalidValue, cat("unknown key \"", key, "\"; ", suggestion(name, known)), location};
     }
-    if (value.is_boolean()) {
-      if (value.get<bool>()) flags.push_back("--" + name);
-    } else {
-      flags.push_back("--" + name + "=" + (value.is_string() ? value.get<std::string>() : json_line(value)));
+    for (const Json& one : value.is_array() ? value : Json::array({value})) {
+      if (one.is_boolean()) {
+        if (one.get<bool>()) flags.push_back("--" + name);
+      } else {
+        flags.push_back("--" + name + "=" + (one.is_string() ? one.get<std::string>() : json_line(one)));
+      }
     }
   }
   return flags;
@@ -222,10 +224,10 @@ Result<Json> Verb::read_config() {
                  cat("this is the record of another verb's run (", json_line(config["verb"]), "); give one of ", name_),
                  config_};
   }
-  Json options = config["options"];
-  for (const char* name : kNotRepeated) options.erase(name);
+  for (const char* name : kNotRepeated) config["options"].erase(name);
+  missing_inputs_ = find_recorded_paths(config, app_);
   earlier_run_ = std::move(config);
-  return options;
+  return earlier_run_["options"];
 }
 
 /// The flags of --config and of every --set, so that they can be parsed before the command line's own, which win.
@@ -236,6 +238,15 @@ Result<std::vector<std::string>> Verb::configured_flags() {
   }
   for (const std::string& assignment : overrides_) E2LF_RETURN_IF_ERROR(apply_override(config, assignment));
   return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
+}
+
+/// Inputs of an earlier run that are gone, where the command line names no others.
+Result<void> Verb::check_inputs() const {
+  for (const MissingInput& input : missing_inputs_) {
+    const CLI::results_t& values = app_.get_option(input.flag)->results();
+    if (std::find(values.begin(), values.end(), input.placed) != values.end()) return input.error;
+  }
+  return {};
 }
 
 Result<void> Verb::refuse_options(const std::string& group, const std::string& what) const {
@@ -269,6 +280,9 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   } catch (const CLI::CallForHelp&) {
     std::cout << app_.help();
     return 0;
+  } catch (const CLI::FileError& error) {
+    std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), error.what());
+    return 1;
   } catch (const CLI::ExtrasError& error) {
     return usage_error(unknown_argument(app_, arguments).value_or(error.what()));
   } catch (const CLI::RequiredError& error) {
@@ -279,6 +293,7 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
     return usage_error(message);
   }
   if (const auto capped = apply_isa_cap(); !capped) return usage_error(capped.error().text());
+  if (const auto found = check_inputs(); !found) return exit_code(found);
   set_num_threads(common_.threads);
   set_log_sink(common_.quiet ? print_warnings : print_log);
   if (stops_gently_) stop_on_signals();
@@ -313,8 +328,8 @@ Json Verb::resolved_options() const {
     // Their keys are among the others.
     if (name == "config" || (name == "set" && !keeps_overrides_)) continue;
     if (option->count() > 0) {
-      options[name] =
-          option->get_items_expected_max() == 0 ? Json(true) : Json(join(option->as<std::vector<std::string>>()));
+      const int most = option->get_items_expected_max();
+      options[name] = most == 0 ? Json(true) : most == 1 ? Json(option->results().back()) : Json(option->results());
     } else if (!option->get_default_str().empty()) {
       options[name] = option->get_default_str();
     }

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/cli/option_types.h"
+#include "e2lf/cli/recorded_paths.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cli {
@@ -70,11 +72,13 @@ class Verb {
   [[nodiscard]] int exit_code(const Result<void>& result) const;
   [[nodiscard]] Result<Json> read_config();
   [[nodiscard]] Result<std::vector<std::string>> configured_flags();
+  [[nodiscard]] Result<void> check_inputs() const;
   std::string name_, example_;
   CLI::App app_;
   CommonOptions common_;
   std::string config_;
   Json earlier_run_;
+  std::vector<MissingInput> missing_inputs_;
   std::vector<std::string> overrides_;
   bool keeps_overrides_ = false, stops_gently_ = false;
 };

@@ -210,7 +210,7 @@ int run_view(const std::vector<std::string>& arguments) {
             "fields of one shape are compared; the first one is the truth.",
             "e2lf view out/demo/scene out/demo/recon");
   ViewArguments view_arguments;
-  verb.app().add_option("things", view_arguments.things, "files and folders to look at")->required();
+  verb.app().add_option("things", view_arguments.things, "files and folders to look at, or bundled models")->required();
   verb.app().add_option("--disparity", view_arguments.disparity,
                         "disparity map to lay over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
   verb.app().add_option("--export", view_arguments.page, "write one HTML file with all data in it; serve nothing");
@@ -225,6 +225,7 @@ int run_view(const std::vector<std::string>& arguments) {
   add_cycle_options(verb.app(), view_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] {
+    std::ranges::transform(view_arguments.things, view_arguments.things.begin(), thing_named);
     return view_arguments.page.empty() ? serve(view_arguments, verb) : export_page(view_arguments, verb);
   });
 }

@@ -14,6 +14,10 @@ Error no_viewer() {
 
 }  // namespace
 
+bool has_viewer() {
+  return false;
+}
+
 class LiveView::Impl {};
 LiveView::LiveView(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 LiveView::LiveView(LiveView&&) noexcept = default;

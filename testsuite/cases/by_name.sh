@@ -1,0 +1,31 @@
+# Bundled models are given by name, patterns come out of models, and a record works from any folder.
+"$E2LF" demo -o demo --width 64 --height 48 --quiet
+model=$TESTSUITE/../models/e2lf-n4.safetensors
+"$E2LF" simulate demo/scene -m e2lf-n4 -o named.npz --quiet
+"$E2LF" simulate demo/scene -m "$model" -o path.npz --quiet
+cmp named.npz path.npz
+"$E2LF" reconstruct named.npz -m e2lf-n4.safetensors -o named --quiet
+"$E2LF" model info e2lf-n8 | grep -q "e2lf-n8" || fail "$("$E2LF" model info e2lf-n8)"
+fails 1 "e2lf-n4-capture" "$E2LF" simulate demo/scene -m e2lf-n5 -o out.npz
+# A file of exactly this name goes before the bundled one.
+cp "$TESTSUITE/../models/e2lf-n8.safetensors" e2lf-n4
+"$E2LF" simulate demo/scene -m e2lf-n4 -o file.npz --quiet
+[ "$(py -c 'import numpy; print(numpy.load("file.npz")["codes"].shape[0])')" = 8 ] || fail "the file was not taken"
+rm e2lf-n4
+# Patterns of a model.
+"$E2LF" simulate demo/scene --codes e2lf-n8 -o codes.npz --quiet
+[ "$(py -c 'import numpy; print(numpy.load("codes.npz")["codes"].shape[0])')" = 8 ] || fail "not the patterns of e2lf-n8"
+# Without any, the patterns of e2lf-n4, so that the next step finds its network.
+"$E2LF" simulate demo/scene -o default.npz >said.txt 2>&1
+grep -q "e2lf-n4" said.txt || fail "$(cat said.txt)"
+"$E2LF" reconstruct default.npz -o default --quiet
+for shell in bash zsh fish; do
+  "$E2LF" completion $shell | grep -q "e2lf-n4-camera" || fail "$shell does not offer the names"
+done
+# The record of a run works from any folder, and after its folder was moved.
+mkdir elsewhere
+mv named moved
+(cd elsewhere && "$E2LF" reconstruct --config ../moved/run.json -o again --quiet)
+cmp moved/03_04.png elsewhere/again/03_04.png
+mv named.npz gone.npz
+fails 1 "named.npz" "$E2LF" reconstruct --config moved/run.json -o again
