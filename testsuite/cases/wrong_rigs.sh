@@ -6,7 +6,8 @@ network="$TESTSUITE/../models/e2lf-n4.safetensors"
 "$E2LF" accumulate rig.raw -o right.npz --json >right.json 2>err.txt
 [ ! -s err.txt ] || fail "$(cat err.txt)"
 check "$(json right.json "j['least_confidence']") > 0.8 and $(json right.json "j['inverted']") == 0"
-"$E2LF" accumulate rig.raw -o line.npz | grep -q "channel 0 has .* rising and .* falling edges" || fail "no line of triggers"
+"$E2LF" accumulate rig.raw -o line.npz >line.txt
+grep -q "channel 0 has .* rising and .* falling edges" line.txt || fail "$(cat line.txt)"
 # B3: inverted polarity is said and not certain, and the option gives the events back.
 "$E2LF" convert rig.raw rig.csv --quiet
 py - <<'PY'

@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 Result<std::optional<model::Model>> bundled_network(const capture::Codes& codes,
                                                     const std::optional<capture::Camera>& camera, RunRecord& record) {
   const bool has_physical_pixels = camera && camera->is_pixel();
-  const std::vector<const char*> names =
-      has_physical_pixels ? std::vector{"e2lf-n4-camera"} : std::vector{"e2lf-n4", "e2lf-n8"};
+  const std::vector<const char*> names = has_physical_pixels ? std::vector{"e2lf-n4-camera", "e2lf-n4-cycle-camera"}
+                                                             : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
   for (const char* name : names) {
     const auto path = bundled_file(cat("models/", name, ".safetensors"));
     if (!path) continue;

@@ -18,14 +18,22 @@ namespace {
 
 constexpr size_t kWidth = 24, kHeight = 16;
 
-/// Event images of a scene that changes a little from cycle to cycle; the first image is ON, as black comes before it.
+/// Signed events of a pixel in one transition. Black comes before the first, which is ON. Of a whole cycle the change
+/// to white is ON, that behind it OFF and weak, and that to black OFF.
+int16_t count_of(size_t k, size_t transitions, uint32_t draw) {
+  const bool is_whole = transitions > 3 && transitions % 2 == 0;
+  if (k == 0 || (is_whole && k == transitions / 2 - 1)) return static_cast<int16_t>(draw % 5);
+  if (is_whole && k == transitions / 2) return static_cast<int16_t>(draw % 4 == 0 ? -1 : 0);
+  if (is_whole && k == transitions - 1) return static_cast<int16_t>(-static_cast<int>(draw % 5));
+  return static_cast<int16_t>(static_cast<int>(draw % 7) - 3);
+}
+
+/// Event images of a scene that changes a little from cycle to cycle.
 capture::EventImages images_of(uint64_t number, size_t transitions = 3) {
   capture::EventImages images(transitions, kHeight, kWidth);
   std::mt19937 random(static_cast<uint32_t>(number + 1));
   for (size_t k = 0; k < transitions; ++k) {
-    for (int16_t& count : images.image(k)) {
-      count = static_cast<int16_t>(k == 0 ? random() % 5 : static_cast<int>(random() % 7) - 3);
-    }
+    for (int16_t& count : images.image(k)) count = count_of(k, transitions, static_cast<uint32_t>(random()));
   }
   return images;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cycles/polarity_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -9,7 +10,7 @@ namespace {
 
 constexpr double kLeastEvents = 500;      // of the patterns whose signs are stated
 constexpr double kLeastAgreement = 0.15;  // of their signs, from -1 to 1
-constexpr double kLeastRatio = 1.5;       // between the changes after black and after white
+constexpr double kLeastRatio = 1.5;       // between the events after black and after white
 
 /// From -1, where all signs are the opposite of what the schedule says, to 1; nothing where there are too few events.
 std::optional<double> sign_agreement(const Schedule& schedule, std::span<const PatternEvents> events) {
@@ -24,19 +25,29 @@ std::optional<double> sign_agreement(const Schedule& schedule, std::span<const P
   return agreeing / all;
 }
 
-/// How many times the change after black exceeds that after white; nothing where the schedule does not show both.
-std::optional<double> strength_after_black(const Schedule& schedule, std::span<const PatternEvents> events) {
-  std::optional<double> after_black, after_white;
+/// The first pattern of `sign` that one of the opposite sign follows.
+std::optional<size_t> find_extreme(const Schedule& schedule, BurstSign sign, BurstSign next_sign) {
   for (size_t i = 0; i < schedule.size(); ++i) {
-    const size_t next = (i + 1) % schedule.size();
-    const BurstSign sign = schedule.patterns[i].sign, next_sign = schedule.patterns[next].sign;
-    const double change = std::abs(events[next].net());
-    if (sign == BurstSign::kOff && next_sign == BurstSign::kOn) after_black = change;
-    if (sign == BurstSign::kOn && next_sign == BurstSign::kOff) after_white = change;
+    const BurstSign next = schedule.patterns[(i + 1) % schedule.size()].sign;
+    if (schedule.patterns[i].sign == sign && next == next_sign) return i;
   }
-  // With two codes or none between them, white follows black at once: then both are the same changes.
-  if (!after_black || !after_white || schedule.size() < 4) return std::nullopt;
-  return *after_black / std::max(*after_white, 1.0);
+  return std::nullopt;
+}
+
+/// How many times the events between black and white exceed those between white and black; nothing where the schedule
+/// does not show both.
+std::optional<double> strength_after_black(const Schedule& schedule, std::span<const PatternEvents> events) {
+  const auto black = find_extreme(schedule, BurstSign::kOff, BurstSign::kOn);
+  const auto white = find_extreme(schedule, BurstSign::kOn, BurstSign::kOff);
+  if (!black || !white) return std::nullopt;
+  const auto between = [&](size_t begin, size_t end) {
+    double sum = 0;
+    for (size_t i = (begin + 1) % schedule.size(); i != end; i = (i + 1) % schedule.size()) {
+      sum += static_cast<double>(events[i].on + events[i].off);
+    }
+    return sum;
+  };
+  return between(*black, *white) / std::max(between(*white, *black), 1.0);
 }
 
 }  // namespace

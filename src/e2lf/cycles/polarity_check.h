@@ -25,8 +25,8 @@ enum class CyclePolarity {
 
 /// Compares the events of a whole cycle, one entry for each pattern of the schedule, with the signs that the schedule
 /// states. A display that shows each pattern and its inverse makes the same intervals in both halves of its cycle, so
-/// that inverted signs alone look like the other half. What differs is the strength: the change after black makes many
-/// times the events of the change after white, as pixels respond to relative changes. So the two together tell.
+/// that inverted signs alone look like the other half. What differs is the strength: the changes after black make many
+/// times the events of the changes after white, as pixels respond to relative changes. So the two together tell.
 [[nodiscard]] CyclePolarity polarity_of(const Schedule& schedule, std::span<const PatternEvents> events);
 
 }  // namespace e2lf::cycles
