@@ -203,8 +203,7 @@ class CycleReader::Impl {
   void add_scheduled_starts() {
     if (batch_.empty()) return;
     if (!next_start_us_) {
-      const int64_t first_us = std::min(batch_.events.empty() ? INT64_MAX : batch_.events.t.front(),
-                                        batch_.triggers.empty() ? INT64_MAX : batch_.triggers.front().t);
+      const int64_t first_us = batch_.events.empty() ? batch_.triggers.front().t : batch_.events.t.front();
       const int64_t period_us = options_.schedule.cycle_us(), since_us = first_us - options_.origin_us;
       const int64_t cycles = since_us / period_us + (since_us % period_us > 0);
       next_start_us_ = options_.origin_us + cycles * period_us;
