@@ -7,6 +7,7 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/unpacked_source.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/recordings/recording.h"
 #include "require.h"
@@ -134,7 +135,7 @@ void check_strict(const Decoded& decoded, const OpenOptions& options, Bytes byte
 void check_seek(const Decoded& decoded, const OpenOptions& options, Bytes bytes, uint32_t hash) {
   const EventColumns& events = decoded.all.events;
   // Where times are damaged, a search may lead elsewhere.
-  if (events.empty() || decoded.summary.num_violations() > 0) return;
+  if (events.empty() || decoded.summary.num_violations() > 0 || is_packed(bytes)) return;
   auto reader = open_recording(make_memory_source(bytes), options);
   EventBatch batch;
   require((*reader)->read(batch, 64).ok(), "what was read can be read again");

@@ -9,6 +9,7 @@
 #include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -27,6 +28,7 @@ Result<void> check_readable(const fs::path& path) {
 }
 
 Result<FileKind> folder_kind(const fs::path& path) {
+  if (recordings::is_recording_folder(path)) return FileKind::kRecording;
   std::error_code error;
   if (fs::exists(path / "event_image_00000.npy", error)) return FileKind::kEventImages;
   if (!lightfield::cycle_folders(path).empty()) return FileKind::kCycles;
