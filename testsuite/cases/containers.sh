@@ -50,7 +50,7 @@ import os, sqlite3, struct
 def message(number, x):
     head = struct.pack("<iI", 1700000000, 0) + struct.pack("<I", 4) + b"cam\0"
     head += struct.pack("<II", 480, 640)
-    head += bytes(-len(head) % 8) + struct.pack("<QQ", number, 1700000000000000000)
+    head += bytes(-len(head) % 8) + struct.pack("<QQ", number, 1700000000000000000 + 1000000 * number)
     head += struct.pack("<I", 5) + b"mono\0" + b"\0"
     head += bytes(-len(head) % 4)
     events = b"".join(struct.pack("<Q", i % 2 << 63 | 7 << 48 | x << 32 | i * 1000) for i in range(50))
