@@ -72,11 +72,12 @@ PY
     check "$(json info.json "j['left_out'] == [{'reason': 'other_stream', 'count': 2, 'first_byte': 0}]")"
     "$E2LF" info "$input" >info.txt
     grep -q "/left/events" info.txt || fail "$(cat info.txt)"
+    grep -q -- "--stream" info.txt || fail "no advice: $(cat info.txt)"
     if grep -q $'\033' info.txt; then fail "a control character of the file reached the terminal"; fi
   done
   "$E2LF" convert bag --stream 1 right.csv --strict --quiet
   py -c 'rows = [l.split(",") for l in open("right.csv") if l[0] != "%"]; assert {r[0] for r in rows} == {"11"}, rows[:3]'
-  fails 1 "/left/events" "$E2LF" convert bag --stream nobody none.csv
+  fails 1 "(--stream)" "$E2LF" convert bag --stream nobody none.csv
   fails 1 "several streams" "$E2LF" convert bag none.csv --strict
   absent none.csv
 fi

@@ -78,6 +78,7 @@ void say_assumptions(const recordings::RecordingReader& reader) {
 
 std::string assumption_text(const recordings::Assumption& assumption) {
   if (assumption.setting == Setting::kColumns) return assumption.text + "; --columns says otherwise";
+  if (assumption.setting == Setting::kStream) return assumption.text + "; --stream chooses another";
   if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; --time-unit says otherwise";
   return assumption.text;
 }

@@ -70,7 +70,7 @@ Result<void> RecordingReader::apply_policy() {
     return Error{ErrorCode::kInvalidValue,
                  cat("there are several streams of events, ", join(info_.streams),
                      ", and strict reading leaves none out; choose one"),
-                 name_, kStreamSetting};
+                 name_, Setting::kStream};
   }
   for (size_t i = 0; i < kNumViolations; ++i) {
     const ViolationCount& violation = summary_.violations[i];

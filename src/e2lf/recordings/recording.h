@@ -27,9 +27,6 @@ struct Assumption {
   Setting setting = Setting::kNone;
 };
 
-/// REPLACE
-inline constexpr Setting kStreamSetting = Setting::kNone;
-
 /// What a recording says of itself.
 struct RecordingInfo {
   std::string format;  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...

@@ -36,7 +36,7 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
     if (streams.size() > 1) {
       info.assumptions.push_back({cat("there are ", streams.size(), " streams of events, ", join(info.streams),
                                       "; taking the first and leaving the others out"),
-                                  kStreamSetting});
+                                  Setting::kStream});
     }
     return size_t{0};
   }
@@ -49,7 +49,7 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
     return Error{ErrorCode::kInvalidValue,
                  cat(count == 0 ? "no stream of events is called " : "several streams of events are called ",
                      printable(wanted), "; there are ", join(info.streams), ": choose one by its number"),
-                 location, kStreamSetting};
+                 location, Setting::kStream};
   }
   return static_cast<size_t>(first - streams.begin());
 }

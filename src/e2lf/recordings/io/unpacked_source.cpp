@@ -76,11 +76,12 @@ class Zstd final : public Unpacker {
 
 bool is_gzip(std::span<const uint8_t> head) {
   constexpr uint8_t kReservedFlags = 0xE0;
-  return head.size() >= 4 && head[0] == 0x1F && head[1] == 0x8B && head[2] == 8 && (head[3] & kReservedFlags) == 0;
+  return head.size() >= kPackedMarkBytes && head[0] == 0x1F && head[1] == 0x8B && head[2] == 8 &&
+         (head[3] & kReservedFlags) == 0;
 }
 
 bool is_zstd(std::span<const uint8_t> head) {
-  return head.size() >= 4 && load_le<uint32_t>(head.data()) == 0xFD2FB528;
+  return head.size() >= kPackedMarkBytes && load_le<uint32_t>(head.data()) == 0xFD2FB528;
 }
 
 class UnpackedSource final : public ByteSource {
@@ -168,7 +169,7 @@ bool is_packed(std::span<const uint8_t> head) {
 
 Result<std::unique_ptr<ByteSource>> make_unpacked_source(std::unique_ptr<ByteSource> packed,
                                                          std::shared_ptr<DecodeSummary> losses) {
-  E2LF_ASSIGN_OR_RETURN(const auto head, packed->fetch(4));
+  E2LF_ASSIGN_OR_RETURN(const auto head, packed->fetch(kPackedMarkBytes));
   std::unique_ptr<Unpacker> unpacker;
   if (is_gzip(head)) {
     unpacker = std::make_unique<Gzip>();
@@ -193,7 +194,7 @@ Result<std::unique_ptr<ByteSource>> open_file_beside(const std::filesystem::path
     candidate += extension;
     if (path.empty() || !std::filesystem::exists(candidate, error)) continue;
     E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(candidate));
-    E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(4));
+    E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
     return is_packed(head) ? make_unpacked_source(std::move(source), std::make_shared<DecodeSummary>())
                            : Result<std::unique_ptr<ByteSource>>(std::move(source));
   }

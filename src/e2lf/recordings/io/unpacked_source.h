@@ -8,6 +8,9 @@
 
 namespace e2lf::recordings {
 
+/// How many bytes tell whether a file is compressed.
+inline constexpr size_t kPackedMarkBytes = 4;
+
 /// Whether bytes begin as a file compressed by gzip or Zstandard does.
 [[nodiscard]] bool is_packed(std::span<const uint8_t> head);
 

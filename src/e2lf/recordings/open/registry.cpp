@@ -221,7 +221,7 @@ Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingR
   if (reader->options().stream.empty() || !info.streams.empty()) return reader;
   return Error{ErrorCode::kInvalidValue,
                cat("a recording of the format ", info.format, " holds one stream of events; name no stream"),
-               reader->name(), kStreamSetting};
+               reader->name(), Setting::kStream};
 }
 
 }  // namespace
@@ -235,7 +235,8 @@ bool is_recording_folder(const std::filesystem::path& path) {
 Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
                                                         const OpenOptions& options) {
   std::shared_ptr<DecodeSummary> losses;
-  E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
+  // No more bytes than needed: a live source of a format that is named may not have more for a while.
+  E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
   if (is_packed(head)) {
     losses = std::make_shared<DecodeSummary>();
     E2LF_ASSIGN_OR_RETURN(source, make_unpacked_source(std::move(source), losses));
