@@ -44,9 +44,9 @@ bool is_raw(const std::string& format) {
   return format.starts_with("evt") || format == "raw";
 }
 
-/// The HDF5 library reads whole files only.
+/// The HDF5 library reads whole files only. What is damaged at the beginning of an MCAP file, its end may still tell.
 bool can_be_streamed(const std::string& format) {
-  return format != "hdf5" && format != "dsec";
+  return format != "hdf5" && format != "dsec" && format != "mcap";
 }
 
 void check_batch(const EventBatch& batch, const EventBatch& before, const RecordingInfo& info, size_t max_events) {

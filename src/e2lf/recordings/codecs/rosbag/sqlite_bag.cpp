@@ -16,7 +16,7 @@ namespace {
 /// A page of a damaged database may lead around in circles: a statement that takes more steps than this between two
 /// rows of this database is given up, and one is after a stop.
 constexpr int kStepsPerLook = 1'000'000;
-constexpr int kMaxLooks = 10'000;
+constexpr int kMaxLooks = 20;
 
 struct Closer {
   void operator()(sqlite3* database) const { sqlite3_close(database); }
