@@ -25,11 +25,11 @@ set(E2LF_LIBRARY_COMPONENT program)
 
 # What a module links outside of the project: target, how CMake finds it, what pkg-config calls it.
 set(E2LF_EXTERNAL_TARGETS
-  "PkgConfig::HWY" "PkgConfig::HDF5" "PkgConfig::LZ4" "PkgConfig::ZSTD" "ZLIB::ZLIB" "PNG::PNG" "JPEG::JPEG"
+  "PkgConfig::HWY" "PkgConfig::HDF5" "PkgConfig::LZ4" "PkgConfig::ZSTD" "PkgConfig::SQLITE" "ZLIB::ZLIB" "PNG::PNG" "JPEG::JPEG"
   "nlohmann_json::nlohmann_json" "OpenMP::OpenMP_CXX" "Threads::Threads")
 set(E2LF_EXTERNAL_FINDS
-  "pkg:HWY" "pkg:HDF5" "pkg:LZ4" "pkg:ZSTD" "ZLIB" "PNG" "JPEG" "nlohmann_json" "OpenMP" "Threads")
-set(E2LF_EXTERNAL_PKGS "libhwy" "hdf5" "liblz4" "libzstd" "zlib" "libpng" "libjpeg" "nlohmann_json" "-fopenmp" "-pthread")
+  "pkg:HWY" "pkg:HDF5" "pkg:LZ4" "pkg:ZSTD" "pkg:SQLITE" "ZLIB" "PNG" "JPEG" "nlohmann_json" "OpenMP" "Threads")
+set(E2LF_EXTERNAL_PKGS "libhwy" "hdf5" "liblz4" "libzstd" "sqlite3" "zlib" "libpng" "libjpeg" "nlohmann_json" "-fopenmp" "-pthread")
 
 # e2lf_offer_module(<module> <header...>): e2lf_install_package() installs it. Headers are named from the module's folder.
 function(e2lf_offer_module module)
@@ -98,7 +98,7 @@ function(e2lf_install_package)
     e2lf_install_module(${module})
   endforeach()
   get_property(E2LF_COMPONENTS GLOBAL PROPERTY E2LF_COMPONENTS)
-  set(E2LF_PKG_NAMES "set(e2lf_pkg_HWY libhwy)\nset(e2lf_pkg_HDF5 hdf5)\nset(e2lf_pkg_LZ4 liblz4)\nset(e2lf_pkg_ZSTD libzstd)")
+  set(E2LF_PKG_NAMES "set(e2lf_pkg_HWY libhwy)\nset(e2lf_pkg_HDF5 hdf5)\nset(e2lf_pkg_LZ4 liblz4)\nset(e2lf_pkg_ZSTD libzstd)\nset(e2lf_pkg_SQLITE sqlite3)")
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/e2lfConfig.cmake.in ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake
     INSTALL_DESTINATION ${E2LF_CMAKE_DIR})
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake COMPATIBILITY ${E2LF_COMPATIBILITY})

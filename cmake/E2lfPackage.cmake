@@ -33,7 +33,7 @@ cameras, simulates them, reconstructs, measures and shows the results.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME e2lf-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "${same_version}, libhwy-dev, libhdf5-dev, libpng-dev, libjpeg62-turbo-dev, zlib1g-dev, liblz4-dev, libzstd-dev, nlohmann-json3-dev")
+  "${same_version}, libhwy-dev, libhdf5-dev, libpng-dev, libjpeg62-turbo-dev, zlib1g-dev, liblz4-dev, libzstd-dev, libsqlite3-dev, nlohmann-json3-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
 "Static libraries, headers, and what CMake and pkg-config need to find them.
 Each module is a library of its own: recordings, light fields, simulation,

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/unpacked_source.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/recordings/recording.h"
 #include "require.h"
@@ -43,9 +44,9 @@ bool is_raw(const std::string& format) {
   return format.starts_with("evt") || format == "raw";
 }
 
-/// The HDF5 library reads whole files only.
+/// The HDF5 library reads whole files only. What is damaged at the beginning of an MCAP file, its end may still tell.
 bool can_be_streamed(const std::string& format) {
-  return format != "hdf5" && format != "dsec";
+  return format != "hdf5" && format != "dsec" && format != "mcap";
 }
 
 void check_batch(const EventBatch& batch, const EventBatch& before, const RecordingInfo& info, size_t max_events) {
@@ -134,7 +135,7 @@ void check_strict(const Decoded& decoded, const OpenOptions& options, Bytes byte
 void check_seek(const Decoded& decoded, const OpenOptions& options, Bytes bytes, uint32_t hash) {
   const EventColumns& events = decoded.all.events;
   // Where times are damaged, a search may lead elsewhere.
-  if (events.empty() || decoded.summary.num_violations() > 0) return;
+  if (events.empty() || decoded.summary.num_violations() > 0 || is_packed(bytes)) return;
   auto reader = open_recording(make_memory_source(bytes), options);
   EventBatch batch;
   require((*reader)->read(batch, 64).ok(), "what was read can be read again");

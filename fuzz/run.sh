@@ -24,6 +24,7 @@ if [ -d "${E2LF_DATA:-}/events" ]; then
       *.raw) target=evt3 ;;
       *.dat) target=dat ;;
       *.aedat4) target=aedat4 ;;
+      *.db3) target=rosbag ;;
       *) continue ;;
     esac
     head -c 6000 "$file" >"$seeds/$target/data_$(basename "$file")"
@@ -37,7 +38,8 @@ fixed_runs() {
     mat | light_field_png | light_field_npy | view_folder | model | codes | event_images) echo 2500 ;;
     evt3 | evt2.1 | hdf5_chunks) echo 5000 ;;
     evt2 | dat) echo 10000 ;;
-    aedat4 | csv | txt | npy) echo 25000 ;;
+    rosbag) echo 2500 ;;
+    aedat2 | aedat3 | aedat4 | mcap | packed | csv | txt | npy) echo 25000 ;;
     camera | schedule | settings) echo 25000 ;;
     safetensors | packed_data) echo 60000 ;;
     ecf | npz | side_triggers) echo 125000 ;;

@@ -92,7 +92,25 @@ inline constexpr const char* kXml =
 <node name="3" path="/mainloop/Recorder/outInfo/3/"><attr key="typeIdentifier" type="string">TRIG</attr></node>
 </node></dv>)";
 
-inline Bytes make_file(const std::vector<std::pair<int32_t, Bytes>>& packets, Compression compression) {
+/// Events 0 and triggers 3 of one camera, events 4 and triggers 5 of another.
+inline constexpr const char* kTwoCameras =
+    R"(<dv version="2.0"><node name="outInfo" path="/mainloop/Recorder/outInfo/">
+<node name="0" path="/mainloop/Recorder/outInfo/0/"><attr key="typeIdentifier" type="string">EVTS</attr>
+<attr key="originalOutputName" type="string">events</attr>
+<node name="info" path="/mainloop/Recorder/outInfo/0/info/"><attr key="sizeX" type="int">346</attr>
+<attr key="sizeY" type="int">260</attr><attr key="source" type="string">DAVIS346_1</attr></node></node>
+<node name="3" path="/mainloop/Recorder/outInfo/3/"><attr key="typeIdentifier" type="string">TRIG</attr>
+<node name="info" path="/mainloop/Recorder/outInfo/3/info/"><attr key="source" type="string">DAVIS346_1</attr></node></node>
+<node name="4" path="/mainloop/Recorder/outInfo/4/"><attr key="typeIdentifier" type="string">EVTS</attr>
+<attr key="originalOutputName" type="string">events</attr>
+<node name="info" path="/mainloop/Recorder/outInfo/4/info/"><attr key="sizeX" type="int">640</attr>
+<attr key="sizeY" type="int">480</attr><attr key="source" type="string">DVXplorer_2</attr></node></node>
+<node name="5" path="/mainloop/Recorder/outInfo/5/"><attr key="typeIdentifier" type="string">TRIG</attr>
+<node name="info" path="/mainloop/Recorder/outInfo/5/info/"><attr key="source" type="string">DVXplorer_2</attr></node></node>
+</node></dv>)";
+
+inline Bytes make_file(const std::vector<std::pair<int32_t, Bytes>>& packets, Compression compression,
+                       std::string_view xml = kXml) {
   Bytes header;
   put<uint32_t>(header, 20);
   put_text(header, "IOHE");
@@ -101,8 +119,8 @@ inline Bytes make_file(const std::vector<std::pair<int32_t, Bytes>>& packets, Co
   put<int32_t>(header, static_cast<int32_t>(compression));
   put<int64_t>(header, -1);
   put<uint32_t>(header, 4);
-  put<uint32_t>(header, static_cast<uint32_t>(std::string_view(kXml).size()));
-  put_text(header, kXml);
+  put<uint32_t>(header, static_cast<uint32_t>(xml.size()));
+  put_text(header, xml);
 
   Bytes file;
   put_text(file, kVersionLine);

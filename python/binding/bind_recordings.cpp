@@ -102,6 +102,7 @@ py::object info(const fs::path& path, const OpenArguments& arguments, const Prog
   options.recording.format = arguments.format;
   options.recording.width = arguments.width;
   options.recording.height = arguments.height;
+  options.recording.stream = arguments.stream;
   options.recording.columns = arguments.columns;
   options.recording.time_unit = arguments.time_unit;
   options.progress = progress_of(progress);
@@ -203,21 +204,22 @@ void bind_recordings(py::module_& module) {
   module.def("_count_events", &count_events, py::arg("path"), py::arg("threads"));
   module.def(
       "info",
-      [](const fs::path& path, const std::string& format, size_t width, size_t height, const std::string& columns,
-         const std::string& time_unit, const ProgressArgument& progress) {
+      [](const fs::path& path, const std::string& format, size_t width, size_t height, const std::string& stream,
+         const std::string& columns, const std::string& time_unit, const ProgressArgument& progress) {
         OpenArguments arguments;
         arguments.format = format;
         arguments.width = width;
         arguments.height = height;
+        arguments.stream = stream;
         arguments.columns = columns;
         arguments.time_unit = time_unit;
         return info(path, arguments, progress);
       },
       py::arg("path"), py::kw_only(), py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0,
-      py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("progress") = py::none(),
+      py::arg("stream") = "", py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("progress") = py::none(),
       "What a file or folder is: a dict with `kind` and what `e2lf info --json` says. Recordings are read to their "
       "end.\n\n"
-      "format, width, height, columns, time_unit: as for open_recording().\n"
+      "format, width, height, stream, columns, time_unit: as for open_recording().\n"
       "progress: called with (done, total); an exception ends the work.");
 }
 

@@ -25,6 +25,8 @@ const char* arguments_of(Setting setting) {
       return "time_unit";
     case Setting::kColumns:
       return "columns";
+    case Setting::kStream:
+      return "stream";
     case Setting::kShiftTime:
       return "shift_time";
     case Setting::kFilterPixels:

@@ -32,6 +32,7 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
   flags.format = arguments.format;
   flags.width = arguments.width;
   flags.height = arguments.height;
+  flags.stream = arguments.stream;
   flags.columns = arguments.columns;
   flags.time_unit = arguments.time_unit;
   flags.from_us = arguments.from_us.value_or(flags.from_us);

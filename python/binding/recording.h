@@ -14,7 +14,7 @@ namespace e2lf::python {
 
 /// How the options of open_recording() are called in Python, and their defaults.
 struct OpenArguments {
-  std::string format, columns, time_unit = "auto";
+  std::string format, stream, columns, time_unit = "auto";
   size_t width = 0, height = 0;
   std::optional<int64_t> from_us, to_us;
   bool relative = false, shift_time = false, strict = false;

@@ -46,7 +46,7 @@ hole[1, 2, 3, 4] = np.nan
 np.save("hole.npy", hole)
 np.save("flat.npy", np.full_like(field, 0.003))
 PY
-fails 1 "from -1..1 as (x + 1) / 2" "$E2LF" convert signed.npy out
+warns "from -1..1 as (x + 1) / 2" "$E2LF" convert signed.npy signed
 fails 1 "not finite (NaN or infinity)" "$E2LF" convert hole.npy out
 fails 1 "name the number that is white, as 1" "$E2LF" convert bits.npy out
 fails 1 "name the number that is white, as 255" "$E2LF" convert bytes16.npy out

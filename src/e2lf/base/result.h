@@ -38,6 +38,7 @@ enum class Setting {
   kSensorSize,
   kTimeUnit,
   kColumns,
+  kStream,
   kShiftTime,
   kFilterPixels,
   kCodes,

@@ -12,6 +12,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -44,6 +45,7 @@ bool is_training_run(const fs::path& path) {
 }
 
 Result<FileKind> folder_kind(const fs::path& path) {
+  if (recordings::is_recording_folder(path)) return FileKind::kRecording;
   std::error_code error;
   if (fs::exists(path / "event_image_00000.npy", error)) return FileKind::kEventImages;
   const std::string verb = verb_of(path / "run.json");

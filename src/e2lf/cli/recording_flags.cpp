@@ -16,6 +16,7 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   add("--event-format", flags.format, "format of the recording, where the file does not tell");
   add("--sensor-width", flags.width, "px, where the recording does not tell");
   add("--sensor-height", flags.height, "px, where the recording does not tell");
+  add("--stream", flags.stream, "number or name of a stream of events, where the recording holds several");
   add("--columns", flags.columns, "order of the columns of an array [events, 4], as txyp");
   app.add_option("--time-unit", flags.time_unit,
                  "of the times of numpy and HDF5 arrays: s, ms, us, ns; auto = s of floating-point numbers, else us")
@@ -57,6 +58,7 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   open.width = flags.width;
   open.height = flags.height;
   open.columns = flags.columns;
+  open.stream = flags.stream;
   open.time_unit = time_unit_of(flags.time_unit);
   open.from_us = flags.from_us;
   open.to_us = flags.to_us;
@@ -77,6 +79,7 @@ void say_assumptions(const recordings::RecordingReader& reader) {
 
 std::string assumption_text(const recordings::Assumption& assumption) {
   if (assumption.setting == Setting::kColumns) return assumption.text + "; --columns says otherwise";
+  if (assumption.setting == Setting::kStream) return assumption.text + "; --stream chooses another";
   if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; --time-unit says otherwise";
   return assumption.text;
 }

@@ -18,6 +18,7 @@ struct RecordingFlags {
   std::string format;                              ///< empty = detected
   size_t width = 0, height = 0;                    ///< px; 0 = as the recording says
   int64_t from_us = INT64_MIN, to_us = INT64_MAX;  ///< of the recording's clock
+  std::string stream;                              ///< empty = the first
   std::string columns, time_unit = "auto";         ///< of arrays
   bool is_relative = false;                        ///< they count from its first event or trigger
   bool is_strict = false;                          ///< what would be left out is an error
@@ -26,7 +27,8 @@ struct RecordingFlags {
 /// The help group of options of recordings, where a verb takes other inputs too.
 inline constexpr const char* kRecordingOptions = "Recordings";
 
-/// Declares --event-format, --sensor-width, --sensor-height, --columns, --time-unit, --from-us, --to-us, --relative and
+/// Declares --event-format, --sensor-width, --sensor-height, --stream, --columns, --time-unit, --from-us, --to-us,
+/// --relative and
 /// --strict.
 void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group);
 

@@ -98,6 +98,8 @@ std::vector<const char*> flags_of(Setting setting) {
       return {"--time-unit"};
     case Setting::kColumns:
       return {"--columns"};
+    case Setting::kStream:
+      return {"--stream"};
     case Setting::kShiftTime:
       return {"--shift-time"};
     case Setting::kFilterPixels:

@@ -146,6 +146,40 @@ Result<Storage> inspect_storage(hid_t dataset, const std::string& location) {
   return storage;
 }
 
+Result<void> check_filters(const Storage& storage, const std::string& location) {
+  struct Known {
+    H5Z_filter_t number;
+    const char* name;
+    const char* remedy;
+  };
+  constexpr const char* kByPython =
+      "unpack the file with h5repack where Python's hdf5plugin is installed, or name its folder of plugins in "
+      "HDF5_PLUGIN_PATH";
+  static constexpr Known kKnown[] = {
+      {H5Z_FILTER_SZIP, "szip", "store it by deflate with h5repack"},
+      {307, "bzip2", "install the Debian package hdf5-filter-plugin"},
+      {32000, "LZF", "install the Debian package hdf5-plugin-lzf"},
+      {32001, "Blosc", "install the Debian package hdf5-filter-plugin-blosc-serial"},
+      {32004, "LZ4", "install the Debian package hdf5-filter-plugin"},
+      {32008, "bitshuffle", "install the Debian package bitshuffle"},
+      {32013, "ZFP", "install the Debian package hdf5-filter-plugin-zfp-serial"},
+      {32015, "Zstandard", kByPython},
+      {32026, "Blosc2", kByPython},
+      {36559, "ECF", "install the plugin of the Metavision SDK, or store the events as Metavision does"}};
+  const LibraryLock lock;
+  for (const H5Z_filter_t filter : storage.filters) {
+    if (H5Zfilter_avail(filter) > 0) continue;
+    const auto* const known = std::find_if(std::begin(kKnown), std::end(kKnown),
+                                           [filter](const Known& candidate) { return candidate.number == filter; });
+    const bool is_known = known != std::end(kKnown);
+    return Error{ErrorCode::kMissingDependency,
+                 cat("the data set is compressed by HDF5 filter ", filter, is_known ? cat(" (", known->name, ")") : "",
+                     ", which is not installed; ", is_known ? known->remedy : kByPython),
+                 location};
+  }
+  return {};
+}
+
 bool chunk_is_whole(hid_t dataset, const Storage& storage, const hsize_t* offset) {
   const LibraryLock lock;
   hsize_t size = 0;

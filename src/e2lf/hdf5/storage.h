@@ -36,6 +36,10 @@ struct Storage {
 /// one, chunks above kMaxChunkBytes).
 [[nodiscard]] Result<Storage> inspect_storage(hid_t dataset, const std::string& location);
 
+/// Fails with kMissingDependency where the library lacks a filter that packed the data set: names it, and the Debian
+/// package that brings it.
+[[nodiscard]] Result<void> check_filters(const Storage& storage, const std::string& location);
+
 /// Whether a chunk holds as many bytes as the layout says: HDF5 1.10 reads beyond it where it does not. `offset` is the
 /// chunk's first element on every axis. Chunks that deflate packs last are inflated for this; of other filters nothing
 /// is known, and what the file stores is believed.

@@ -39,6 +39,7 @@ class BlockReader final : public RecordingReader {
     events_.clear();
     next_ = 0;
     triggers_.clear();
+    last_trigger_us_ = -kTimeLimitUs;
     gate_.reset();
     return triggers_apart_.rewind();
   }
@@ -51,7 +52,14 @@ class BlockReader final : public RecordingReader {
     gate_.release(events_);
     events_.append(block_.events);
     gate_.filter(events_, 0, !more, 0, summary_);
-    triggers_.insert(triggers_.end(), block_.triggers.begin(), block_.triggers.end());
+    for (const Trigger& trigger : block_.triggers) {
+      if (trigger.t < last_trigger_us_ || !is_time(trigger.t)) {
+        summary_.add(Violation::kTimeBackwards, 0);
+        continue;
+      }
+      last_trigger_us_ = trigger.t;
+      triggers_.push_back(trigger);
+    }
     return {};
   }
 
@@ -74,6 +82,7 @@ class BlockReader final : public RecordingReader {
   EventColumns events_;  ///< believable and not yet handed out, from next_ on
   size_t next_ = 0;
   std::deque<Trigger> triggers_;
+  int64_t last_trigger_us_ = -kTimeLimitUs;
 };
 
 }  // namespace

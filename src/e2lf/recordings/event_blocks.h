@@ -15,7 +15,7 @@ class EventBlocks {
   virtual ~EventBlocks() = default;
 
   /// Replaces `block` by the next one, maybe empty; false at the end. Events need not be believable yet, and triggers
-  /// may come before or after the events of their time, as long as they are sorted among themselves.
+  /// may come before or after the events of their time; one earlier than the trigger before it is dropped.
   [[nodiscard]] virtual Result<bool> next(EventBatch& block, DecodeSummary& summary) = 0;
 
   /// Goes to a block that begins before t_us, as near as is cheap, or to the first. Fails with kUnsupported and kIo.

@@ -45,6 +45,10 @@ Result<void> RecordingReader::find_shift() {
   return {};
 }
 
+DecodeSummary RecordingReader::left_out_before() const {
+  return losses_of_source_ == nullptr ? DecodeSummary() : *losses_of_source_;
+}
+
 /// Who ends a stream ends it anywhere: what is cut there is no damage.
 void RecordingReader::pass_over_cut() {
   ViolationCount& cut = summary_.of(Violation::kTruncated);
@@ -61,6 +65,12 @@ Result<void> RecordingReader::apply_policy() {
                  "events stand in front of the first time, which strict reading refuses; without it they are left out "
                  "and counted",
                  name_};
+  }
+  if (options_.policy == DecodePolicy::kStrict && summary_.other_streams + before.other_streams > 0) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("there are several streams of events, ", join(info_.streams),
+                     ", and strict reading leaves none out; choose one"),
+                 name_, Setting::kStream};
   }
   for (size_t i = 0; i < kNumViolations; ++i) {
     const ViolationCount& violation = summary_.violations[i];

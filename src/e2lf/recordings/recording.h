@@ -34,6 +34,7 @@ struct RecordingInfo {
   size_t height = 0;
   std::vector<std::pair<std::string, std::string>> header;  ///< keys and values in the file's order
   std::vector<Assumption> assumptions = {};
+  std::vector<std::string> streams = {};  ///< of events, where the format may hold several: "0 (events of DAVIS346)"
 
   /// The value of a header key, or nothing.
   [[nodiscard]] std::optional<std::string> find(const std::string& key) const;
@@ -61,6 +62,7 @@ struct OpenOptions {
   size_t height = 0;
   TimeUnit time_unit = TimeUnit::kAuto;  ///< of arrays; other formats say it themselves
   std::string columns = {};              ///< of an array [events, 4], as "txyp"; empty = found by their values
+  std::string stream = {};               ///< number or name of a stream of events, where there are several
   int threads = 1;                       ///< for one read() call; 0 = all cores
 
   /// read() hands out from_us <= t < to_us only: times of the sensor's clock, whatever `time` is, or under kZero of
@@ -99,7 +101,14 @@ class RecordingReader {
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
   /// What was left out before the bytes came to this reader; see Camera::left_out().
-  [[nodiscard]] virtual DecodeSummary left_out_before() const { return {}; }
+  [[nodiscard]] virtual DecodeSummary left_out_before() const;
+
+  /// Tells of the container that holds the recording which this reader reads: its format, header, streams and
+  /// assumptions in place of the recording's own.
+  void take_container(RecordingInfo info) { info_ = std::move(info); }
+
+  /// Counts among that what a source counts that stays alive elsewhere: it unpacks the bytes of this reader.
+  void count_losses_of(std::shared_ptr<const DecodeSummary> losses) { losses_of_source_ = std::move(losses); }
 
   /// What was met in what read() has handed out; times are shifted as theirs. What was left out
   /// before counts too.
@@ -129,6 +138,7 @@ class RecordingReader {
   void pass_over_cut();
   void count(const EventColumns& events, size_t begin, size_t end);
 
+  std::shared_ptr<const DecodeSummary> losses_of_source_;
   PendingBatch pending_;                        ///< read but not yet handed out, absolute in time
   bool has_begun_ = false, has_ended_ = false;  ///< options_.from_us and to_us were met
   std::optional<int64_t> shift_us_;  ///< what to subtract; unknown until the first event under TimeOrigin::kZero

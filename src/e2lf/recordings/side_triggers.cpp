@@ -8,6 +8,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/unpacked_source.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -109,8 +110,9 @@ std::filesystem::path side_trigger_path(const std::filesystem::path& recording) 
 }
 
 Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
-  if (recording.empty() || !std::filesystem::exists(side_trigger_path(recording))) return TriggerFeed();
-  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
+  if (recording.empty()) return TriggerFeed();
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_beside(side_trigger_path(recording)));
+  if (source == nullptr) return TriggerFeed();
   E2LF_ASSIGN_OR_RETURN(const bool is_recording, holds_events(*source));
   if (is_recording) {
     log_warning(cat(side_trigger_path(recording).string(), ": holds events and not the triggers of ",

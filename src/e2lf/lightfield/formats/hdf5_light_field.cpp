@@ -157,6 +157,7 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   if (is_logical(opened.set.get())) array.white = 1.0F;
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));
 
+  E2LF_RETURN_IF_ERROR(hdf5::check_filters(opened.storage, location));
   if (!holds_samples(opened.set.get(), opened.storage)) {
     return Error{ErrorCode::kTruncated,
                  "samples are missing, or packed by another filter than deflate; copy or store it again", location};

@@ -53,6 +53,10 @@ class ByteSource {
 
   /// The file behind the source, for libraries that open files themselves; empty when there is none.
   [[nodiscard]] virtual std::filesystem::path path() const { return {}; }
+
+  /// The name that the bytes would have as a file: its extension may tell the format, and other files lie beside it.
+  /// path(), or of a file that is unpacked its name without ".gz"; empty when there is none.
+  [[nodiscard]] virtual std::filesystem::path logical_path() const { return path(); }
 };
 
 /// Opens a file; "-" is standard input. Fails with kNotFound and kIo (a folder, no permission).

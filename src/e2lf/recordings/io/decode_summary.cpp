@@ -61,6 +61,7 @@ void DecodeSummary::append(const DecodeSummary& later) {
   time_loops += later.time_loops;
   out_of_order += later.out_of_order;
   dropped_words += later.dropped_words;
+  other_streams += later.other_streams;
   saturated += later.saturated;
   for (size_t kind = 0; kind < kNumViolations; ++kind) {
     add(static_cast<Violation>(kind), later.violations[kind].first_byte, later.violations[kind].count);
@@ -84,6 +85,9 @@ std::vector<Loss> losses(const DecodeSummary& summary) {
   }
   if (summary.events_before_time > 0) {
     found.push_back({"before_first_time", "events in front of the first time", summary.events_before_time, 0});
+  }
+  if (summary.other_streams > 0) {
+    found.push_back({"other_stream", "packets of other streams of events", summary.other_streams, 0});
   }
   if (summary.saturated > 0) {
     found.push_back({"saturated", "events of pixels with more than 32,767 in an event image", summary.saturated, 0});

@@ -62,6 +62,7 @@ struct DecodeSummary {
   uint64_t time_loops = 0;          ///< how often the sensor's clock wrapped
   uint64_t out_of_order = 0;        ///< events of a text, npy or npz file that were sorted to their place
   uint64_t dropped_words = 0;       ///< words or records dropped because of a violation
+  uint64_t other_streams = 0;       ///< packets or messages of streams of events that nobody chose or left out by name
   uint64_t saturated = 0;           ///< events for which an event image had no room: its counts are of 16 bits
   std::array<ViolationCount, kNumViolations> violations{};
   std::vector<TimeGap> gaps;  ///< the first kMaxGaps of num_gaps

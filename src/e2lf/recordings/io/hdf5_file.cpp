@@ -137,6 +137,7 @@ Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_
                            const std::string& location) {
   const LibraryLock lock;
   const hid_t dataset = shape.dataset.get();
+  E2LF_RETURN_IF_ERROR(e2lf::hdf5::check_filters(shape.storage, location));
   if (!chunks_are_whole(shape, begin, count)) {
     return Error{ErrorCode::kTruncated, cat("elements from ", begin, " on are missing; the file is damaged"), location};
   }
@@ -146,9 +147,7 @@ Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_
                             H5Sclose);
   if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, length, nullptr) < 0 ||
       H5Dread(dataset, memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, out) < 0) {
-    return Error{ErrorCode::kIo,
-                 cat("the HDF5 library cannot read elements from ", begin, " on; the file is damaged ",
-                     "or its compression filter is not installed"),
+    return Error{ErrorCode::kIo, cat("the HDF5 library cannot read elements from ", begin, " on; the file is damaged"),
                  location};
   }
   return {};

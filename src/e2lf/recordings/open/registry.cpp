@@ -7,6 +7,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/is_stream.h"
+#include "e2lf/recordings/codecs/aedat/aedat.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
@@ -17,7 +18,10 @@
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/codecs/rosbag/rosbag.h"
 #include "e2lf/recordings/codecs/text/text.h"
+#include "e2lf/recordings/io/unpacked_source.h"
+#include "e2lf/recordings/open/foreign_file.h"
 #include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/recordings/side_triggers.h"
 
@@ -62,6 +66,24 @@ std::deque<Codec> built_in_codecs() {
        .description = "iniVation AEDAT 4",
        .detect = aedat4::detect,
        .open = aedat4::open},
+      {.name = "aedat2",
+       .extensions = {".aedat", ".aedat2"},
+       .description = "AEDAT 2 of jAER",
+       .detect = aedat::detect_aedat2,
+       .open = aedat::open_aedat2},
+      {.name = "aedat3", .description = "AEDAT 3 of cAER", .detect = aedat::detect_aedat3, .open = aedat::open_aedat3},
+      {.name = "rosbag",
+       .extensions = {".db3"},
+       .description = "bag of ROS 2, stored by SQLite",
+       .detect = rosbag::detect_sqlite,
+       .open = rosbag::open_sqlite,
+       .is_folder = rosbag::is_bag_folder,
+       .open_folder = rosbag::open_folder},
+      {.name = "mcap",
+       .extensions = {".mcap"},
+       .description = "bag of ROS 2, stored as MCAP",
+       .detect = rosbag::detect_mcap,
+       .open = rosbag::open_mcap},
       {.name = "npy",
        .extensions = {".npy"},
        .description = "numpy array of records x, y, p, t",
@@ -134,7 +156,14 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
-  if (const Codec* codec = codec_of_extension(source.path())) return codec;
+  if (const auto text = foreign_file_text(head)) {
+    return Error{ErrorCode::kUnsupported, cat("this is ", *text), source.name()};
+  }
+  const std::filesystem::path path = source.logical_path();
+  if (const Codec* codec = codec_of_extension(path)) return codec;
+  if (const auto text = foreign_records_text(head, lower_extension(path))) {
+    return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
+  }
   return Error{ErrorCode::kFormat, cat("not a recording of a known format; name its format, one of ", codec_names()),
                source.name(), Setting::kInputFormat};
 }
@@ -184,15 +213,48 @@ Result<const Codec*> find_codec(const std::string& name) {
   return Error{ErrorCode::kInvalidValue, cat("unknown format \"", name, "\"; ", suggestion(name, names)), ""};
 }
 
+namespace {
+
+/// Only a format that may hold several streams lists them.
+Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingReader> reader) {
+  const RecordingInfo& info = reader->info();
+  if (reader->options().stream.empty() || !info.streams.empty()) return reader;
+  return Error{ErrorCode::kInvalidValue,
+               cat("a recording of the format ", info.format, " holds one stream of events; name no stream"),
+               reader->name(), Setting::kStream};
+}
+
+}  // namespace
+
+bool is_recording_folder(const std::filesystem::path& path) {
+  const auto all = codecs();
+  return std::any_of(all.begin(), all.end(),
+                     [&](const Codec* codec) { return codec->is_folder != nullptr && codec->is_folder(path); });
+}
+
 Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
                                                         const OpenOptions& options) {
+  std::shared_ptr<DecodeSummary> losses;
+  // No more bytes than needed: a live source of a format that is named may not have more for a while.
+  E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
+  if (is_packed(head)) {
+    losses = std::make_shared<DecodeSummary>();
+    E2LF_ASSIGN_OR_RETURN(source, make_unpacked_source(std::move(source), losses));
+  }
   E2LF_ASSIGN_OR_RETURN(const Codec* codec,
                         options.format.empty() ? detect_codec(*source) : find_codec(options.format));
   if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
-  return codec->open(std::move(source), options);
+  E2LF_ASSIGN_OR_RETURN(auto reader, codec->open(std::move(source), options));
+  if (losses != nullptr) reader->count_losses_of(std::move(losses));
+  return check_stream(std::move(reader));
 }
 
 Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::path& path, const OpenOptions& options) {
+  for (const Codec* codec : codecs()) {
+    if (codec->is_folder == nullptr || !codec->is_folder(path)) continue;
+    E2LF_ASSIGN_OR_RETURN(auto reader, codec->open_folder(path, options));
+    return check_stream(std::move(reader));
+  }
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
   return open_recording(std::move(source), options);
 }

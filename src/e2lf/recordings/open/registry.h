@@ -30,6 +30,11 @@ struct Codec {
   Result<std::unique_ptr<RecordingWriter>> (*create_file)(const std::filesystem::path& path,
                                                           const RecordingInfo& info) = nullptr;
 
+  /// For formats that are folders of files.
+  bool (*is_folder)(const std::filesystem::path& path) = nullptr;
+  Result<std::unique_ptr<RecordingReader>> (*open_folder)(const std::filesystem::path& path,
+                                                          const OpenOptions& options) = nullptr;
+
   /// Where the triggers of a file are that the format has no place for, when the reader looks for them there.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
 
@@ -45,6 +50,9 @@ struct Codec {
 
 /// Adds a format for this process. It is asked before all others, so it also takes the place of one of its name.
 void add_codec(Codec codec);
+
+/// Whether a folder is a recording, as a bag of ROS 2 is.
+[[nodiscard]] bool is_recording_folder(const std::filesystem::path& path);
 
 /// The codec of that name. Fails with kInvalidValue and the nearest name.
 [[nodiscard]] Result<const Codec*> find_codec(const std::string& name);

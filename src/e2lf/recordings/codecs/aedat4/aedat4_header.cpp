@@ -65,6 +65,7 @@ std::vector<Stream> parse_streams(std::string_view xml) {
       if (key == "sizeX") stream.width = size_of_text(value);
       if (key == "sizeY") stream.height = size_of_text(value);
       if (key == "source") stream.source = value;
+      if (key == "originalOutputName") stream.output = value;
     }
   }
   return streams;

@@ -6,15 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/recordings/codecs/aedat4/decompress.h"
+#include "e2lf/recordings/io/decompress.h"
 
 namespace e2lf::recordings::aedat4 {
+
+using recordings::Compression;
 
 struct Stream {
   int32_t id = 0;
   std::string type;  ///< "EVTS", "TRIG", "FRME", "IMUS"
   size_t width = 0, height = 0;
   std::string source;  ///< the camera
+  std::string output;  ///< what its module calls it, as "events"
 };
 
 struct Header {

@@ -10,6 +10,7 @@
 #include "e2lf/recordings/codecs/aedat4/aedat4_header.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_packets.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::aedat4 {
@@ -20,17 +21,27 @@ constexpr size_t kPacketHeader = 8;
 /// Packets that are noted for seeking; those behind them are found by reading on.
 constexpr size_t kMaxNoted = size_t{1} << 20;
 
-enum class Use : uint8_t { kEvents, kTriggers, kNone };
+enum class Use : uint8_t { kEvents, kTriggers, kLeftOut, kNone };
+
+/// What a stream is to one who reads the events of another; `has_chosen` = by its name.
+Use use_of_stream(const Stream& stream, const Stream& events, bool has_several_cameras, bool has_chosen) {
+  if (stream.id == events.id) return Use::kEvents;
+  const bool is_trigger = stream.type == "TRIG";
+  if (is_trigger && (!has_several_cameras || stream.source == events.source)) return Use::kTriggers;
+  return has_chosen || (!is_trigger && stream.type != "EVTS") ? Use::kNone : Use::kLeftOut;
+}
 
 class Aedat4Blocks final : public EventBlocks {
  public:
+  /// `events` is the stream to read, one of `event_streams`.
   Aedat4Blocks(std::unique_ptr<ByteSource> source, Header header, std::unique_ptr<Decompressor> decompressor,
-               const Stream* events)
+               const std::vector<Stream>& event_streams, const Stream& events, bool has_chosen)
       : source_(std::move(source)), header_(std::move(header)), decompressor_(std::move(decompressor)) {
+    const bool has_several_cameras =
+        std::any_of(event_streams.begin(), event_streams.end(),
+                    [&events](const Stream& stream) { return stream.source != events.source; });
     for (const Stream& stream : header_.streams) {
-      uses_.push_back({stream.id, events != nullptr && stream.id == events->id ? Use::kEvents
-                                  : stream.type == "TRIG"                      ? Use::kTriggers
-                                                                               : Use::kNone});
+      uses_.push_back({stream.id, use_of_stream(stream, events, has_several_cameras, has_chosen)});
     }
   }
 
@@ -48,7 +59,9 @@ class Aedat4Blocks final : public EventBlocks {
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
     if (bytes.size() < packet->bytes) return give_up(Violation::kTruncated, summary);
     const auto packed = bytes.subspan(kPacketHeader, packet->bytes - kPacketHeader);
-    if (packet->use != Use::kNone && !append_packet(packed, packet->use, block)) {
+    if (packet->use == Use::kLeftOut) {
+      ++summary.other_streams;
+    } else if (packet->use != Use::kNone && !append_packet(packed, packet->use, block)) {
       summary.add(Violation::kBadRecord, position);
       ++summary.dropped_words;
     }
@@ -179,12 +192,13 @@ class Aedat4Blocks final : public EventBlocks {
   int64_t last_trigger_us_ = INT64_MIN;
 };
 
-const Stream* lowest_event_stream(const Header& header) {
-  const Stream* lowest = nullptr;
-  for (const Stream& stream : header.streams) {
-    if (stream.type == "EVTS" && (lowest == nullptr || stream.id < lowest->id)) lowest = &stream;
-  }
-  return lowest;
+/// The streams of events, by their numbers.
+std::vector<Stream> streams_of_events(const Header& header) {
+  std::vector<Stream> streams;
+  std::copy_if(header.streams.begin(), header.streams.end(), std::back_inserter(streams),
+               [](const Stream& stream) { return stream.type == "EVTS"; });
+  std::sort(streams.begin(), streams.end(), [](const Stream& a, const Stream& b) { return a.id < b.id; });
+  return streams;
 }
 
 }  // namespace
@@ -207,14 +221,19 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
 
   RecordingInfo info;
   info.format = "aedat4";
-  const Stream* const events = lowest_event_stream(header);
-  if (events == nullptr) return Error{ErrorCode::kFormat, "the recording has no stream of events", name};
-  info.width = events->width;
-  info.height = events->height;
-  if (!events->source.empty()) info.header.emplace_back("source", events->source);
-  for (const Stream& stream : header.streams) info.header.emplace_back(cat("stream_", stream.id), stream.type);
+  const std::vector<Stream> event_streams = streams_of_events(header);
+  std::vector<NamedStream> named;
+  for (const Stream& stream : event_streams) named.push_back({cat(stream.id), stream.output, stream.source});
+  E2LF_ASSIGN_OR_RETURN(const size_t chosen, choose_stream(named, options, name, info));
+  const Stream& events = event_streams[chosen];
+  info.width = events.width;
+  info.height = events.height;
+  if (!events.source.empty()) info.header.emplace_back("source", printable(events.source));
+  for (const Stream& stream : header.streams)
+    info.header.emplace_back(cat("stream_", stream.id), printable(stream.type));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
-  auto blocks = std::make_unique<Aedat4Blocks>(std::move(source), header, std::move(decompressor), events);
+  auto blocks = std::make_unique<Aedat4Blocks>(std::move(source), header, std::move(decompressor), event_streams,
+                                               events, !options.stream.empty());
   return make_block_reader(std::move(blocks), std::move(info), name, options);
 }
 

@@ -89,6 +89,69 @@ TEST(Aedat4, EventsAndExternalSignalsAreReadForEveryCompression) {
   }
 }
 
+/// Two events and a trigger of each of two cameras.
+Bytes two_cameras() {
+  EventColumns first, second;
+  for (const int64_t t_us : {100, 200}) {
+    first.push_back({1, 2, 1, t_us});
+    second.push_back({600, 400, 0, t_us + 5});
+  }
+  return make_file({{0, event_packet(first)},
+                    {4, event_packet(second)},
+                    {3, trigger_packet({{1, 150}})},
+                    {5, trigger_packet({{2, 160}})}},
+                   Compression::kNone, kTwoCameras);
+}
+
+TEST(Aedat4, TheSecondCameraIsCountedAsLeftOut) {
+  const Bytes bytes = two_cameras();
+  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {.policy = DecodePolicy::kSkip});
+  ASSERT_TRUE(reader.ok()) << reader.error().text();
+  const EventBatch batch = read_all(**reader).value();
+  EXPECT_EQ(batch.events.x, (Column<uint16_t>{1, 1}));
+  EXPECT_EQ(batch.triggers, (std::vector<Trigger>{{150, 0, 1}}));
+  EXPECT_EQ((*reader)->summary().other_streams, 2U);
+  const auto left_out = losses((*reader)->summary());
+  ASSERT_EQ(left_out.size(), 1U);
+  EXPECT_EQ(left_out[0].reason, "other_stream");
+  ASSERT_EQ((*reader)->info().assumptions.size(), 1U);
+  EXPECT_NE((*reader)->info().assumptions[0].text.find("4 (events of DVXplorer_2)"), std::string::npos);
+}
+
+TEST(Aedat4, AStreamIsChosenByNumberOrCamera) {
+  const Bytes bytes = two_cameras();
+  for (const char* stream : {"4", "DVXplorer_2"}) {
+    OpenOptions options{.policy = DecodePolicy::kStrict, .stream = stream};
+    auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options);
+    ASSERT_TRUE(reader.ok()) << reader.error().text();
+    EXPECT_EQ((*reader)->info().width, 640U);
+    const EventBatch batch = read_all(**reader).value();
+    EXPECT_EQ(batch.events.x, (Column<uint16_t>{600, 600}));
+    EXPECT_EQ(batch.triggers, (std::vector<Trigger>{{160, 0, 0}}));
+    EXPECT_TRUE(losses((*reader)->summary()).empty());
+  }
+}
+
+TEST(Aedat4, AStreamThatIsNotThereOrNotOneIsRefused) {
+  const Bytes bytes = two_cameras();
+  for (const char* stream : {"7", "events", "left"}) {
+    const auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {.stream = stream});
+    ASSERT_FALSE(reader.ok()) << stream;
+    EXPECT_EQ(reader.error().code, ErrorCode::kInvalidValue);
+    EXPECT_NE(reader.error().message.find("0 (events of DAVIS346_1)"), std::string::npos);
+  }
+  auto strict =
+      open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {.policy = DecodePolicy::kStrict}).value();
+  EXPECT_FALSE(read_all(*strict).ok());
+}
+
+TEST(Streams, AFormatOfOneStreamRefusesTheChoice) {
+  const std::string text = "1,2,1,5\n";
+  const auto reader = open_recording(make_memory_source({text.begin(), text.end()}), {.stream = "1"});
+  ASSERT_FALSE(reader.ok());
+  EXPECT_EQ(reader.error().code, ErrorCode::kInvalidValue);
+}
+
 TEST(Aedat4, UnknownCompressionIsRefused) {
   auto batch = read(make_file({}, static_cast<Compression>(9)));
   ASSERT_FALSE(batch.ok());

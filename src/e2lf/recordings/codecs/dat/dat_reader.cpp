@@ -7,6 +7,7 @@
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/codecs/dat/dat_seek.h"
 #include "e2lf/recordings/event_gate.h"
+#include "e2lf/recordings/io/unpacked_source.h"
 #include "e2lf/recordings/trigger_feed.h"
 
 namespace e2lf::recordings::dat {
@@ -180,9 +181,11 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
     return reader;
   }
   TriggerFeed triggers;
-  const std::filesystem::path beside = trigger_path(source->path());
-  if (!source->path().empty() && std::filesystem::exists(beside)) {
-    E2LF_ASSIGN_OR_RETURN(auto trigger_source, open_file_source(beside));
+  std::unique_ptr<ByteSource> trigger_source;
+  if (const std::filesystem::path path = source->logical_path(); !path.empty()) {
+    E2LF_ASSIGN_OR_RETURN(trigger_source, open_file_beside(trigger_path(path)));
+  }
+  if (trigger_source != nullptr) {
     E2LF_ASSIGN_OR_RETURN(const Header trigger_header, read_header(*trigger_source));
     if (trigger_header.type == kTypeTrigger) {
       triggers = TriggerFeed(std::make_unique<TriggerFile>(std::move(trigger_source), trigger_header.bytes));

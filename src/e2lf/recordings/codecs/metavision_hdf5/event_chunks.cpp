@@ -42,12 +42,7 @@ Result<std::unique_ptr<EventBlocks>> EventChunks::open(hid_t file, const std::st
   chunks->threads_ = threads;
   const bool is_ecf = shape.storage.filters.size() == 1 && shape.storage.filters[0] == kEcfFilter;
   chunks->is_direct_ = is_ecf && shape.chunk_length != 0 && has_vendor_layout(shape.dataset.get());
-  for (const H5Z_filter_t filter : shape.storage.filters) {
-    if (!chunks->is_direct_ && H5Zfilter_avail(filter) <= 0) {
-      return Error{ErrorCode::kMissingDependency,
-                   cat("the events are compressed by HDF5 filter ", filter, "; install its plugin"), chunks->location_};
-    }
-  }
+  if (!chunks->is_direct_) E2LF_RETURN_IF_ERROR(e2lf::hdf5::check_filters(shape.storage, chunks->location_));
   std::unique_ptr<EventBlocks> blocks = std::move(chunks);
   return blocks;
 }

@@ -90,7 +90,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
     info.format = "dsec";
     E2LF_ASSIGN_OR_RETURN(blocks, open_columns(file.get(), options, name, info));
     blocks = make_time_sorted(std::move(blocks), /*is_seekable=*/true, name);
-    E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->path()));
+    E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->logical_path()));
   }
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }

@@ -214,7 +214,7 @@ Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> so
   E2LF_ASSIGN_OR_RETURN(RecordFields fields, fields_of(*source, options.columns, header, info));
   E2LF_RETURN_IF_ERROR(check_count(header, *source));
   E2LF_ASSIGN_OR_RETURN(fields.unit, unit_of(*source, options.time_unit, header, fields.t, info));
-  E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->path()));
+  E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->logical_path()));
   const bool is_seekable = source->seekable();
   auto records = std::make_unique<NpyBlocks>(std::move(source), std::move(header), std::move(fields));
   return make_block_reader(make_time_sorted(std::move(records), is_seekable, name), std::move(info), name, options,

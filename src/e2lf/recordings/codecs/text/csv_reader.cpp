@@ -192,7 +192,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   info.width = layout.width;
   info.height = layout.height;
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
-  E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->path()));
+  E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->logical_path()));
   const bool is_seekable = source->seekable();
   auto lines = std::make_unique<CsvBlocks>(std::move(source), layout, options.threads);
   return make_block_reader(make_time_sorted(std::move(lines), is_seekable, name), std::move(info), name, options,

@@ -8,9 +8,9 @@
 
 #include "e2lf/base/result.h"
 
-namespace e2lf::recordings::aedat4 {
+namespace e2lf::recordings {
 
-/// The header's codes.
+/// How a packet is compressed; the numbers are those of AEDAT 4.
 enum class Compression : int32_t { kNone = 0, kLz4 = 1, kLz4High = 2, kZstd = 3, kZstdHigh = 4 };
 
 /// Largest packet, uncompressed: a claim beyond it is taken as damage.
@@ -28,4 +28,4 @@ class Decompressor {
 /// Fails with kUnsupported (unknown code) and kMissingDependency (Zstd in a build without it).
 [[nodiscard]] Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression);
 
-}  // namespace e2lf::recordings::aedat4
+}  // namespace e2lf::recordings

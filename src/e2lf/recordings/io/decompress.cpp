@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/aedat4/decompress.h"
+#include "e2lf/recordings/io/decompress.h"
 
 #include <algorithm>
 #include <lz4frame.h>
@@ -9,7 +9,7 @@
 #include <zstd.h>
 #endif
 
-namespace e2lf::recordings::aedat4 {
+namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kFirstRoom = size_t{1} << 16;
@@ -134,4 +134,4 @@ Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression)
                cat("compression ", static_cast<int32_t>(compression), " is unknown; is the file damaged?"), ""};
 }
 
-}  // namespace e2lf::recordings::aedat4
+}  // namespace e2lf::recordings

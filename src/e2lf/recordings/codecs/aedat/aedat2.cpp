@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <string_view>
+
+#include "e2lf/base/little_endian.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/aedat/aedat.h"
+#include "e2lf/recordings/codecs/aedat/text_header.h"
+#include "e2lf/recordings/codecs/dat/time_unwrapper.h"
+#include "e2lf/recordings/event_blocks.h"
+
+namespace e2lf::recordings::aedat {
+namespace {
+
+constexpr std::string_view kVersionLine = "#!AER-DAT2.0";
+constexpr size_t kRecordBytes = 8;
+constexpr size_t kBlockRecords = size_t{1} << 15;
+
+uint32_t load_big_endian(const uint8_t* bytes) {
+  return __builtin_bswap32(load_le<uint32_t>(bytes));
+}
+
+/// Where an address keeps what, for one kind of camera.
+struct AddressBits {
+  uint32_t impossible;  ///< bits that are always zero
+  uint32_t no_event;    ///< frames and inertial data
+  uint32_t external;    ///< an edge at the external input
+  uint32_t x_shift, x_mask, y_shift, y_mask, p_shift;
+  bool on_is_zero;
+};
+constexpr AddressBits kDvs128 = {0x7FFF0000, 0, 0x80008000, 1, 0x7F, 8, 0x7F, 0, true};
+constexpr AddressBits kDavis = {0, 0x80000000, 0x400, 12, 0x3FF, 22, 0x1FF, 11, false};
+
+/// What the low bits of an external event of a DAVIS say; others are rising edges or pulses.
+constexpr uint32_t kFallingEdge = 2, kEdgeMask = 0x7;
+
+class Aedat2Blocks final : public EventBlocks {
+ public:
+  Aedat2Blocks(std::unique_ptr<ByteSource> source, const AddressBits& bits, size_t width, size_t height)
+      : source_(std::move(source)), bits_(bits), width_(width), height_(height), header_bytes_(source_->position()) {}
+
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kRecordBytes));
+    const size_t count = std::min(bytes.size() / kRecordBytes, kBlockRecords);
+    if (count == 0) {
+      if (!bytes.empty()) summary.add(Violation::kTruncated, source_->position());
+      source_->consume(bytes.size());
+      return false;
+    }
+    for (size_t i = 0; i < count; ++i) {
+      const uint8_t* const record = &bytes[i * kRecordBytes];
+      if ((load_big_endian(record) & bits_.impossible) == 0) {
+        append(record, block);
+      } else {
+        summary.add(Violation::kBadRecord, source_->position() + i * kRecordBytes);
+        ++summary.dropped_words;
+      }
+    }
+    source_->consume(count * kRecordBytes);
+    return true;
+  }
+
+  Result<void> seek_before(int64_t) override {
+    clock_ = {};
+    return source_->seek(header_bytes_);
+  }
+
+ private:
+  void append(const uint8_t* record, EventBatch& block) {
+    const uint32_t address = load_big_endian(record);
+    if ((address & bits_.no_event) != 0) return;
+    const int64_t t_us = clock_(load_big_endian(record + 4));
+    if ((address & bits_.external) != 0) {
+      const bool is_falling = !bits_.on_is_zero && (address & kEdgeMask) == kFallingEdge;
+      block.triggers.push_back({t_us, 0, static_cast<uint8_t>(is_falling ? 0 : 1)});
+      return;
+    }
+    // A column or row beyond the sensor stays beyond it.
+    const uint32_t x = address >> bits_.x_shift & bits_.x_mask, y = address >> bits_.y_shift & bits_.y_mask;
+    const bool is_on = (address >> bits_.p_shift & 1) != (bits_.on_is_zero ? 1 : 0);
+    block.events.push_back({x < width_ ? static_cast<uint16_t>(width_ - 1 - x) : uint16_t{UINT16_MAX},
+                            y < height_ ? static_cast<uint16_t>(height_ - 1 - y) : uint16_t{UINT16_MAX},
+                            static_cast<uint8_t>(is_on), t_us});
+  }
+
+  std::unique_ptr<ByteSource> source_;
+  AddressBits bits_;
+  size_t width_, height_;
+  uint64_t header_bytes_;
+  dat::TimeUnwrapper clock_;
+};
+
+struct Camera {
+  RecordingInfo info;
+  AddressBits bits = kDavis;
+};
+
+/// What the first addresses say of a camera that the header does not name: those of a DVS128 have 16 bits.
+const char* name_by_addresses(std::span<const uint8_t> records) {
+  uint32_t x_end = 0, y_end = 0, high_bits = 0;
+  for (size_t i = 0; (i + 1) * kRecordBytes <= records.size(); ++i) {
+    const uint32_t address = load_big_endian(&records[i * kRecordBytes]);
+    high_bits |= address & kDvs128.impossible;
+    if ((address & (kDavis.no_event | kDavis.external)) != 0) continue;
+    x_end = std::max(x_end, (address >> kDavis.x_shift & kDavis.x_mask) + 1);
+    y_end = std::max(y_end, (address >> kDavis.y_shift & kDavis.y_mask) + 1);
+  }
+  if (high_bits == 0) return "DVS128";
+  if (x_end <= 240 && y_end <= 180) return "DAVIS240";
+  return x_end <= 346 && y_end <= 260 ? "DAVIS346" : "DAVIS640";
+}
+
+Result<Camera> find_camera(ByteSource& source, const TextHeader& header, const OpenOptions& options) {
+  Camera camera;
+  RecordingInfo& info = camera.info;
+  info.format = "aedat2";
+  std::string chip = header.find("AEChip:").value_or("");
+  if (!chip.empty()) info.header.emplace_back("AEChip", chip);
+  if (const auto created = header.find("created")) info.header.emplace_back("created", *created);
+  if (!find_camera_model(chip)) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kDetectBytes));
+    chip = name_by_addresses(bytes.first(std::min(bytes.size(), kDetectBytes)));
+    info.assumptions.push_back({cat("the header names no camera that is known; by its addresses it is a ", chip)});
+  }
+  const CameraModel model = *find_camera_model(chip);
+  camera.bits = model.is_davis ? kDavis : kDvs128;
+  if (!info.assumptions.empty() && options.width != 0 && options.height != 0) {
+    info.assumptions.clear();
+  } else {
+    info.width = model.width;
+    info.height = model.height;
+  }
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));
+  return camera;
+}
+
+}  // namespace
+
+bool detect_aedat2(std::span<const uint8_t> head) {
+  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kVersionLine);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  const std::string name = source->name();
+  E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
+  if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersionLine)) {
+    return Error{ErrorCode::kFormat, cat("not an AEDAT 2 recording; its first line would be ", kVersionLine), name};
+  }
+  E2LF_ASSIGN_OR_RETURN(Camera camera, find_camera(*source, header, options));
+  auto blocks = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height);
+  return make_block_reader(std::move(blocks), std::move(camera.info), name, options);
+}
+
+}  // namespace e2lf::recordings::aedat

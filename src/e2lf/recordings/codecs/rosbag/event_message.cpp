@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/rosbag/event_message.h"
+
+#include <algorithm>
+
+#include "e2lf/base/little_endian.h"
+
+namespace e2lf::recordings::rosbag {
+namespace {
+
+constexpr size_t kWordBytes = 8;  // of all encodings but libcaer_cmp
+constexpr int64_t kNsPerUs = 1000;
+constexpr const char* kList = "list";
+
+/// Reads the fields of a message in CDR, little-endian: each is aligned to its size.
+class Fields {
+ public:
+  /// `place` is where the bytes begin behind the message's own header.
+  explicit Fields(std::span<const uint8_t> bytes, size_t place = 0) : bytes_(bytes), place_(place) {}
+
+  template <typename T>
+  T number() {
+    const size_t padding = (sizeof(T) - (place_ + next_) % sizeof(T)) % sizeof(T);
+    if (padding > left() || sizeof(T) > left() - padding) {
+      is_cut_ = true;
+      next_ = bytes_.size();
+      return 0;
+    }
+    next_ += padding + sizeof(T);
+    return load_le<T>(&bytes_[next_ - sizeof(T)]);
+  }
+
+  std::span<const uint8_t> bytes(size_t count) {
+    is_cut_ |= count > left();
+    const auto result = bytes_.subspan(next_, std::min(count, left()));
+    next_ += result.size();
+    return result;
+  }
+
+  std::string_view text() {
+    const auto with_zero = bytes(number<uint32_t>());
+    return {reinterpret_cast<const char*>(with_zero.data()), with_zero.empty() ? 0 : with_zero.size() - 1};
+  }
+
+  [[nodiscard]] size_t place() const { return place_ + next_; }
+  [[nodiscard]] size_t left() const { return bytes_.size() - next_; }
+  [[nodiscard]] bool is_cut() const { return is_cut_; }
+
+ private:
+  std::span<const uint8_t> bytes_;
+  size_t place_, next_ = 0;
+  bool is_cut_ = false;
+};
+
+bool is_packet_type(const std::string& type) {
+  return type.starts_with("event_camera_msgs/") || type.starts_with("event_array_msgs/");
+}
+
+/// Words of 64 bits: 32 of time in ns since the base, 16 of x, 15 of y, polarity.
+void append_mono(uint64_t word, int64_t base_ns, EventBatch& batch) {
+  const int64_t t_us = (base_ns + static_cast<int64_t>(word & UINT32_MAX)) / kNsPerUs;
+  batch.events.push_back({static_cast<uint16_t>(word >> 32), static_cast<uint16_t>(word >> 48 & 0x7FFF),
+                          static_cast<uint8_t>(word >> 63), t_us});
+}
+
+void append_trigger(uint64_t word, int64_t base_ns, EventBatch& batch) {
+  const int64_t t_us = (base_ns + static_cast<int64_t>(word & UINT32_MAX)) / kNsPerUs;
+  batch.triggers.push_back({t_us, static_cast<uint16_t>(word >> 48 & 0x7FFF), static_cast<uint8_t>(word >> 63)});
+}
+
+/// Polarity events of libcaer: validity, polarity, y and x from bit 2 and 17 on, then 31 bits of time in us, which may
+/// wrap within a message.
+void append_libcaer(std::span<const uint8_t> words, int64_t base_ns, EventBatch& batch) {
+  int64_t loop_us = 0, last_us = 0;
+  for (size_t i = 0; i + kWordBytes <= words.size(); i += kWordBytes) {
+    const auto data = load_le<uint32_t>(&words[i]);
+    const int64_t low_us = load_le<uint32_t>(&words[i + 4]) & INT32_MAX;
+    // Half of the circle: a smaller step back is a straggler.
+    if (low_us + (int64_t{1} << 30) < last_us) loop_us += int64_t{1} << 31;
+    last_us = low_us;
+    batch.events.push_back({static_cast<uint16_t>(data >> 17), static_cast<uint16_t>(data >> 2 & 0x7FFF),
+                            static_cast<uint8_t>(data >> 1 & 1), base_ns / kNsPerUs + loop_us + low_us});
+  }
+}
+
+/// Words of 16 bits, their kind in the upper 4: the time since the base in us, columns, and rows one by one or as
+/// eight bits above a first row.
+void append_libcaer_cmp(std::span<const uint8_t> words, int64_t base_ns, EventBatch& batch) {
+  enum Kind { kTimeHigh, kTimeLow, kColumn, kRow, kFirstRow, kEightRows };
+  int64_t high_us = 0, low_us = 0;
+  uint16_t x = 0, first_row = 0;
+  uint8_t p = 0;
+  const auto t_us = [&] { return base_ns / kNsPerUs + (high_us | low_us); };
+  for (size_t i = 0; i + 2 <= words.size(); i += 2) {
+    const auto word = load_le<uint16_t>(&words[i]);
+    const auto address = static_cast<uint16_t>(word & 0x7FF);
+    const auto polarity = static_cast<uint8_t>(word >> 11 & 1);
+    switch (word >> 12) {
+      case kTimeHigh:
+        high_us = int64_t{word & 0xFFF} << 12;
+        break;
+      case kTimeLow:
+        low_us = word & 0xFFF;
+        break;
+      case kColumn:
+        x = address;
+        break;
+      case kRow:
+        batch.events.push_back({x, address, polarity, t_us()});
+        break;
+      case kFirstRow:
+        first_row = address;
+        p = polarity;
+        break;
+      case kEightRows:
+        for (uint16_t bit = 0; bit < 8; ++bit) {
+          if ((word >> bit & 1) != 0) batch.events.push_back({x, static_cast<uint16_t>(first_row + bit), p, t_us()});
+        }
+        first_row = static_cast<uint16_t>(first_row + 8);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+/// Events one by one: x, y, seconds and nanoseconds since 1970, polarity.
+bool append_list(const EventMessage& message, EventBatch& batch) {
+  Fields fields(message.payload, message.place);
+  for (uint32_t i = 0; i < message.count; ++i) {
+    Event event;
+    event.x = fields.number<uint16_t>();
+    event.y = fields.number<uint16_t>();
+    const int64_t seconds = fields.number<int32_t>();
+    event.t = seconds * 1'000'000 + fields.number<uint32_t>() / kNsPerUs;
+    event.p = static_cast<uint8_t>(fields.number<uint8_t>() != 0);
+    if (fields.is_cut()) return false;
+    batch.events.push_back(event);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool is_event_type(const std::string& type) {
+  constexpr std::string_view kTypes[] = {"event_camera_msgs/msg/EventPacket", "event_array_msgs/msg/EventArray",
+                                         "dvs_msgs/msg/EventArray", "prophesee_event_msgs/msg/EventArray"};
+  return std::find(std::begin(kTypes), std::end(kTypes), type) != std::end(kTypes);
+}
+
+std::optional<EventMessage> parse_message(const std::string& type, std::span<const uint8_t> message) {
+  constexpr size_t kHeaderBytes = 4;
+  constexpr uint8_t kLittleEndian = 1;
+  if (message.size() < kHeaderBytes || message[0] != 0 || (message[1] & 1) != kLittleEndian) return std::nullopt;
+  Fields fields(message.subspan(kHeaderBytes));
+  fields.number<int32_t>();  // when it was stamped
+  fields.number<uint32_t>();
+  fields.text();  // the camera's frame
+  EventMessage result;
+  result.height = fields.number<uint32_t>();
+  result.width = fields.number<uint32_t>();
+  if (is_packet_type(type)) {
+    result.number = fields.number<uint64_t>();
+    result.time_base_ns = fields.number<uint64_t>();
+    result.encoding = fields.text();
+    if (fields.number<uint8_t>() != 0) return std::nullopt;  // big-endian
+    result.payload = fields.bytes(fields.number<uint32_t>());
+  } else {
+    result.encoding = kList;
+    result.count = fields.number<uint32_t>();
+    result.place = fields.place();
+    result.payload = fields.bytes(fields.left());
+  }
+  if (fields.is_cut() || result.width > UINT16_MAX + 1 || result.height > UINT16_MAX + 1) return std::nullopt;
+  return result;
+}
+
+bool is_known_encoding(std::string_view encoding) {
+  constexpr std::string_view kKnown[] = {"mono", "trigger", "libcaer", "libcaer_cmp", kList};
+  return std::find(std::begin(kKnown), std::end(kKnown), encoding) != std::end(kKnown);
+}
+
+bool decode_message(const EventMessage& message, EventBatch& batch) {
+  if (message.encoding == kList) return append_list(message, batch);
+  const auto payload = message.payload;
+  const auto base_ns = static_cast<int64_t>(std::min<uint64_t>(message.time_base_ns, INT64_MAX / 2));
+  const bool is_cmp = message.encoding == "libcaer_cmp";
+  if (is_cmp) append_libcaer_cmp(payload, base_ns, batch);
+  if (message.encoding == "libcaer") append_libcaer(payload, base_ns, batch);
+  for (size_t i = 0; i + kWordBytes <= payload.size(); i += kWordBytes) {
+    const auto word = load_le<uint64_t>(&payload[i]);
+    if (message.encoding == "mono") append_mono(word, base_ns, batch);
+    if (message.encoding == "trigger") append_trigger(word, base_ns, batch);
+  }
+  return payload.size() % (is_cmp ? 2 : kWordBytes) == 0;
+}
+
+}  // namespace e2lf::recordings::rosbag

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "e2lf/base/little_endian.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/codecs/rosbag/bag.h"
+#include "e2lf/recordings/codecs/rosbag/rosbag.h"
+#include "e2lf/recordings/io/decompress.h"
+
+/// MCAP as specified at mcap.dev: records of a kind (u8), a length (u64) and contents; chunks hold records.
+namespace e2lf::recordings::rosbag {
+namespace {
+
+constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+constexpr size_t kRecordHeader = 9, kFooterBytes = 20;
+constexpr uint8_t kFooter = 0x02, kSchema = 0x03, kChannel = 0x04, kMessage = 0x05, kChunk = 0x06, kDataEnd = 0x0F;
+/// Topics that are believed; those behind them are passed over.
+constexpr size_t kMaxTopics = 1000;
+
+/// Takes fields off the front of a record's contents; what is not there is 0 or empty.
+class Contents {
+ public:
+  explicit Contents(std::span<const uint8_t> bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  T number() {
+    const auto field = take(sizeof(T));
+    return field.size() == sizeof(T) ? load_le<T>(field.data()) : T{0};
+  }
+  std::string text() {
+    const auto field = take(number<uint32_t>());
+    return {reinterpret_cast<const char*>(field.data()), field.size()};
+  }
+  std::span<const uint8_t> take(uint64_t count) {
+    is_cut_ |= count > bytes_.size();
+    const auto field = bytes_.first(static_cast<size_t>(std::min<uint64_t>(count, bytes_.size())));
+    bytes_ = bytes_.subspan(field.size());
+    return field;
+  }
+  [[nodiscard]] std::span<const uint8_t> rest() const { return bytes_; }
+  [[nodiscard]] bool is_cut() const { return is_cut_; }
+
+ private:
+  std::span<const uint8_t> bytes_;
+  bool is_cut_ = false;
+};
+
+std::optional<Compression> compression_of(const std::string& name) {
+  if (name.empty()) return Compression::kNone;
+  if (name == "lz4") return Compression::kLz4;
+  return name == "zstd" ? std::optional(Compression::kZstd) : std::nullopt;
+}
+
+class McapBag final : public Bag {
+ public:
+  explicit McapBag(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+
+  Result<void> open() {
+    E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kMagic.size()));
+    if (!detect_mcap(head)) return Error{ErrorCode::kFormat, "not an MCAP file; is it whole?", source_->name()};
+    source_->consume(kMagic.size());
+    // In front of the first message stands its topic, which is then the first one.
+    BagMessage first;
+    E2LF_ASSIGN_OR_RETURN(const bool more, next(first, losses_of_first_));
+    if (!source_->seekable()) {
+      if (more) first_ = first;
+      return {};
+    }
+    losses_of_first_ = {};
+    E2LF_RETURN_IF_ERROR(read_summary());
+    return rewind();
+  }
+
+  std::vector<Topic> topics() const override {
+    std::vector<Topic> all;
+    for (const Channel& channel : channels_) all.push_back(channel.topic);
+    return all;
+  }
+
+  Result<bool> next(BagMessage& message, DecodeSummary& summary) override {
+    summary.add_losses(std::exchange(losses_of_first_, {}));
+    if (first_) {
+      message = *std::exchange(first_, std::nullopt);
+      return true;
+    }
+    for (;;) {
+      if (!records_.empty()) {
+        if (next_in_chunk(message, summary)) return true;
+        continue;
+      }
+      source_->consume(std::exchange(used_, 0));
+      position_ = source_->position();
+      E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kRecordHeader));
+      if (bytes.size() < kRecordHeader) return end(Violation::kTruncated, summary);
+      const uint8_t kind = bytes[0];
+      const auto length = load_le<uint64_t>(&bytes[1]);
+      if (kind == kDataEnd || kind == kFooter) return end(std::nullopt, summary);
+      // Nothing tells where the next record begins.
+      if (kind == 0 || length > kMaxPacketBytes) return end(Violation::kMisaligned, summary);
+      E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(kRecordHeader + length));
+      if (bytes.size() < kRecordHeader + length) return end(Violation::kTruncated, summary);
+      used_ = kRecordHeader + static_cast<size_t>(length);
+      const auto contents = bytes.subspan(kRecordHeader, static_cast<size_t>(length));
+      if (kind == kChunk) {
+        E2LF_RETURN_IF_ERROR(open_chunk(contents, summary));
+      } else if (take_record(kind, contents, message)) {
+        return true;
+      }
+    }
+  }
+
+  Result<void> rewind() override {
+    records_ = {};
+    used_ = 0;
+    has_ended_ = false;
+    return source_->seek(kMagic.size());
+  }
+
+ private:
+  struct Channel {
+    uint16_t id = 0;
+    Topic topic;
+  };
+
+  /// Unpacks a chunk into records_; one that cannot be unpacked is counted.
+  Result<void> open_chunk(std::span<const uint8_t> contents, DecodeSummary& summary) {
+    Contents fields(contents);
+    fields.take(28);  // times, size and check sum of the records
+    const std::string name = fields.text();
+    const auto compression = compression_of(name);
+    if (!compression && !fields.is_cut()) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("the chunks are compressed by an algorithm that is not known; convert the bag to lz4 or zstd"),
+                   source_->name()};
+    }
+    const auto packed = fields.take(fields.number<uint64_t>());
+    bool is_whole = !fields.is_cut() && compression.has_value();
+    if (is_whole && *compression != chunk_compression_) {
+      E2LF_ASSIGN_OR_RETURN(decompressor_, make_decompressor(*compression));
+      chunk_compression_ = *compression;
+    }
+    is_whole = is_whole && decompressor_->unpack(packed, unpacked_).ok();
+    if (is_whole) {
+      records_ = unpacked_;
+    } else {
+      summary.add(Violation::kBadRecord, position_);
+      ++summary.dropped_words;
+    }
+    return {};
+  }
+
+  /// Takes the next record of the chunk; whether it is a message.
+  bool next_in_chunk(BagMessage& message, DecodeSummary& summary) {
+    Contents fields(records_);
+    const auto kind = fields.number<uint8_t>();
+    const auto contents = fields.take(fields.number<uint64_t>());
+    if (fields.is_cut()) {
+      summary.add(Violation::kBadRecord, position_);
+      records_ = {};
+      return false;
+    }
+    records_ = fields.rest();
+    return take_record(kind, contents, message);
+  }
+
+  /// Notes schemas and channels; whether it is a message of a topic of events.
+  bool take_record(uint8_t kind, std::span<const uint8_t> contents, BagMessage& message) {
+    Contents fields(contents);
+    const auto id = fields.number<uint16_t>();
+    if (kind == kSchema && types_.size() < kMaxTopics) types_.emplace(id, fields.text());
+    if (kind != kChannel && kind != kMessage) return false;
+    const auto channel =
+        std::find_if(channels_.begin(), channels_.end(), [id](const Channel& candidate) { return candidate.id == id; });
+    if (kind == kChannel && channel == channels_.end() && channels_.size() < kMaxTopics) {
+      const auto type = types_.find(fields.number<uint16_t>());
+      if (type != types_.end() && is_event_type(type->second)) channels_.push_back({id, {fields.text(), type->second}});
+    }
+    if (kind == kChannel || channel == channels_.end()) return false;
+    fields.take(20);  // number and times
+    if (fields.is_cut()) return false;
+    message = {&channel->topic, fields.rest(), position_};
+    return true;
+  }
+
+  /// Takes schemas and channels from behind the messages, where the file has them there.
+  Result<void> read_summary() {
+    const uint64_t size = source_->size().value_or(0), tail = kRecordHeader + kFooterBytes + kMagic.size();
+    if (size < tail + kMagic.size()) return {};
+    E2LF_RETURN_IF_ERROR(source_->seek(size - tail));
+    E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(tail));
+    if (bytes.size() < tail || bytes[0] != kFooter) return {};
+    const auto begin = load_le<uint64_t>(&bytes[kRecordHeader]);
+    if (begin == 0 || begin > size - tail || size - tail - begin > kMaxPacketBytes) return {};
+    E2LF_RETURN_IF_ERROR(source_->seek(begin));
+    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(size - tail - begin));
+    Contents summary(bytes.first(std::min<size_t>(bytes.size(), size - tail - begin)));
+    while (!summary.rest().empty() && !summary.is_cut()) {
+      BagMessage none;
+      const auto kind = summary.number<uint8_t>();
+      const auto contents = summary.take(summary.number<uint64_t>());
+      if (kind == kSchema || kind == kChannel) take_record(kind, contents, none);
+    }
+    return {};
+  }
+
+  Result<bool> end(std::optional<Violation> violation, DecodeSummary& summary) {
+    if (!std::exchange(has_ended_, true) && violation) summary.add(*violation, position_);
+    return false;
+  }
+
+  std::unique_ptr<ByteSource> source_;
+  std::map<uint16_t, std::string> types_;
+  std::deque<Channel> channels_;     ///< of events, in the order in which the file names them
+  std::optional<BagMessage> first_;  ///< of a stream: read to know its topic, and not handed out yet
+  DecodeSummary losses_of_first_;
+  std::unique_ptr<Decompressor> decompressor_;
+  std::optional<Compression> chunk_compression_;  ///< of decompressor_
+  std::vector<uint8_t> unpacked_;
+  std::span<const uint8_t> records_;  ///< of the chunk, that were not taken yet
+  size_t used_ = 0;                   ///< bytes at hand that the last record takes
+  uint64_t position_ = 0;             ///< of the last record
+  bool has_ended_ = false;
+};
+
+}  // namespace
+
+bool detect_mcap(std::span<const uint8_t> head) {
+  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kMagic);
+}
+
+Result<std::unique_ptr<Bag>> open_mcap_bag(std::unique_ptr<ByteSource> source) {
+  auto bag = std::make_unique<McapBag>(std::move(source));
+  E2LF_RETURN_IF_ERROR(bag->open());
+  std::unique_ptr<Bag> result = std::move(bag);
+  return result;
+}
+
+}  // namespace e2lf::recordings::rosbag

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <deque>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
+#include "e2lf/recordings/codecs/rosbag/bag_files.h"
+#include "e2lf/recordings/codecs/rosbag/event_message.h"
+#include "e2lf/recordings/codecs/rosbag/rosbag.h"
+#include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/stream_choice.h"
+
+namespace e2lf::recordings::rosbag {
+namespace {
+
+/// Messages that may come before the first of the topic that is read.
+constexpr size_t kMaxHeldMessages = 10'000;
+
+std::string last_part(const std::string& topic) {
+  return topic.substr(topic.rfind('/') + 1);
+}
+
+bool is_trigger_topic(const Topic& topic) {
+  return last_part(topic.name).starts_with("trigger");
+}
+
+/// The messages of one topic of events and of the triggers beside it.
+class ChosenMessages {
+ public:
+  /// `has_chosen` = by its name: then nothing is said of others.
+  ChosenMessages(std::unique_ptr<Bag> bag, Topic events, bool has_chosen)
+      : bag_(std::move(bag)), events_(std::move(events)), has_chosen_(has_chosen) {
+    const std::string space = events_.name.substr(0, events_.name.rfind('/') + 1);
+    for (const Topic& topic : bag_->topics()) {
+      if (topic.name.starts_with(space) && topic.name != events_.name && is_trigger_topic(topic))
+        triggers_ = topic.name;
+    }
+  }
+
+  /// The first message of the topic; it comes again from next(). Nothing where there is none.
+  Result<std::optional<EventMessage>> first() {
+    BagMessage message;
+    while (held_.size() < kMaxHeldMessages) {
+      E2LF_ASSIGN_OR_RETURN(const bool more, bag_->next(message, losses_of_held_));
+      if (!more) break;
+      held_.push_back({*message.topic, {message.data.begin(), message.data.end()}, message.byte});
+      if (message.topic->name != events_.name) continue;
+      if (auto parsed = parse_message(events_.type, held_.back().data)) return parsed;
+    }
+    return std::optional<EventMessage>();
+  }
+
+  /// Goes to the next message and counts what is left out; false at the end. What it points to is valid until then.
+  Result<bool> next(EventMessage& message, DecodeSummary& summary) {
+    summary.add_losses(std::exchange(losses_of_held_, {}));
+    for (;;) {
+      BagMessage stored;
+      if (!held_.empty()) {
+        current_ = std::move(held_.front());
+        held_.pop_front();
+        stored = {&current_.topic, current_.data, current_.byte};
+      } else {
+        E2LF_ASSIGN_OR_RETURN(const bool more, bag_->next(stored, summary));
+        if (!more) return false;
+      }
+      const bool is_events = stored.topic->name == events_.name;
+      if (!is_events && stored.topic->name != triggers_) {
+        summary.other_streams += has_chosen_ ? 0 : 1;
+        continue;
+      }
+      const auto parsed = parse_message(stored.topic->type, stored.data);
+      byte_ = stored.byte;
+      if (!parsed) {
+        count_bad(summary);
+        continue;
+      }
+      message = *parsed;
+      if (is_events) look_for_gap(message, summary);
+      return true;
+    }
+  }
+
+  void count_bad(DecodeSummary& summary) const {
+    summary.add(Violation::kBadRecord, byte_);
+    ++summary.dropped_words;
+  }
+
+  Result<void> rewind() {
+    held_.clear();
+    losses_of_held_ = {};
+    next_number_.reset();
+    return bag_->rewind();
+  }
+
+ private:
+  struct Held {
+    Topic topic;
+    std::vector<uint8_t> data;
+    uint64_t byte = 0;
+  };
+
+  void look_for_gap(const EventMessage& message, DecodeSummary& summary) {
+    if (!message.number) return;
+    if (next_number_ && *message.number > *next_number_) summary.add(Violation::kMisaligned, byte_);
+    next_number_ = *message.number + 1;
+  }
+
+  std::unique_ptr<Bag> bag_;
+  Topic events_;
+  std::string triggers_;
+  bool has_chosen_;
+  std::deque<Held> held_;
+  Held current_;
+  DecodeSummary losses_of_held_;
+  std::optional<uint64_t> next_number_;
+  uint64_t byte_ = 0;
+};
+
+/// The words of all evt3 messages as one RAW recording.
+class Evt3Source final : public ByteSource {
+ public:
+  Evt3Source(ChosenMessages messages, bool seekable, std::string header, std::string name)
+      : messages_(std::move(messages)), seekable_(seekable), header_(std::move(header)), name_(std::move(name)) {
+    begin();
+  }
+
+  Result<std::span<const uint8_t>> fetch(size_t wanted) override {
+    while (buffer_.size() - used_ < wanted) {
+      EventMessage message;
+      E2LF_ASSIGN_OR_RETURN(const bool more, messages_.next(message, losses_));
+      if (!more) break;
+      if (message.encoding != "evt3") {
+        messages_.count_bad(losses_);
+        continue;
+      }
+      buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(std::exchange(used_, 0)));
+      buffer_.insert(buffer_.end(), message.payload.begin(), message.payload.end());
+    }
+    return std::span<const uint8_t>(buffer_).subspan(used_);
+  }
+  void consume(size_t count) override {
+    E2LF_REQUIRE(count <= buffer_.size() - used_, "more consumed than fetched");
+    used_ += count;
+    position_ += count;
+  }
+  uint64_t position() const override { return position_; }
+  Result<void> seek(uint64_t position) override {
+    if (position < position_) {
+      E2LF_RETURN_IF_ERROR(messages_.rewind());
+      begin();
+    }
+    while (position_ < position) {
+      E2LF_ASSIGN_OR_RETURN(const auto bytes, fetch(1));
+      if (bytes.empty()) break;
+      consume(static_cast<size_t>(std::min<uint64_t>(bytes.size(), position - position_)));
+    }
+    return {};
+  }
+  bool seekable() const override { return seekable_; }
+  std::optional<uint64_t> size() const override { return std::nullopt; }
+  DecodeSummary left_out() const override { return losses_; }
+  std::string name() const override { return name_; }
+
+ private:
+  void begin() {
+    buffer_.assign(header_.begin(), header_.end());
+    used_ = 0;
+    position_ = 0;
+    losses_ = {};
+  }
+
+  ChosenMessages messages_;
+  bool seekable_;
+  std::string header_, name_;
+  std::vector<uint8_t> buffer_;
+  size_t used_ = 0;
+  uint64_t position_ = 0;
+  DecodeSummary losses_;
+};
+
+class MessageBlocks final : public EventBlocks {
+ public:
+  explicit MessageBlocks(ChosenMessages messages) : messages_(std::move(messages)) {}
+
+  /// One message.
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    EventMessage message;
+    E2LF_ASSIGN_OR_RETURN(const bool more, messages_.next(message, summary));
+    if (more && (!is_known_encoding(message.encoding) || !decode_message(message, block))) messages_.count_bad(summary);
+    return more;
+  }
+
+  Result<void> seek_before(int64_t) override { return messages_.rewind(); }
+
+ private:
+  ChosenMessages messages_;
+};
+
+/// The topics that can be read: those of triggers alone where there are no others.
+std::vector<Topic> topics_to_read(const Bag& bag) {
+  std::vector<Topic> topics = bag.topics();
+  std::vector<Topic> events;
+  std::copy_if(topics.begin(), topics.end(), std::back_inserter(events),
+               [](const Topic& topic) { return !is_trigger_topic(topic); });
+  return events.empty() ? topics : events;
+}
+
+/// Of a stream the topics are known once a first message has come: it is looked for, and comes again.
+Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool seekable, const std::string& format,
+                                                  const std::string& name, const OpenOptions& options) {
+  const std::vector<Topic> topics = topics_to_read(*bag);
+  if (topics.empty()) {
+    return Error{ErrorCode::kFormat,
+                 "the bag has no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); is it the one "
+                 "that was meant?",
+                 name};
+  }
+  RecordingInfo info;
+  info.format = format;
+  std::vector<NamedStream> streams;
+  for (const Topic& topic : topics) streams.push_back({cat(streams.size()), topic.name, ""});
+  E2LF_ASSIGN_OR_RETURN(const size_t chosen, choose_stream(streams, options, name, info));
+  info.header = {{"topic", printable(topics[chosen].name)}, {"type", topics[chosen].type}};
+  ChosenMessages messages(std::move(bag), topics[chosen], !options.stream.empty());
+  E2LF_ASSIGN_OR_RETURN(const std::optional<EventMessage> first, messages.first());
+  if (first) {
+    info.header.emplace_back("encoding", printable(std::string(first->encoding)));
+    info.width = first->width;
+    info.height = first->height;
+  }
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+  if (!first || is_known_encoding(first->encoding)) {
+    return make_block_reader(std::make_unique<MessageBlocks>(std::move(messages)), std::move(info), name, options);
+  }
+  if (first->encoding != "evt3") {
+    return Error{ErrorCode::kUnsupported,
+                 "the events are in an encoding other than evt3, libcaer, libcaer_cmp, mono and trigger; record them "
+                 "in one of these",
+                 cat(name, ": ", printable(topics[chosen].name))};
+  }
+  std::string header = "% evt 3.0\n";
+  if (info.width != 0 && info.height != 0) header += cat("% geometry ", info.width, "x", info.height, "\n");
+  OpenOptions raw = options;
+  raw.format = "evt3";
+  raw.width = raw.height = 0;
+  E2LF_ASSIGN_OR_RETURN(
+      auto reader,
+      open_raw(std::make_unique<Evt3Source>(std::move(messages), seekable, header + "% end\n", name), raw));
+  reader->take_container(std::move(info));
+  return reader;
+}
+
+}  // namespace
+
+bool detect_sqlite(std::span<const uint8_t> head) {
+  using namespace std::string_view_literals;
+  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with("SQLite format 3\0"sv);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_sqlite(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  const std::string name = source->name();
+  E2LF_ASSIGN_OR_RETURN(auto bag, open_sqlite_bag(std::move(source)));
+  return open_bag(std::move(bag), /*seekable=*/true, "rosbag", name, options);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_mcap(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+  const std::string name = source->name();
+  const bool seekable = source->seekable();
+  E2LF_ASSIGN_OR_RETURN(auto bag, open_mcap_bag(std::move(source)));
+  return open_bag(std::move(bag), seekable, "mcap", name, options);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_folder(const std::filesystem::path& path, const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(auto bag, open_bag_folder(path));
+  return open_bag(std::move(bag), /*seekable=*/true, "rosbag", path.string(), options);
+}
+
+}  // namespace e2lf::recordings::rosbag

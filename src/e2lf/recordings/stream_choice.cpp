@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/stream_choice.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::recordings {
+
+std::string printable(std::string text) {
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // In UTF-8 those from 0x80 to 0x9F stand behind 0xC2.
+    const bool is_second = i > 0 && text[i - 1] == '\xC2' && byte < 0xA0;
+    if (byte < 0x20 || byte == 0x7F || is_second) text[i] = '?';
+  }
+  return text;
+}
+
+namespace {
+
+std::string text_of(const NamedStream& stream) {
+  std::string about = stream.name;
+  if (!stream.camera.empty()) about += cat(about.empty() ? "" : " of ", stream.camera);
+  return about.empty() ? stream.number : cat(stream.number, " (", printable(about), ")");
+}
+
+}  // namespace
+
+Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const OpenOptions& options,
+                             const std::string& location, RecordingInfo& info) {
+  if (streams.empty()) return Error{ErrorCode::kFormat, "the recording has no stream of events", location};
+  for (const NamedStream& stream : streams) info.streams.push_back(text_of(stream));
+  const std::string& wanted = options.stream;
+  if (wanted.empty()) {
+    if (streams.size() > 1) {
+      info.assumptions.push_back({cat("there are ", streams.size(), " streams of events, ", join(info.streams),
+                                      "; taking the first and leaving the others out"),
+                                  Setting::kStream});
+    }
+    return size_t{0};
+  }
+  const auto is_wanted = [&wanted](const NamedStream& stream) {
+    return wanted == stream.number || wanted == stream.name || wanted == stream.camera;
+  };
+  const auto first = std::find_if(streams.begin(), streams.end(), is_wanted);
+  const auto count = std::count_if(streams.begin(), streams.end(), is_wanted);
+  if (count != 1) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat(count == 0 ? "no stream of events is called " : "several streams of events are called ",
+                     printable(wanted), "; there are ", join(info.streams), ": choose one by its number"),
+                 location, Setting::kStream};
+  }
+  return static_cast<size_t>(first - streams.begin());
+}
+
+}  // namespace e2lf::recordings
