@@ -14,6 +14,7 @@
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/open_arguments.h"
+#include "python/binding/orientation_arguments.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -62,6 +63,8 @@ void bind_schedule(py::module_& module) {
       .def(py::init([](std::vector<ScheduledPattern> patterns) { return checked({std::move(patterns)}); }),
            py::arg("patterns"))
       .def_readonly("patterns", &Schedule::patterns, "A list of ScheduledPattern.")
+      .def_property_readonly(
+          "views", [](const Schedule& self) { return orientation_word(self.views); }, kViewsDoc)
       .def_property_readonly("num_images", &Schedule::num_images, "Event images in a cycle.")
       .def_property_readonly("cycle_us", &Schedule::cycle_us, "Duration of a cycle, us.")
       .def("to_json", &cycles::schedule_text, "The text of a schedule's file.")
@@ -104,8 +107,11 @@ Schedule schedule_of(const ScheduleArgument& argument, size_t num_codes) {
 /// An iterator over the cycles of a recording.
 class CycleIterator {
  public:
-  CycleIterator(std::string name, cycles::CycleReader reader)
-      : name_(std::move(name)), is_live_(recordings::is_live_recording(name_)), reader_(std::move(reader)) {}
+  CycleIterator(std::string name, cycles::CycleReader reader, std::optional<capture::Orientation> scheduled_views)
+      : name_(std::move(name)),
+        is_live_(recordings::is_live_recording(name_)),
+        reader_(std::move(reader)),
+        scheduled_views_(scheduled_views) {}
 
   py::object next() {
     const OneAtATime::Use use(use_, "reader of cycles");
@@ -138,6 +144,10 @@ class CycleIterator {
     const auto codes = take(cli::recorded_setup(name_, reader_.recording().info())).codes;
     return codes ? py::object(to_array(*codes)) : py::none();
   }
+  [[nodiscard]] std::optional<std::string> views() const {
+    if (scheduled_views_) return orientation_word(scheduled_views_);
+    return orientation_word(take(cli::recorded_setup(name_, reader_.recording().info())).views);
+  }
 
  private:
   void end() {
@@ -148,6 +158,7 @@ class CycleIterator {
   std::string name_;
   bool is_live_, has_ended_ = false;
   cycles::CycleReader reader_;
+  std::optional<capture::Orientation> scheduled_views_;
   cli::ConfidenceWatch confidence_;
   OneAtATime use_;
 };
@@ -180,7 +191,8 @@ std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArgu
   auto reader = open_reader(path.string(), open);
   const StopOnInterrupt interrupt(recordings::is_live_recording(path.string()));
   return std::make_unique<CycleIterator>(
-      path.string(), without_gil([&] { return cycles::CycleReader::open(std::move(reader), options); }));
+      path.string(), without_gil([&] { return cycles::CycleReader::open(std::move(reader), options); }),
+      options.schedule.views);
 }
 
 void bind_cycle_reader(py::module_& module) {
@@ -190,6 +202,7 @@ void bind_cycle_reader(py::module_& module) {
       .def_property_readonly("source", &CycleIterator::source, "What tells: \"triggers\", \"bursts\" or \"schedule\".")
       .def_property_readonly("codes", &CycleIterator::codes,
                              "The patterns of the recording, float32 [N, view_y, view_x]; None where nothing tells.")
+      .def_property_readonly("views", &CycleIterator::views, kViewsDoc)
       .def("report", &CycleIterator::report, "Cycles found and dropped so far, why, and what was left out.");
   module.def(
       "accumulate",

@@ -108,6 +108,17 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   return cycles::CycleReader::open(std::move(reader), options);
 }
 
+Result<std::optional<capture::Orientation>> views_of_capture(const CycleFlags& flags,
+                                                             std::optional<capture::Orientation> recorded,
+                                                             const capture::Orientation& given) {
+  if (!flags.schedule.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const cycles::Schedule schedule, cycles::read_schedule(flags.schedule));
+    if (schedule.views) recorded = schedule.views;
+  }
+  if (!recorded && given.is_upright()) return recorded;
+  return std::optional(recorded.value_or(capture::Orientation{}) + given);
+}
+
 const char* source_name(cycles::CycleSource source) {
   switch (source) {
     case cycles::CycleSource::kTriggers:

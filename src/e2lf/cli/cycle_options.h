@@ -8,6 +8,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/orientation.h"
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/options.h"
@@ -47,6 +48,12 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 /// "auto" takes triggers when the recording begins with some, else bursts.
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
+
+/// How the views of a capture come out: as the schedule of the flags says, else as `recorded`, and beyond that as
+/// `given` says. Nothing where nothing says. Fails as cycles::read_schedule() does.
+[[nodiscard]] Result<std::optional<capture::Orientation>> views_of_capture(const CycleFlags& flags,
+                                                                           std::optional<capture::Orientation> recorded,
+                                                                           const capture::Orientation& given);
 
 /// Watches whether the events confirm what was claimed of the cycles.
 class ConfidenceWatch {

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "e2lf/capture/orientation.h"
 #include "e2lf/lightfield/light_field_io.h"
 
 namespace e2lf::cli {
@@ -10,11 +11,28 @@ namespace e2lf::cli {
 /// The help group of the options of light fields.
 inline constexpr const char* kLightFieldOptions = "Light fields";
 
+/// The flags that let views change places.
+struct OrientationFlags {
+  bool turn_views = false, flip_x = false, flip_y = false;
+
+  /// All that are given, one after the other.
+  [[nodiscard]] capture::Orientation value() const {
+    return capture::Orientation{flip_x, flip_y} + (turn_views ? capture::kTurned : capture::Orientation{});
+  }
+};
+
+/// The help group of these options.
+inline constexpr const char* kOrientationOptions = "Orientation of the views";
+
+/// Declares --turn-views, --flip-x and --flip-y.
+void add_orientation_options(CLI::App& app, OrientationFlags& flags);
+
 /// The flags of verbs that read a light field.
 struct LightFieldFlags {
   size_t views = 8, step = 1;  ///< per axis; views 0 = all
   float white = 0.0F;          ///< the stored number that is 1; 0 = as the type says
   size_t lenslet_views = 0;    ///< per axis of a lenslet mosaic; 0 = as it says
+  OrientationFlags orientation = {};
 };
 
 /// Declares --step, --white and --lenslet-views, and --views where the verb can use any number of them.
