@@ -25,7 +25,7 @@ else()
   e2lf_feature(zstd OFF "libzstd-dev not found: AEDAT4 packets compressed with zstd are refused")
 endif()
 
-# Debian's FFmpeg is under the GPL: see docs/licences.md.
+# Debian's FFmpeg is under the GPL: see docs/packages.md.
 if(E2LF_WITH_FILMS STREQUAL "OFF")
   set(FFMPEG_FOUND FALSE)
   e2lf_feature(films OFF "E2LF_WITH_FILMS=OFF: e2lf animate writes quilts alone")

@@ -107,11 +107,8 @@ Schedule schedule_of(const ScheduleArgument& argument, size_t num_codes) {
 /// An iterator over the cycles of a recording.
 class CycleIterator {
  public:
-  CycleIterator(std::string name, cycles::CycleReader reader, std::optional<capture::Orientation> scheduled_views)
-      : name_(std::move(name)),
-        is_live_(recordings::is_live_recording(name_)),
-        reader_(std::move(reader)),
-        scheduled_views_(scheduled_views) {}
+  CycleIterator(std::string name, cycles::CycleReader reader)
+      : name_(std::move(name)), is_live_(recordings::is_live_recording(name_)), reader_(std::move(reader)) {}
 
   py::object next() {
     const OneAtATime::Use use(use_, "reader of cycles");
@@ -141,12 +138,11 @@ class CycleIterator {
     return to_python(report);
   }
   [[nodiscard]] py::object codes() const {
-    const auto codes = take(cli::recorded_setup(name_, reader_.recording().info())).codes;
+    const auto codes = take(cli::setup_of_cycles(name_, reader_)).codes;
     return codes ? py::object(to_array(*codes)) : py::none();
   }
   [[nodiscard]] std::optional<std::string> views() const {
-    if (scheduled_views_) return orientation_word(scheduled_views_);
-    return orientation_word(take(cli::recorded_setup(name_, reader_.recording().info())).views);
+    return orientation_word(take(cli::setup_of_cycles(name_, reader_)).views);
   }
 
  private:
@@ -158,7 +154,6 @@ class CycleIterator {
   std::string name_;
   bool is_live_, has_ended_ = false;
   cycles::CycleReader reader_;
-  std::optional<capture::Orientation> scheduled_views_;
   cli::ConfidenceWatch confidence_;
   OneAtATime use_;
 };
@@ -172,12 +167,14 @@ struct CycleArguments {
   std::optional<size_t> first_pattern;
   bool one_trigger_per_cycle = false, filter_pixels = false;
   std::optional<int64_t> origin_us;
+  std::string transitions = "lit";
 };
 
 std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArguments& arguments,
                                            const OpenArguments& open) {
   check_word(arguments.source, {"auto", "triggers", "bursts", "schedule"}, "source");
   check_word(arguments.edge, {"rising", "falling", "both"}, "edge");
+  check_word(arguments.transitions, {"lit", "all"}, "transitions");
   cli::CycleFlags flags;
   flags.source = arguments.source;
   flags.edge = arguments.edge;
@@ -186,13 +183,13 @@ std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArgu
   flags.one_trigger_per_cycle = arguments.one_trigger_per_cycle;
   flags.filter_pixels = arguments.filter_pixels;
   flags.origin_us = arguments.origin_us;
-  const cycles::CycleOptions options =
-      take(cli::cycle_options(flags, schedule_of(arguments.schedule, arguments.num_codes)));
+  Schedule schedule = schedule_of(arguments.schedule, arguments.num_codes);
+  if (arguments.transitions == "all") schedule = with_all_transitions(std::move(schedule));
+  const cycles::CycleOptions options = take(cli::cycle_options(flags, std::move(schedule)));
   auto reader = open_reader(path.string(), open);
   const StopOnInterrupt interrupt(recordings::is_live_recording(path.string()));
   return std::make_unique<CycleIterator>(
-      path.string(), without_gil([&] { return cycles::CycleReader::open(std::move(reader), options); }),
-      options.schedule.views);
+      path.string(), without_gil([&] { return cycles::CycleReader::open(std::move(reader), options); }));
 }
 
 void bind_cycle_reader(py::module_& module) {
@@ -201,23 +198,27 @@ void bind_cycle_reader(py::module_& module) {
       .def("__next__", &CycleIterator::next)
       .def_property_readonly("source", &CycleIterator::source, "What tells: \"triggers\", \"bursts\" or \"schedule\".")
       .def_property_readonly("codes", &CycleIterator::codes,
-                             "The patterns of the recording, float32 [N, view_y, view_x]; None where nothing tells.")
+                             "The patterns between which the images lie, float32 [transitions + 1, view_y, view_x]; "
+                             "None where the recording does not tell.")
       .def_property_readonly("views", &CycleIterator::views, kViewsDoc)
       .def("report", &CycleIterator::report, "Cycles found and dropped so far, why, and what was left out.");
   module.def(
       "accumulate",
       [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule, size_t num_codes,
          const std::string& edge, std::optional<uint16_t> channel, std::optional<size_t> first_pattern,
-         bool one_trigger_per_cycle, std::optional<int64_t> origin_us, bool filter_pixels, E2LF_OPEN_PARAMETERS) {
+         bool one_trigger_per_cycle, std::optional<int64_t> origin_us, bool filter_pixels,
+         const std::string& transitions, E2LF_OPEN_PARAMETERS) {
         if (num_codes < 2) throw py::value_error("num_codes is at least 2");
         const CycleArguments arguments{
-            source, edge, schedule, num_codes, channel, first_pattern, one_trigger_per_cycle, filter_pixels, origin_us};
+            source,        edge,      schedule,   num_codes, channel, first_pattern, one_trigger_per_cycle,
+            filter_pixels, origin_us, transitions};
         return open_cycles(path, arguments, E2LF_OPEN_VALUES);
       },
       py::arg("path"), py::kw_only(), py::arg("source") = "auto", py::arg("schedule") = py::none(),
       py::arg("num_codes") = 4, py::arg("edge") = "rising", py::arg("channel") = py::none(),
       py::arg("first_pattern") = py::none(), py::arg("one_trigger_per_cycle") = false,
-      py::arg("origin_us") = py::none(), py::arg("filter_pixels") = false, E2LF_OPEN_ARGUMENTS,
+      py::arg("origin_us") = py::none(), py::arg("filter_pixels") = false, py::arg("transitions") = "lit",
+      E2LF_OPEN_ARGUMENTS,
       "Cuts a recording into pattern cycles: an iterator over Cycle(images, number, begin_us, slices, events, "
       "saturated, "
       "confidence), images int16 [transition, y, x].\n\n"
@@ -229,7 +230,9 @@ void bind_cycle_reader(py::module_& module) {
       "first_pattern: of the first trigger or burst, from 0; None = found.\n"
       "one_trigger_per_cycle: triggers mark cycles, not patterns.\n"
       "origin_us: when the first pattern of any cycle began.\n"
-      "filter_pixels: silence hot and flickering pixels." E2LF_OPEN_DOC);
+      "filter_pixels: silence hot and flickering pixels.\n"
+      "transitions: images of the changes into the lit patterns a2 to aN (\"lit\"), or of all changes of the whole "
+      "cycle, from a1 to a2 on until the change to the next a1 (\"all\")." E2LF_OPEN_DOC);
 }
 
 /// A recording as `e2lf simulate` writes it.

@@ -296,6 +296,7 @@ def accumulate(
     one_trigger_per_cycle: bool = False,
     origin_us: Optional[int] = None,
     filter_pixels: bool = False,
+    transitions: str = "lit",
     format: str = "",
     width: int = 0,
     height: int = 0,

@@ -7,8 +7,8 @@ exists depth/out/depth/points.ply depth/out/both.png
 page docs/models.md models
 exists models/e2lf-n4-camera.onnx
 demo() { e2lf demo -o out/demo --quiet; }
-page docs/reports.md demo
-exists reports/quality.html
+page docs/outputs.md demo
+exists outputs/quality.html
 page docs/experiments/equivalence.md
 exists equivalence/equivalence/index.html
 page docs/compare.md comparison

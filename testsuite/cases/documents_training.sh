@@ -8,8 +8,7 @@ training() {
   convert demo/scene/00_00.png FOLDER/photograph.png
 }
 page docs/training.md training
-page docs/training-elsewhere.md
-page docs/experiments/network-comparison.md
+page docs/experiments/decisions.md
 page docs/experiments/camera-fit.md
 page docs/experiments/imperfections.md
 page docs/experiments/capture-at-equal-tones.md

@@ -155,8 +155,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
-  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(arguments.input, reader.recording().info()));
-  E2LF_ASSIGN_OR_RETURN(setup.views, views_of_capture(arguments.cycles, setup.views, arguments.orientation.value()));
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, setup_of_cycles(arguments.input, reader));
+  setup.views = arguments.orientation.after(setup.views);
   ConfidenceWatch confidence;
   LiveLog live_log;
   Json cycles = Json::array();

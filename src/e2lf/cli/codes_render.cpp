@@ -6,6 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/display.h"
+#include "e2lf/capture/whole_cycle.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
@@ -112,7 +113,8 @@ Result<void> check_depth(const RenderArguments& arguments, const capture::Codes&
 
 Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   RunRecord record("codes render");
-  E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(arguments.codes, record));
+  known.codes = capture::codes_of_whole_cycle(known.codes).value_or(known.codes);
   E2LF_RETURN_IF_ERROR(check_depth(arguments, known.codes));
   const Sequence sequence = sequence_of(arguments, known.codes);
   E2LF_ASSIGN_OR_RETURN(const auto frames, render_frames(arguments, sequence));

@@ -93,12 +93,12 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
 
 /// Writes the record of a converted recording, with the patterns and the camera that the input says, and with its views
 /// as `given` says beyond that.
-Result<void> write_record(RunRecord& record, const fs::path& input, const capture::Orientation& given,
+Result<void> write_record(RunRecord& record, const fs::path& input, const OrientationFlags& given,
                           const recordings::RecordingReader& reader, const OutputFile& output, const Verb& verb) {
   record.add_input(input);
   record.note("left_out", losses_json(reader.summary()));
   E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.info()));
-  if (!given.is_upright()) setup.views = setup.views.value_or(capture::Orientation{}) + given;
+  setup.views = given.after(setup.views);
   note_setup(record, setup, output.path());
   note_colour_filter(record, recorded_colour_filter(input), output.path());
   return record.write(output.record_path(), verb);
@@ -130,7 +130,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
       recordings::convert_recording(*reader, output.path(), {.format = arguments.format, .progress = bar.callback()}));
   hide_progress();
   record.end_step("convert");
-  const capture::Orientation given = arguments.light_field.orientation.value();
+  const OrientationFlags& given = arguments.light_field.orientation;
   if (!output.is_stream()) E2LF_RETURN_IF_ERROR(write_record(record, arguments.input, given, *reader, output, verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   fs::path trigger_file = report.trigger_file;
@@ -173,10 +173,10 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
   RunRecord record("convert");
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
-  if (const capture::Orientation given = arguments.light_field.orientation.value(); !given.is_upright()) {
+  if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
     E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup,
                           recorded_setup({{}, {}, file.camera, file.views}, arguments.input));
-    file.views = capture::views_to_npy(setup.views.value_or(capture::Orientation{}) + given);
+    file.views = capture::views_to_npy(*given.after(setup.views));
   }
   if (extension == ".mat") {
     E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(output.path(), file));

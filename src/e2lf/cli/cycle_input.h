@@ -50,7 +50,7 @@ class CycleInput {
   }
   /// What the events were made with; `input` as it was opened. Fails as recorded_setup() does.
   [[nodiscard]] Result<RecordedSetup> setup(const std::filesystem::path& input) const {
-    return reader_ ? recorded_setup(input, reader_->recording().info()) : recorded_setup(file_, input);
+    return reader_ ? setup_of_cycles(input, *reader_) : recorded_setup(file_, input);
   }
   [[nodiscard]] cycles::CycleSource source() const { return reader_->source(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }

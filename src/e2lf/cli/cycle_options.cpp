@@ -5,9 +5,9 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/whole_cycle.h"
 #include "e2lf/cli/number_check.h"
-#include "e2lf/cli/recorded_setup.h"
-#include "e2lf/files/npy.h"
+#include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
@@ -15,14 +15,30 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
+/// Whether the events of all transitions are used. Where no network says how many it takes, the recording's own
+/// patterns tell.
+bool uses_all_transitions(const CycleFlags& flags, const cycles::Schedule& schedule, bool is_recorded_whole) {
+  if (flags.transitions != "auto") return flags.transitions == "all";
+  if (flags.num_wanted == schedule.num_images() + 1) return false;
+  return is_recorded_whole || flags.num_wanted == schedule.size() + 1;
+}
+
 /// Of a recording that says its patterns, the paper's schedule has as many.
 Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& input,
                                      const recordings::RecordingInfo& info) {
-  constexpr size_t kUsual = 4, kFewest = 2;
-  if (!flags.schedule.empty()) return cycles::read_schedule(flags.schedule);
-  if (flags.num_patterns) return cycles::paper_schedule(*flags.num_patterns);
+  constexpr size_t kFewest = 2;
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(input, info));
-  return cycles::paper_schedule(setup.codes ? std::max(setup.codes->num_patterns, kFewest) : kUsual);
+  const auto of_whole = setup.codes ? capture::codes_of_whole_cycle(*setup.codes) : std::nullopt;
+  const auto& shown = of_whole ? of_whole : setup.codes;
+  cycles::Schedule schedule;
+  if (!flags.schedule.empty()) {
+    E2LF_ASSIGN_OR_RETURN(schedule, cycles::read_schedule(flags.schedule));
+  } else {
+    const size_t recorded = shown ? std::max(shown->num_patterns, kFewest) : flags.usual_patterns;
+    schedule = cycles::paper_schedule(flags.num_patterns.value_or(recorded));
+  }
+  if (!uses_all_transitions(flags, schedule, of_whole.has_value())) return schedule;
+  return with_all_transitions(std::move(schedule));
 }
 
 /// What was named, or what other flags imply.
@@ -55,6 +71,12 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   app.add_option("--patterns", flags.num_patterns,
                  "number N of coding patterns of the paper's schedule; default: as many as the recording says, else 4")
       ->check(whole_number(2, 64))
+      ->group(group);
+  app.add_option("--transitions", flags.transitions,
+                 "event images of the changes into the lit patterns a2 ... aN (lit), or of all changes of the whole "
+                 "cycle (all); default: all where the network or the recording's patterns are for them, else lit")
+      ->check(CLI::IsMember({"auto", "lit", "all"}))
+      ->capture_default_str()
       ->group(group);
   app.add_option("--edge", flags.edge, "trigger edge: rising, falling, both")
       ->check(CLI::IsMember({"rising", "falling", "both"}))
@@ -108,15 +130,12 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   return cycles::CycleReader::open(std::move(reader), options);
 }
 
-Result<std::optional<capture::Orientation>> views_of_capture(const CycleFlags& flags,
-                                                             std::optional<capture::Orientation> recorded,
-                                                             const capture::Orientation& given) {
-  if (!flags.schedule.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const cycles::Schedule schedule, cycles::read_schedule(flags.schedule));
-    if (schedule.views) recorded = schedule.views;
-  }
-  if (!recorded && given.is_upright()) return recorded;
-  return std::optional(recorded.value_or(capture::Orientation{}) + given);
+Result<RecordedSetup> setup_of_cycles(const fs::path& input, const cycles::CycleReader& reader) {
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.recording().info()));
+  if (reader.schedule().views) setup.views = reader.schedule().views;
+  if (!setup.codes) return setup;
+  if (auto codes = cycles::codes_of_images(*setup.codes, reader.schedule())) setup.codes = std::move(codes);
+  return setup;
 }
 
 const char* source_name(cycles::CycleSource source) {

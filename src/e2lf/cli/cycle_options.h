@@ -8,7 +8,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/orientation.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/recording_flags.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/options.h"
@@ -22,6 +22,9 @@ struct CycleFlags {
   std::optional<size_t> num_patterns;  ///< for the paper's schedule; nothing = as many as the recording says, else 4
   std::optional<uint16_t> channel;
   std::optional<size_t> first_pattern;
+  std::string transitions = "auto";
+  size_t usual_patterns = 4;         ///< for the paper's schedule where nothing else says how many
+  std::optional<size_t> num_wanted;  ///< patterns whose transitions the network takes; "auto" goes by it
   bool one_trigger_per_cycle = false, filter_pixels = false;
   std::optional<int64_t> origin_us;
   uint64_t max_cycles = 0;  ///< 0 = all
@@ -49,11 +52,11 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
 
-/// How the views of a capture come out: as the schedule of the flags says, else as `recorded`, and beyond that as
-/// `given` says. Nothing where nothing says. Fails as cycles::read_schedule() does.
-[[nodiscard]] Result<std::optional<capture::Orientation>> views_of_capture(const CycleFlags& flags,
-                                                                           std::optional<capture::Orientation> recorded,
-                                                                           const capture::Orientation& given);
+/// What the recording was made with, as recorded_setup() finds it; its patterns are those between which the event
+/// images of the reader lie, where they are the schedule's, which may
+/// also tell how the views come out.
+[[nodiscard]] Result<RecordedSetup> setup_of_cycles(const std::filesystem::path& input,
+                                                    const cycles::CycleReader& reader);
 
 /// Watches whether the events confirm what was claimed of the cycles.
 class ConfidenceWatch {

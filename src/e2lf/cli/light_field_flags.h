@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 
 #include "e2lf/capture/orientation.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -18,6 +19,11 @@ struct OrientationFlags {
   /// All that are given, one after the other.
   [[nodiscard]] capture::Orientation value() const {
     return capture::Orientation{flip_x, flip_y} + (turn_views ? capture::kTurned : capture::Orientation{});
+  }
+  /// How views come out that `recorded` tells of, or nothing; nothing where neither tells.
+  [[nodiscard]] std::optional<capture::Orientation> after(const std::optional<capture::Orientation>& recorded) const {
+    if (value().is_upright()) return recorded;
+    return recorded.value_or(capture::Orientation{}) + value();
   }
 };
 

@@ -11,6 +11,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/codes_io.h"
 #include "e2lf/capture/event_images.h"
+#include "e2lf/capture/whole_cycle.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_input.h"
 #include "e2lf/cli/cycle_options.h"
@@ -52,12 +53,11 @@ double seconds(CycleClock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-/// The named model, else a bundled one that was trained for the patterns of the events.
-Result<std::optional<model::Model>> find_model(const ReconstructArguments& arguments, const RecordedSetup& setup,
-                                               const std::optional<capture::Camera>& camera, RunRecord& record) {
-  if (!arguments.codes.model.empty() || arguments.method != "network") {
-    return read_named_model(arguments.codes, record);
-  }
+/// A bundled network that was trained for the patterns of the events.
+Result<std::optional<model::Model>> find_bundled_network(const ReconstructArguments& arguments,
+                                                         const RecordedSetup& setup,
+                                                         const std::optional<capture::Camera>& camera,
+                                                         RunRecord& record) {
   std::optional<capture::Codes> codes = setup.codes;
   if (!arguments.codes.codes.empty()) {
     E2LF_ASSIGN_OR_RETURN(codes, capture::read_codes(arguments.codes.codes));
@@ -75,6 +75,21 @@ Result<std::optional<model::Model>> find_model(const ReconstructArguments& argum
                  arguments.input.string()};
   }
   return model;
+}
+
+/// What cycles of a recording must have for the patterns that are named.
+Result<CycleFlags> wanted_cycles(const ReconstructArguments& arguments, const std::optional<model::Model>& model) {
+  CycleFlags flags = arguments.cycles;
+  std::optional<capture::Codes> codes = model ? model->codes : std::nullopt;
+  if (model) flags.num_wanted = model->num_patterns;
+  if (!arguments.codes.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(codes, capture::read_codes(arguments.codes.codes));
+    if (!model) flags.num_wanted = codes->num_patterns;
+  }
+  if (codes && codes->num_patterns >= 2) {
+    flags.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
+  }
+  return flags;
 }
 
 /// Takes the camera that the network was made for where nothing names one.
@@ -327,16 +342,17 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                           .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("reconstruct");
-  E2LF_ASSIGN_OR_RETURN(CycleInput input,
-                        open_cycle_input(arguments.input, arguments.cycles, arguments.cycles_per_field, verb));
+  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(const CycleFlags cycles, wanted_cycles(arguments, model));
+  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(arguments.input, cycles, arguments.cycles_per_field, verb));
   E2LF_RETURN_IF_ERROR(check_measurement(arguments, input.measurement()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
   E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
   const bool is_camera_named = !arguments.camera.empty() && camera->views;
-  E2LF_ASSIGN_OR_RETURN(
-      const auto views,
-      views_of_capture(arguments.cycles, is_camera_named ? camera->views : setup.views, arguments.orientation.value()));
-  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, find_model(arguments, setup, camera, record));
+  const auto views = arguments.orientation.after(is_camera_named ? camera->views : setup.views);
+  if (!model && arguments.method == "network") {
+    E2LF_ASSIGN_OR_RETURN(model, find_bundled_network(arguments, setup, camera, record));
+  }
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments.codes, model, setup.codes, record));
   const std::string filter =
       arguments.colour_filter.empty() ? recorded_colour_filter(arguments.input) : arguments.colour_filter;

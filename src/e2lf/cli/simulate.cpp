@@ -14,7 +14,6 @@
 #include "e2lf/capture/event_images.h"
 #include "e2lf/capture/measurement_io.h"
 #include "e2lf/cli/camera_option.h"
-#include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
@@ -23,6 +22,7 @@
 #include "e2lf/cli/scene_input.h"
 #include "e2lf/cli/simulate_stream.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
@@ -152,7 +152,7 @@ Result<void> write_recording(const SimulateArguments& arguments, const fs::path&
   info.header = header_of(setup);
   E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(path, "", info));
   cycles::SynthesisOptions synthesis;
-  synthesis.schedule = cycles::paper_schedule(setup.codes->num_patterns);
+  synthesis.schedule = cycles::paper_schedule_of(*setup.codes);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
   if (!arguments.no_triggers && !writer->holds_triggers()) {
     log_warning(cat(arguments.output.string(), ": this format holds no triggers, so they are left out; write .raw, ",
@@ -192,7 +192,10 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
     if (!setup.is_pixel()) setup.known.event_model = setup.camera->event_model;
     setup.views = setup.camera->views;
   }
-  E2LF_ASSIGN_OR_RETURN(setup.views, views_of_capture({.schedule = arguments.stream.schedule}, setup.views, {}));
+  if (!setup.views && !arguments.stream.schedule.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const cycles::Schedule schedule, cycles::read_schedule(arguments.stream.schedule));
+    setup.views = schedule.views;
+  }
   if (!arguments.event_model.empty()) setup.known.event_model = arguments.event_model;
   if (!arguments.measurement.empty()) {
     E2LF_ASSIGN_OR_RETURN(setup.known.measurement, capture::measurement_from_name(arguments.measurement));

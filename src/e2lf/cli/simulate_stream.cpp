@@ -6,6 +6,8 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/event_image_writer.h"
+#include "e2lf/capture/whole_cycle.h"
+#include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
@@ -14,9 +16,10 @@ namespace {
 
 Result<streams::VirtualRig> make_rig(const StreamRun& run, StreamScene scene) {
   streams::RigOptions options;
-  options.schedule = cycles::paper_schedule(run.codes.num_patterns);
+  options.schedule = cycles::paper_schedule_of(run.codes);
   if (!run.flags.schedule.empty()) {
     E2LF_ASSIGN_OR_RETURN(options.schedule, cycles::read_schedule(run.flags.schedule));
+    if (capture::codes_of_whole_cycle(run.codes)) options.schedule = with_all_transitions(std::move(options.schedule));
   }
   options.gain = run.gain;
   options.rise_us = run.flags.rise_us;

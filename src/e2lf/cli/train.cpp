@@ -31,7 +31,7 @@ Result<void> train_with(std::vector<std::string> arguments, const ReportArgument
 
 int run_train(const std::vector<std::string>& arguments) {
   Verb verb("train",
-            "Learn aperture patterns and the network together; docs/training-settings.md explains the configuration, "
+            "Learn aperture patterns and the network together; docs/training.md explains the configuration, "
             "whose keys "
             "--set changes (--set seed=7, --set device=cuda).",
             "e2lf train configs/first-run.json -o runs/first");

@@ -39,7 +39,11 @@ const char* cycle_fault_name(CycleFault fault) {
 }
 
 CycleAssembler::CycleAssembler(const CycleOptions& options, size_t width, size_t height)
-    : options_(options), width_(width), height_(height), window_us_(evidence_window_us(options.schedule)) {
+    : options_(options),
+      width_(width),
+      height_(height),
+      first_pattern_(options.schedule.first_of_cycle()),
+      window_us_(evidence_window_us(options.schedule)) {
   if (options.filter) filter_.emplace(width, height, *options.filter);
 }
 
@@ -82,10 +86,14 @@ void CycleAssembler::process(int64_t until_us, const PatternTracker* tracker) {
   consume_events(pattern_ ? std::min(until_us, expected_end_us_) : until_us);
 }
 
+bool CycleAssembler::is_last_of_cycle(size_t pattern) const {
+  return (pattern + 1) % options_.schedule.size() == first_pattern_;
+}
+
 /// Ends a pattern at its expected end when no start has come although there was time for it.
 void CycleAssembler::close_overdue(int64_t until_us) {
   if (!pattern_ || until_us <= deadline_us_) return;
-  const bool is_last = *pattern_ + 1 == options_.schedule.size();
+  const bool is_last = is_last_of_cycle(*pattern_);
   consume_events(expected_end_us_);
   close_pattern(expected_end_us_);
   if (is_last) end_cycle();
@@ -93,7 +101,7 @@ void CycleAssembler::close_overdue(int64_t until_us) {
 
 void CycleAssembler::finish(int64_t last_us) {
   if (!open_) return;
-  const bool is_last = pattern_ && *pattern_ + 1 == options_.schedule.size();
+  const bool is_last = pattern_ && is_last_of_cycle(*pattern_);
   const auto enough_us = static_cast<int64_t>(
       is_last ? kEnoughOfLastPattern * static_cast<double>(options_.schedule.patterns[*pattern_].duration_us) : 0);
   if (!is_last || last_us < pattern_begin_us_ + enough_us) set_fault(CycleFault::kPartial, last_us);
@@ -170,7 +178,7 @@ void CycleAssembler::apply(const PatternStart& start, const PatternTracker* trac
     end_cycle();
     return;
   }
-  if (start.pattern == 0) end_cycle();
+  if (start.pattern == first_pattern_) end_cycle();
   // The first cycle of a recording may begin in its middle; it ends as a partial one.
   if (!open_) begin_cycle(start.t_us);
   if (start.kind == PatternStart::Kind::kMissing) set_fault(CycleFault::kMissing, start.t_us);

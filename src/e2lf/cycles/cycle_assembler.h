@@ -46,6 +46,7 @@ class CycleAssembler {
   void end_cycle();
   void apply(const PatternStart& start, const PatternTracker* tracker);
   [[nodiscard]] float confidence_of(const std::vector<PatternStart>& starts) const;
+  [[nodiscard]] bool is_last_of_cycle(size_t pattern) const;
   void close_overdue(int64_t until_us);
   void close_pattern(int64_t end_us);
   void set_fault(CycleFault fault, int64_t t_us);
@@ -55,6 +56,7 @@ class CycleAssembler {
 
   CycleOptions options_;
   size_t width_, height_;
+  size_t first_pattern_;  ///< of a cycle
   std::optional<PixelFilter> filter_;
   int64_t window_us_;         ///< before and after a claimed start, in which the events must confirm it
   EventHistogram histogram_;  ///< of the open cycle

@@ -109,6 +109,7 @@ class CycleReader::Impl {
 
   const recordings::RecordingReader& recording() const { return *reader_; }
   CycleSource source() const { return options_.source; }
+  const Schedule& schedule() const { return options_.schedule; }
 
  private:
   /// The next batch: of those that were read already, then of the recording.
@@ -284,6 +285,9 @@ CycleSource CycleReader::source() const {
 }
 const recordings::RecordingReader& CycleReader::recording() const {
   return impl_->recording();
+}
+const Schedule& CycleReader::schedule() const {
+  return impl_->schedule();
 }
 
 }  // namespace e2lf::cycles

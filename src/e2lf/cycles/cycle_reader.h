@@ -132,6 +132,7 @@ class CycleReader {
   /// What tells when patterns change; never kAuto.
   [[nodiscard]] CycleSource source() const;
   [[nodiscard]] const recordings::RecordingReader& recording() const;
+  [[nodiscard]] const Schedule& schedule() const;
 
  private:
   class Impl;

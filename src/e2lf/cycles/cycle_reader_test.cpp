@@ -8,6 +8,8 @@
 #include <set>
 #include <sys/resource.h>
 
+#include "e2lf/capture/whole_cycle.h"
+#include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/recordings/event_blocks.h"
 
@@ -66,7 +68,9 @@ struct Outcome {
 
 /// The number a cycle has in the synthesis, from its time.
 uint64_t true_number(const Cycle& cycle, const SynthesisOptions& options) {
-  const double since_us = static_cast<double>(cycle.begin_us - options.begin_us);
+  int64_t begin_us = options.begin_us;
+  for (size_t i = 0; i < options.schedule.first_of_cycle(); ++i) begin_us += options.schedule.patterns[i].interval_us();
+  const double since_us = static_cast<double>(cycle.begin_us - begin_us);
   return static_cast<uint64_t>(since_us / static_cast<double>(options.schedule.cycle_us()) + 0.5);
 }
 
@@ -326,6 +330,61 @@ TEST(CycleReader, EventsConfirmWhatTriggersClaim) {
   for (const Cycle& cycle : wrong.cycles) EXPECT_LT(cycle.confidence, 0.05F);
 }
 
+TEST(CycleReader, AllTransitionsOfWholeCyclesComeBack) {
+  SynthesisOptions synthesis;
+  synthesis.jitter_us = 50;
+  for (Schedule shown : {paper_schedule(4), plain_schedule(3, 12000), paper_schedule(2)}) {
+    synthesis.schedule = with_all_transitions(shown);
+    ASSERT_EQ(synthesis.schedule.num_images(), shown.size());
+    CycleOptions options = by_triggers();
+    options.schedule = synthesis.schedule;
+    expect_exact(cut(20, synthesis, options), 20, synthesis);
+  }
+}
+
+TEST(CycleReader, WholeCyclesAreFoundFromSignsBurstsTimesAndOneTriggerEach) {
+  SynthesisOptions synthesis;
+  synthesis.schedule = with_all_transitions(paper_schedule());
+  CycleOptions options;
+  options.schedule = synthesis.schedule;
+  for (const CycleSource source : {CycleSource::kTriggers, CycleSource::kBursts, CycleSource::kSchedule}) {
+    options.source = source;
+    options.origin_us = synthesis.begin_us - synthesis.schedule.cycle_us();
+    const Outcome outcome = cut(10, synthesis, options);
+    expect_exact(outcome, 10, synthesis);
+    // The display's first half cycle is no whole one.
+    EXPECT_EQ(outcome.report.dropped[static_cast<size_t>(CycleFault::kPartial)],
+              source == CycleSource::kSchedule ? 0 : 1);
+    for (const Cycle& cycle : outcome.cycles) EXPECT_GT(cycle.confidence, 0.3F);
+  }
+  options.source = CycleSource::kTriggers;
+  options.one_trigger_per_cycle = true;
+  const int64_t cycle_us = synthesis.schedule.cycle_us();
+  const Outcome outcome = cut(10, synthesis, options, [&](uint64_t, SynthesisedCycle& cycle) {
+    std::erase_if(cycle.batch.triggers, [&](const recordings::Trigger& trigger) {
+      return trigger.p == 0 || (trigger.t - synthesis.begin_us) % cycle_us != 0;
+    });
+  });
+  // Nothing says how long the last repetition takes; it counts as long as those before.
+  expect_exact(outcome, 10, synthesis);
+}
+
+TEST(CycleReader, LitAndAllTransitionsOfOneRecordingAgree) {
+  SynthesisOptions synthesis;
+  synthesis.schedule = with_all_transitions(paper_schedule());
+  CycleOptions all = by_triggers(), lit = by_triggers();
+  all.schedule = synthesis.schedule;
+  const Outcome whole = cut(6, synthesis, all), half = cut(6, synthesis, lit);
+  // The last repetition of the display ends with a1.
+  ASSERT_EQ(half.cycles.size(), whole.cycles.size());
+  for (size_t i = 0; i < half.cycles.size(); ++i) {
+    for (size_t k = 0; k < 3; ++k) {
+      const auto image = half.cycles[i].images.image(k), same = whole.cycles[i].images.image(k);
+      EXPECT_TRUE(std::equal(image.begin(), image.end(), same.begin())) << i << " " << k;
+    }
+  }
+}
+
 TEST(CycleReader, BurstsAloneCutEveryCycle) {
   SynthesisOptions synthesis;
   synthesis.trigger_channel.reset();
@@ -458,8 +517,52 @@ TEST(Schedule, PaperSequenceLastsAsInThePaper) {
   EXPECT_EQ(schedule.patterns[5].image, 0u);
 }
 
+TEST(Schedule, AllTransitionsBeginAtBlack) {
+  const Schedule schedule = with_all_transitions(paper_schedule());
+  EXPECT_EQ(schedule.num_images(), 8u);
+  EXPECT_EQ(schedule.first_of_cycle(), 5u);
+  EXPECT_EQ(schedule.patterns[5].image, 0u);  // a1 to a2
+  EXPECT_EQ(schedule.patterns[0].image, 3u);  // a4 to white
+  EXPECT_EQ(schedule.patterns[4].image, 7u);  // the inverse of a4 to black
+  EXPECT_EQ(with_all_transitions(schedule), schedule);
+  EXPECT_EQ(paper_schedule().first_of_cycle(), 0u);
+}
+
+TEST(Schedule, CodesOfAllTransitionsBeginAndEndWithTheFirst) {
+  const capture::Codes codes = capture::default_codes(), inverses = capture::complement(codes);
+  const capture::Codes whole = capture::whole_cycle(codes);
+  ASSERT_EQ(whole.num_patterns, 9u);
+  const auto equal = [](std::span<const float> a, std::span<const float> b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  };
+  for (size_t n = 0; n < 4; ++n) {
+    EXPECT_TRUE(equal(whole.pattern(n), codes.pattern(n)));
+    EXPECT_TRUE(equal(whole.pattern(4 + n), inverses.pattern(n)));
+  }
+  EXPECT_TRUE(equal(whole.pattern(8), codes.pattern(0)));
+  EXPECT_EQ(capture::codes_of_whole_cycle(whole), codes);
+  EXPECT_EQ(capture::codes_of_whole_cycle(codes), std::nullopt);
+  const Schedule lit = paper_schedule(), all = with_all_transitions(paper_schedule());
+  for (const capture::Codes& told : {codes, whole}) {
+    EXPECT_EQ(codes_of_images(told, lit), codes);
+    EXPECT_EQ(codes_of_images(told, all), whole);
+  }
+  EXPECT_EQ(paper_schedule_of(codes), lit);
+  EXPECT_EQ(paper_schedule_of(whole), all);
+  // Without inverses the cycle goes from a4 to a1.
+  const auto plain = codes_of_images(codes, with_all_transitions(plain_schedule(4, 10000)));
+  ASSERT_TRUE(plain.has_value());
+  EXPECT_EQ(plain->num_patterns, 5u);
+  EXPECT_TRUE(equal(plain->pattern(3), codes.pattern(3)));
+  EXPECT_TRUE(equal(plain->pattern(4), codes.pattern(0)));
+  Schedule unnamed = all;
+  unnamed.patterns[2].name = "flush";
+  EXPECT_EQ(codes_of_images(codes, unnamed), std::nullopt);
+}
+
 TEST(Schedule, JsonComesBack) {
-  for (const Schedule& schedule : {paper_schedule(4), paper_schedule(8), plain_schedule(4, 3000)}) {
+  for (const Schedule& schedule :
+       {paper_schedule(4), paper_schedule(8), plain_schedule(4, 3000), with_all_transitions(paper_schedule())}) {
     auto back = parse_schedule(schedule_text(schedule), "schedule.json");
     ASSERT_TRUE(back.ok()) << back.error().text();
     EXPECT_EQ(*back, schedule);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cycles/schedule.h"
 
+#include <algorithm>
+
 #include "e2lf/base/text.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/options.h"
@@ -46,6 +48,17 @@ int64_t Schedule::cycle_us() const {
   return sum_us;
 }
 
+size_t Schedule::first_image_pattern() const {
+  const auto is_first = [](const ScheduledPattern& pattern) { return pattern.image == size_t{0}; };
+  return static_cast<size_t>(std::find_if(patterns.begin(), patterns.end(), is_first) - patterns.begin());
+}
+
+size_t Schedule::first_of_cycle() const {
+  const auto has_image = [](const ScheduledPattern& pattern) { return pattern.image.has_value(); };
+  const auto first = std::find_if(patterns.begin(), patterns.end(), has_image);
+  return first == patterns.end() || first->image == size_t{0} ? 0 : first_image_pattern() % size();
+}
+
 Schedule paper_schedule(size_t num_codes) {
   E2LF_REQUIRE(num_codes >= 2, "a cycle needs two coding patterns at least");
   Schedule schedule;
@@ -78,9 +91,17 @@ Schedule plain_schedule(size_t num_codes, int64_t duration_us) {
   return schedule;
 }
 
+Schedule with_all_transitions(Schedule schedule) {
+  const size_t first = schedule.first_image_pattern();
+  for (size_t i = 0; i < schedule.size(); ++i) schedule.patterns[(first + i) % schedule.size()].image = i;
+  return schedule;
+}
+
 Result<void> validate(const Schedule& schedule, const std::string& location) {
+  const size_t first = schedule.first_of_cycle();
   size_t images = 0;
-  for (const ScheduledPattern& pattern : schedule.patterns) {
+  for (size_t i = 0; i < schedule.size(); ++i) {
+    const ScheduledPattern& pattern = schedule.patterns[(first + i) % schedule.size()];
     if (pattern.duration_us < 1 || pattern.overhead_us < 0) {
       return Error{ErrorCode::kInvalidValue, cat("pattern \"", pattern.name, "\" is not shown for a positive time"),
                    location};

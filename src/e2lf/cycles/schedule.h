@@ -36,6 +36,11 @@ struct Schedule {
   [[nodiscard]] size_t size() const { return patterns.size(); }
   [[nodiscard]] size_t num_images() const;
   [[nodiscard]] int64_t cycle_us() const;
+  /// The pattern that image 0 belongs to; size() where there is none.
+  [[nodiscard]] size_t first_image_pattern() const;
+  /// The pattern that a cycle of event images begins with: 0, or that of image 0 where the images go on behind the end
+  /// of the list at its begin, as those of all transitions do.
+  [[nodiscard]] size_t first_of_cycle() const;
   bool operator==(const Schedule&) const = default;
 };
 
@@ -47,7 +52,13 @@ struct Schedule {
 /// a1..aN without inverses, each for `duration_us`; events are used in a2..aN.
 [[nodiscard]] Schedule plain_schedule(size_t num_codes, int64_t duration_us);
 
-/// Fails with kInvalidValue: no patterns, a duration below 1 us, images that are not 0..n-1 once each in this order.
+/// Returns the schedule with an event image for each pattern, the one of image 0 first: in the paper's, 2N images of
+/// the transitions a1 to a2, ..., aN to the inverse of a1, ..., the inverse of aN to a1. Such a cycle begins at a2 and
+/// ends with the a1 of the display's next repetition. There must be an image.
+[[nodiscard]] Schedule with_all_transitions(Schedule schedule);
+
+/// Fails with kInvalidValue: no patterns, a duration below 1 us, images that are not 0..n-1 once each in this order,
+/// from first_of_cycle() on.
 [[nodiscard]] Result<void> validate(const Schedule& schedule, const std::string& location);
 
 /// {"patterns": [{"name": "a2", "duration_us": 10000, "overhead_us": 0, "image": 0, "sign": "on"}, ...],

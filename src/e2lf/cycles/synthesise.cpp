@@ -30,20 +30,22 @@ class Cycle {
   Cycle(const capture::EventImages& images, uint64_t number, const SynthesisOptions& options)
       : images_(images),
         options_(options),
+        number_(number),
         draws_(options.seed, number),
         begin_us_(options.begin_us + static_cast<int64_t>(number) * options.schedule.cycle_us()) {}
 
   SynthesisedCycle make() {
+    const Schedule& schedule = options_.schedule;
+    const size_t first = schedule.first_of_cycle();
     int64_t t_us = begin_us_;
-    for (const ScheduledPattern& pattern : options_.schedule.patterns) {
-      const int64_t start_us = t_us + jitter();
-      result_.starts_us.push_back(start_us);
-      if (pattern.image) {
-        add_burst(images_.image(*pattern.image), start_us);
-      } else {
-        add_unused_burst(pattern.sign, start_us);
-      }
-      add_trigger(start_us);
+    for (size_t i = 0; i < first; ++i) {
+      if (number_ == 0) add_pattern(schedule.patterns[i], t_us, /*is_used=*/false);
+      t_us += schedule.patterns[i].interval_us();
+    }
+    if (number_ > 0) begin_us_ = t_us;
+    for (size_t i = 0; i < schedule.size(); ++i) {
+      const ScheduledPattern& pattern = schedule.patterns[(first + i) % schedule.size()];
+      add_pattern(pattern, t_us, pattern.image.has_value());
       t_us += pattern.interval_us();
     }
     add_noise(t_us);
@@ -52,6 +54,17 @@ class Cycle {
   }
 
  private:
+  void add_pattern(const ScheduledPattern& pattern, int64_t t_us, bool is_used) {
+    const int64_t start_us = t_us + jitter();
+    result_.starts_us.push_back(start_us);
+    if (is_used) {
+      add_burst(images_.image(*pattern.image), start_us);
+    } else {
+      add_unused_burst(pattern.sign, start_us);
+    }
+    add_trigger(start_us);
+  }
+
   int64_t jitter() {
     if (options_.jitter_us == 0) return 0;
     return static_cast<int64_t>(draws_.below(static_cast<uint32_t>(2 * options_.jitter_us + 1))) - options_.jitter_us;
@@ -114,6 +127,7 @@ class Cycle {
 
   const capture::EventImages& images_;
   const SynthesisOptions& options_;
+  uint64_t number_;
   Draws draws_;
   int64_t begin_us_;
   std::vector<recordings::Event> events_;

@@ -28,14 +28,15 @@ struct SynthesisOptions {
 /// When the patterns of a synthesised cycle began: the truth that cutting is measured against.
 struct SynthesisedCycle {
   recordings::EventBatch batch;
-  std::vector<int64_t> starts_us;  ///< of each pattern
+  std::vector<int64_t> starts_us;  ///< of each pattern that the batch holds
 };
 
 /// The events and triggers that a camera would give for one cycle of event images: in the time of the pattern that an
 /// image belongs to, |count| events of a pixel, of the count's sign, at latency + exponentially distributed times after
 /// the pattern begins, one after the other in a sorted stream; for patterns without an image, events of the sign the
-/// schedule states (or mixed) at the pixels of the first image. Cycle `number` begins at
-/// begin_us + number * schedule.cycle_us(). The result depends on nothing but the arguments.
+/// schedule states (or mixed) at the pixels of the first image. The display's repetition `number` begins at
+/// begin_us + number * schedule.cycle_us(), and the cycle within it at schedule.first_of_cycle(); before cycle 0 stand
+/// the patterns that the display shows before it. The result depends on nothing but the arguments.
 /// Contract: images has schedule.num_images() transitions; bursts end before the shortest pattern does.
 [[nodiscard]] SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t number,
                                                 const SynthesisOptions& options);

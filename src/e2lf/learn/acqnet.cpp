@@ -41,7 +41,8 @@ SampleConstants repeat_constants(const capture::SensorConstants& constants, int6
   return {repeat(constants.eps), repeat(constants.tau), repeat(constants.sigma_w), repeat(constants.sigma_z)};
 }
 
-SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t cycles, torch::Device device) {
+SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t num_codes, size_t cycles,
+                          torch::Device device) {
   SampleConstants sample = repeat_constants(camera.constants, 1, device);
   const auto row = [&](const std::vector<float>& values) {
     return torch::tensor(at::ArrayRef<float>(values)).unsqueeze(0).to(device);
@@ -49,7 +50,7 @@ SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, si
   if (num_patterns >= 2) sample.traits = row(capture::camera_traits(camera, num_patterns, cycles));
   if (!camera.is_pixel()) return sample;
   std::vector<float> transmission = {1.0F};
-  for (size_t n = 0; n + 1 < num_patterns; ++n) {
+  for (size_t n = 0; n + 1 < num_codes; ++n) {
     transmission.push_back(n < camera.transmission.size() ? camera.transmission[n] : 1.0F);
   }
   sample.pixel = {torch::ones({1}, torch::device(device).dtype(torch::kBool)),
@@ -64,6 +65,7 @@ Patterns::Patterns(size_t num_patterns, PatternTie tie, torch::Device device) : 
   size_t num_free = num_patterns;
   if (tie == PatternTie::kBlackFirst) num_free = num_patterns - 1;
   if (tie == PatternTie::kComplementary) num_free = num_patterns / 2;
+  if (tie == PatternTie::kWholeCycle) num_free = (num_patterns - 1) / 2 - 1;
   std::vector<torch::Tensor> discs, centres;
   for (size_t i = 0; i < num_free; ++i) {
     centres.push_back(distant_point(centres));
@@ -74,8 +76,8 @@ Patterns::Patterns(size_t num_patterns, PatternTie tie, torch::Device device) : 
 
 void Patterns::start_at(const torch::Tensor& codes) {
   torch::NoGradGuard no_grad;
-  const bool skips_black = tie_ == PatternTie::kBlackFirst, skips_inverses = tie_ == PatternTie::kComplementary;
-  const auto free = codes.slice(0, skips_black ? 1 : 0, codes.size(0), skips_inverses ? 2 : 1);
+  const bool skips_black = tie_ == PatternTie::kBlackFirst || tie_ == PatternTie::kWholeCycle;
+  const auto free = codes.slice(0, skips_black ? 1 : 0, codes.size(0), tie_ == PatternTie::kComplementary ? 2 : 1);
   parameters_.slice(0, 0, free.size(0)).copy_((free - 0.5) * (2.0 * kStartAmplitude));
 }
 
@@ -90,6 +92,10 @@ torch::Tensor Patterns::tied(const torch::Tensor& free) const {
       return torch::cat({torch::zeros_like(free.slice(0, 0, 1)), free});
     case PatternTie::kComplementary:
       return torch::stack({free, 1.0 - free}, 1).flatten(0, 1);
+    case PatternTie::kWholeCycle: {
+      const auto black = torch::zeros_like(free.slice(0, 0, 1));
+      return torch::cat({black, free, 1.0 - black, 1.0 - free, black});
+    }
     case PatternTie::kNone:
       break;
   }

@@ -26,15 +26,17 @@ struct SampleConstants {
 [[nodiscard]] SampleConstants repeat_constants(const capture::SensorConstants& constants, int64_t batch,
                                                torch::Device device);
 
-/// One sample of a camera at its stated values, with traits, whose counts are means over `cycles`.
-[[nodiscard]] SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t cycles,
-                                        torch::Device device);
+/// Returns one sample of a camera at its stated values, with traits, whose counts are means over `cycles`. Of
+/// `num_codes` codes there are as many patterns, or 2 * num_codes + 1 in a whole cycle.
+[[nodiscard]] SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t num_codes,
+                                        size_t cycles, torch::Device device);
 
 /// What ties patterns to each other.
 enum class PatternTie {
   kNone,
   kBlackFirst,     ///< the first pattern is zero and has no parameters
   kComplementary,  ///< the second is the first inverted, the fourth the third, ...: together they open every cell alike
+  kWholeCycle,     ///< capture::whole_cycle() of codes of which the first is black
 };
 
 /// Trainable aperture patterns sigmoid(scale * parameters).

@@ -23,7 +23,7 @@ uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
 }
 
 /// The camera with each constant somewhere within its uncertainty, and a transmission for every lit pattern.
-capture::Camera draw_camera(capture::Camera camera, const SensorConfig& sensor, size_t num_patterns, Draws& draws) {
+capture::Camera draw_camera(capture::Camera camera, const SensorConfig& sensor, size_t num_codes, Draws& draws) {
   const double spread = draws.chance(sensor.camera_nominal_share) ? 0.0 : sensor.camera_spread;
   const auto vary = [&](float value, float uncertainty) {
     return value * static_cast<float>(std::exp(draws.uniform(-1.0, 1.0) * spread * uncertainty));
@@ -31,7 +31,7 @@ capture::Camera draw_camera(capture::Camera camera, const SensorConfig& sensor, 
   for (size_t i = 0; i < camera.pixel.values.size(); ++i) {
     camera.pixel.values[i] = vary(camera.pixel.values[i], camera.uncertainty.values[i]);
   }
-  camera.transmission.resize(num_patterns - 1, 1.0F);
+  camera.transmission.resize(num_codes - 1, 1.0F);
   for (size_t k = 1; k < camera.transmission.size(); ++k) {
     camera.transmission[k] = vary(camera.transmission[k], camera.transmission_uncertainty);
   }
@@ -194,7 +194,7 @@ void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
   const auto row = [&](const std::vector<float>& values) { return torch::tensor(at::ArrayRef<float>(values)); };
   std::vector<torch::Tensor> constants, transmissions, is_pixel;
   for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
-    capture::Camera drawn = draw_camera(*camera_, sensor, num_patterns, draws);
+    capture::Camera drawn = draw_camera(*camera_, sensor, config_.patterns.num_codes(), draws);
     if (draws.chance(sensor.camera_wide_share)) drawn = draw_wide(std::move(drawn), draws);
     const bool chosen = draws.chance(sensor.camera_share);
     const auto gain = static_cast<float>(draws.log_uniform(sensor.camera_gain[0], sensor.camera_gain[1]));

@@ -17,7 +17,7 @@ Error invalid(const std::string& message, const std::string& location) {
 Result<void> read_input(const Json& json, const std::string& location, std::vector<model::InputGroup>& input) {
   if (json.is_null()) return {};
   if (!json.is_array() || json.empty()) {
-    return invalid("input is a list of objects; see docs/training-settings.md", location);
+    return invalid("input is a list of objects; see docs/training.md", location);
   }
   input.clear();
   for (const Json& item : json) {
@@ -164,6 +164,12 @@ Result<void> check_patterns(const PatternConfig& patterns, capture::MeasurementK
     return invalid(
         "complementary patterns come in pairs, none of them black; set black_first to false and an even "
         "num_patterns",
+        location);
+  }
+  if (patterns.whole_cycle && (!patterns.black_first || patterns.num_patterns < 5 || patterns.num_patterns % 2 == 0)) {
+    return invalid(
+        "a whole cycle begins and ends with black: leave black_first at true and set num_patterns to 2N + 1 for N "
+        "codes, at least 5",
         location);
   }
   const size_t least = patterns.black_first || capture::has_events(measurement) ? 2 : 1;

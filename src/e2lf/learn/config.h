@@ -28,6 +28,7 @@ struct PatternConfig {
   uint64_t num_patterns = 4;
   bool black_first = true;
   bool complementary = false;  ///< every second pattern is the inverse of the one before; not with black_first
+  bool whole_cycle = false;    ///< codes, their inverses, and black again: num_patterns is twice their number and one
   EventModel event_model = EventModel::kReferenceAware;
   std::string codes;            ///< a model file or codes as JSON, to use as they are; empty: learn them
   std::string start;            ///< likewise, codes that learning starts from; empty: at random
@@ -37,6 +38,9 @@ struct PatternConfig {
   uint64_t learn_steps = 2000;  ///< steps until learned patterns are rounded to 0/1 and kept
   double learning_rate = 1e-3;
   double scale_begin = 4.0, scale_end = 60.0;  ///< s of sigmoid(s * parameter), growing geometrically
+
+  /// How many codes there are: the patterns, or in a whole cycle those before the inverses.
+  [[nodiscard]] uint64_t num_codes() const { return whole_cycle ? (num_patterns - 1) / 2 : num_patterns; }
 };
 
 /// What varies between samples, so that one model serves many cameras and scenes.
@@ -80,7 +84,7 @@ struct TrainConfig {
   uint64_t log_steps = 50, evaluate_steps = 1000, checkpoint_steps = 250;
 };
 
-/// Everything that defines a training run; see docs/training-settings.md for the JSON keys.
+/// Everything that defines a training run; see docs/training.md for the JSON keys.
 struct Config {
   std::string name = "model";
   uint64_t seed = 1;
@@ -104,7 +108,7 @@ struct Config {
 /// All fields, so that a run's folder tells what was done. config_from_json reads it back.
 [[nodiscard]] Json to_json(const Config& config);
 
-/// All fields with their defaults and meanings, as rows of a Markdown table: that of docs/training-settings.md.
+/// All fields with their defaults and meanings, as rows of a Markdown table: that of docs/training.md.
 [[nodiscard]] std::string config_table();
 
 /// The network that a configuration describes.

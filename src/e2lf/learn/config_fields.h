@@ -5,7 +5,7 @@
 
 #include "e2lf/learn/config.h"
 
-/// The one list of all fields of a configuration. Reading, writing and the table in docs/training-settings.md go
+/// The one list of all fields of a configuration. Reading, writing and the table in docs/training.md go
 /// through it.
 ///
 /// visit(key, field, meaning) is called for each field, visit.section(key, list) for each object in the object, and
@@ -52,6 +52,10 @@ auto pattern_fields(Patterns& patterns) {
     visit("complementary", patterns.complementary,
           "every second pattern is the inverse of the one before, so that all cells open equally long; not with "
           "`black_first`");
+    visit(
+        "whole_cycle", patterns.whole_cycle,
+        "the codes, their inverses, and black again, as a display shows them; `num_patterns` is then twice the number "
+        "of codes and one. Needs `black_first`");
     visit.choice("event_model", patterns.event_model, kEventModelNames, "Eq. 9 and 10; or \"quantised\", Eq. 8");
     visit("codes", patterns.codes,
           "patterns to use as they are: a model file, or [JSON](recordings.md#the-patterns) (`e2lf codes show -o "

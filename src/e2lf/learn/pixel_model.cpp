@@ -49,20 +49,42 @@ torch::Tensor dark_events(const torch::Tensor& intensity, const torch::Tensor& o
   return is_on - is_off;
 }
 
+/// Events of one pattern that lets light through.
+torch::Tensor noisy_events(const torch::Tensor& intensity, const torch::Tensor& on, const torch::Tensor& off,
+                           const PixelSamples& samples, PixelState& state) {
+  const auto noise = torch::sqrt(samples.at(kNoise).square() + samples.at(kShotNoise).square() / intensity);
+  const auto count = compare(state.level + noise * torch::randn_like(intensity), on, off, state.reference);
+  return count + dark_events(intensity, on, off, samples, state.reference);
+}
+
+/// The light J = (I + eps) / eps of each pattern, and behind them that of the last code's inverse.
+std::vector<torch::Tensor> shown_light(const torch::Tensor& intensities, const torch::Tensor& full,
+                                       const PixelSamples& samples) {
+  const int64_t num_patterns = intensities.size(1), num_codes = samples.transmission.size(1);
+  const auto eps = samples.at(kEps), leak = samples.at(kLeak);
+  std::vector<torch::Tensor> codes, inverses;
+  for (int64_t n = 0; n < num_codes; ++n) {
+    const auto open = intensities.select(1, n);
+    const auto passed = open * samples.transmission.select(1, n).reshape({-1, 1, 1});
+    codes.push_back((passed + leak * (full - open)) / eps + 1.0);
+    inverses.push_back((full - passed).clamp_min(0.0) / eps + 1.0);
+  }
+  std::vector<torch::Tensor> shown = codes;
+  if (num_patterns == 2 * num_codes + 1) {
+    shown.insert(shown.end(), inverses.begin(), inverses.end());
+    shown.push_back(codes.front());
+  }
+  shown.push_back(inverses.back());
+  return shown;
+}
+
 }  // namespace
 
 torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torch::Tensor& full,
                                     const PixelSamples& samples) {
-  const int64_t num_patterns = intensities.size(1);
-  const auto eps = samples.at(kEps), leak = samples.at(kLeak);
-  const auto passed = [&](int64_t n) {
-    return intensities.select(1, n) * samples.transmission.select(1, n).reshape({-1, 1, 1});
-  };
-  std::vector<torch::Tensor> shown;
-  for (int64_t n = 0; n < num_patterns; ++n) {
-    shown.push_back((passed(n) + leak * (full - intensities.select(1, n))) / eps + 1.0);
-  }
-  const auto inverse = (full - passed(num_patterns - 1)).clamp_min(0.0) / eps + 1.0;
+  const int64_t num_patterns = intensities.size(1), num_codes = samples.transmission.size(1);
+  const std::vector<torch::Tensor> shown = shown_light(intensities, full, samples);
+  const auto inverse = shown.back();
 
   const auto common = 1.0 + samples.at(kMismatch) * torch::randn_like(full);
   const auto threshold = [&](capture::PixelConstant mean) {
@@ -79,11 +101,10 @@ torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torc
     state.reference = state.level + off * samples.at(kResetSpan) * torch::rand_like(full) - samples.at(kResetOffset);
     for (int64_t n = 1; n < num_patterns; ++n) {
       const auto& intensity = shown[static_cast<size_t>(n)];
-      follow(intensity, samples.at(kLitTime), samples, state);
-      const auto noise = torch::sqrt(samples.at(kNoise).square() + samples.at(kShotNoise).square() / intensity);
-      const auto level = state.level + noise * torch::randn_like(full);
-      auto count = compare(level, on, off, state.reference);
-      count = count + dark_events(intensity, on, off, samples, state.reference);
+      // The black pattern and its inverse are shown longer than the others.
+      follow(intensity, samples.at(n % num_codes == 0 ? kBlackTime : kLitTime), samples, state);
+      auto count = n == 2 * num_codes ? compare(state.level - samples.at(kResetOffset), on, off, state.reference)
+                                      : noisy_events(intensity, on, off, samples, state);
       auto& sum = sums[static_cast<size_t>(n - 1)];
       sum = sum.defined() ? sum + count : count;
     }

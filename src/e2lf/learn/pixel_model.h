@@ -11,7 +11,7 @@ namespace e2lf::learn {
 struct PixelSamples {
   torch::Tensor is_pixel;      ///< bool [batch]: the others are of the paper's models
   torch::Tensor constants;     ///< float32 [batch, capture::kNumPixelConstants]
-  torch::Tensor transmission;  ///< float32 [batch, N]: that of black is 1
+  torch::Tensor transmission;  ///< float32 [batch, number of codes]: that of black is 1
   int64_t cycles = 1;          ///< counts are means over so many cycles
 
   /// One constant, float32 [batch, 1, 1].
@@ -20,9 +20,12 @@ struct PixelSamples {
   }
 };
 
-/// Mean event images [batch, N - 1, y, x] of pixels that follow the light with a lag, a closed form of the camera's
-/// cycle: the inverse of the last pattern, black, then patterns 2..N. Coded intensities [batch, N, y, x], the first
-/// black; `full` [batch, y, x] is the intensity with all cells open.
+/// Returns the mean event images [batch, P - 1, y, x] of pixels that follow the light with a lag, in a closed form of
+/// the camera's cycle: the inverse of the last code, black, then codes 2..N, and for a whole cycle their inverses and
+/// black again. Coded intensities [batch, P, y, x] are those of the N codes (P = N) or of capture::whole_cycle() of
+/// them (P = 2N + 1), the first black; `full` [batch, y, x] is the intensity with all cells open. An inverse lets
+/// through what its code holds back of the open aperture's light. The change to black makes the OFF events that take
+/// the reference down to the level.
 ///
 /// The photoreceptor's log intensity u obeys du/dt = K (J - exp u), J = (I + eps) / eps, which is linear in w =
 /// exp(-u): w relaxes to 1 / J at the rate K J. The amplifier's level relaxes to u at its own rate. At the end of a

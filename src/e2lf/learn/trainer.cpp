@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/whole_cycle.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/learn/centring.h"
@@ -27,6 +28,7 @@ double binarity(const torch::Tensor& codes) {
 
 PatternTie tie_of(const PatternConfig& patterns) {
   if (patterns.complementary) return PatternTie::kComplementary;
+  if (patterns.whole_cycle) return PatternTie::kWholeCycle;
   return patterns.black_first ? PatternTie::kBlackFirst : PatternTie::kNone;
 }
 
@@ -35,8 +37,9 @@ NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
   return tensors;
 }
 
-/// The codes [n, views] of a model file or a JSON file of codes, n between `fewest` and patterns.num_patterns. (Other
-/// files would need libraries that a machine with torch alone may lack.)
+/// Reads the codes [n, views] of a model file or a JSON file of codes, n between `fewest` and patterns.num_codes(); of
+/// a whole cycle those before the inverses. (Other files would need libraries that a machine with torch alone may
+/// lack.)
 Result<torch::Tensor> read_codes(const std::filesystem::path& path, size_t fewest, const PatternConfig& patterns,
                                  torch::Device device) {
   std::optional<capture::Codes> codes;
@@ -47,11 +50,14 @@ Result<torch::Tensor> read_codes(const std::filesystem::path& path, size_t fewes
     E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
     E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_json(json, path.string()));
   }
-  if (!codes || codes->num_patterns < fewest || codes->num_patterns > patterns.num_patterns || codes->views_y != 8 ||
-      codes->views_x != 8) {
+  if (codes && patterns.whole_cycle) codes = capture::codes_of_whole_cycle(*codes).value_or(*codes);
+  const uint64_t most = patterns.num_codes();
+  if (!codes || codes->num_patterns < fewest || codes->num_patterns > most || codes->views_y != 8 ||
+      codes->views_x != 8 || (patterns.whole_cycle && !capture::is_black_first(*codes))) {
     return Error{ErrorCode::kShape,
-                 cat("no codes of ", fewest < patterns.num_patterns ? "at most " : "", "patterns.num_patterns (",
-                     patterns.num_patterns, ") patterns of 8x8 cells in this file; name another"),
+                 cat("no codes of ", fewest < most ? "at most " : "", most, " patterns of 8x8 cells ",
+                     patterns.whole_cycle ? "that begin with black " : "",
+                     "in this file, as patterns.num_patterns asks for; name another"),
                  path.string()};
   }
   return to_tensor(*codes, device);
@@ -129,10 +135,12 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   if (model::measurement_of(config.input).value() == capture::MeasurementKind::kLensArray) {
     trainer.fixed_codes_ = torch::ones({1, kViews}, torch::device(device));
   } else if (!config.patterns.codes.empty()) {
-    const size_t all = config.patterns.num_patterns;
-    E2LF_ASSIGN_OR_RETURN(trainer.fixed_codes_, read_codes(config.patterns.codes, all, config.patterns, device));
+    const size_t all = config.patterns.num_codes();
+    E2LF_ASSIGN_OR_RETURN(auto codes, read_codes(config.patterns.codes, all, config.patterns, device));
+    if (config.patterns.whole_cycle) codes = torch::cat({codes, 1.0 - codes, codes.slice(0, 0, 1)});
+    trainer.fixed_codes_ = codes;
   } else if (!config.patterns.start.empty()) {
-    const auto fewest = static_cast<size_t>(std::min<uint64_t>(2, config.patterns.num_patterns));
+    const auto fewest = static_cast<size_t>(std::min<uint64_t>(2, config.patterns.num_codes()));
     E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, fewest, config.patterns, device));
     trainer.patterns_.start_at(codes);
   } else if (config.patterns.noise_start > 0.0) {
@@ -262,7 +270,7 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
     E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));
-    const auto sample = sample_of(camera, config_.patterns.num_patterns, cycles, device_);
+    const auto sample = sample_of(camera, config_.patterns.num_patterns, config_.patterns.num_codes(), cycles, device_);
     scores.push_back(evaluate_scene(pipeline, *scene, sample, kEvaluationSeed));
     if (camera.is_pixel()) scores.back().name += "@" + camera.name;
   }

@@ -11,6 +11,7 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/capture/whole_cycle.h"
 #include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/pixel_thresholds.h"
@@ -22,10 +23,28 @@ using enum capture::PixelConstant;
 
 constexpr size_t kRowPixels = 1024;  // a piece of work
 
+/// The patterns of a cycle that begins with black.
+struct ShownCycle {
+  capture::Codes codes;   ///< a1 to aN
+  bool is_whole = false;  ///< followed by their inverses, and by black again
+  [[nodiscard]] size_t num_patterns() const { return is_whole ? 2 * codes.num_patterns + 1 : codes.num_patterns; }
+  /// The black pattern and its inverse are shown longer than the others.
+  [[nodiscard]] capture::PixelConstant time_of(size_t n) const {
+    return n % codes.num_patterns == 0 ? kBlackTime : kLitTime;
+  }
+  [[nodiscard]] bool is_last_black(size_t n) const { return n == 2 * codes.num_patterns; }
+};
+
+ShownCycle shown_cycle(const capture::Codes& codes) {
+  auto shown = capture::codes_of_whole_cycle(codes);
+  const bool is_whole = shown.has_value();
+  return {is_whole ? *std::move(shown) : codes, is_whole};
+}
+
 /// The light that a pixel gets in each pattern, J = (I + eps) / eps.
 struct Exposure {
-  float inverse = 1.0F;            ///< of the last pattern's inverse
   std::vector<float> of_patterns;  ///< from black on
+  std::vector<float> of_inverses;  ///< of the codes
 };
 
 /// One pixel from the inverse of the last pattern to the end of the cycle.
@@ -46,14 +65,14 @@ class Pixel {
     reference_ = level_ + thresholds_.off * constants_[kResetSpan] * draw - constants_[kResetOffset];
   }
 
+  /// The signed events of the change to black, which noise takes down with the level.
+  float count_events_to_black() { return compare(level_ - constants_[kResetOffset]); }
+
   /// The signed events of one transition.
   float count_events(float intensity, const std::array<uint32_t, 4>& words) {
     const float noise = std::sqrt(constants_[kNoise] * constants_[kNoise] +
                                   constants_[kShotNoise] * constants_[kShotNoise] / intensity);
-    const float difference = level_ + noise * normals_of(words[0], words[1])[0] - reference_;
-    const float threshold = difference > 0.0F ? thresholds_.on : thresholds_.off;
-    float count = std::trunc(difference / threshold);
-    reference_ += threshold * count;
+    float count = compare(level_ + noise * normals_of(words[0], words[1])[0]);
     const float draw = uniform_of(words[2]) * intensity;
     if (draw < constants_[kDarkOff]) {
       count -= 1.0F;
@@ -67,6 +86,14 @@ class Pixel {
   }
 
  private:
+  float compare(float level) {
+    const float difference = level - reference_;
+    const float threshold = difference > 0.0F ? thresholds_.on : thresholds_.off;
+    const float count = std::trunc(difference / threshold);
+    reference_ += threshold * count;
+    return count;
+  }
+
   const capture::PixelConstants& constants_;
   PixelThresholds thresholds_;
   float inverse_level_, level_, reference_ = 0.0F;
@@ -100,27 +127,32 @@ class TransmissionMap {
   std::vector<std::vector<float>> columns_, rows_;
 };
 
-/// Light through the cells of each pattern: what its open cells pass, and what leaks through the others.
+/// Light through the cells of each pattern: what its open cells pass, and what leaks through the others; through an
+/// inverse what its code holds back of the open aperture's light.
 class ExposureOf {
  public:
-  /// `intensities` holds one more image than there are patterns: that with all cells open.
-  ExposureOf(const capture::Camera& camera, const CodedIntensities& intensities, float gain)
-      : intensities_(intensities),
+  /// `intensities` holds one more image than there are codes: that with all cells open.
+  ExposureOf(const capture::Camera& camera, const ShownCycle& cycle, const CodedIntensities& intensities, float gain)
+      : cycle_(cycle),
+        intensities_(intensities),
         transmission_(camera, intensities.num_patterns - 2, intensities.height, intensities.width),
         gain_over_eps_(gain / camera.pixel[kEps]),
         leak_(camera.pixel[kLeak]) {}
 
   void operator()(size_t pixel, Exposure& exposure) const {
-    const size_t num_patterns = intensities_.num_patterns - 1;
-    const float full = value(num_patterns, pixel);
-    exposure.of_patterns.resize(num_patterns);
-    float last = 0.0F;
-    for (size_t n = 0; n < num_patterns; ++n) {
+    const size_t num_codes = cycle_.codes.num_patterns;
+    const float full = value(num_codes, pixel);
+    exposure.of_patterns.clear();
+    exposure.of_inverses.clear();
+    for (size_t n = 0; n < num_codes; ++n) {
       const float open = value(n, pixel);
-      last = open * (n == 0 ? 1.0F : transmission_.at(n - 1, pixel));
-      exposure.of_patterns[n] = last + leak_ * (full - open) + 1.0F;
+      const float passed = open * (n == 0 ? 1.0F : transmission_.at(n - 1, pixel));
+      exposure.of_patterns.push_back(passed + leak_ * (full - open) + 1.0F);
+      exposure.of_inverses.push_back(std::max(full - passed, 0.0F) + 1.0F);
     }
-    exposure.inverse = std::max(full - last, 0.0F) + 1.0F;
+    if (!cycle_.is_whole) return;
+    exposure.of_patterns.insert(exposure.of_patterns.end(), exposure.of_inverses.begin(), exposure.of_inverses.end());
+    exposure.of_patterns.push_back(exposure.of_patterns.front());
   }
 
  private:
@@ -128,6 +160,7 @@ class ExposureOf {
     return std::max(intensities_.image(n)[pixel], 0.0F) * gain_over_eps_;
   }
 
+  const ShownCycle& cycle_;
   const CodedIntensities& intensities_;
   TransmissionMap transmission_;
   float gain_over_eps_, leak_;
@@ -163,21 +196,25 @@ Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
                                                    const lightfield::LightField& light_field,
                                                    const capture::Camera& camera, const PixelModelOptions& options) {
   E2LF_RETURN_IF_ERROR(check(codes, camera, options));
-  E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities, coded_intensities(with_open_aperture(codes), light_field));
+  const ShownCycle cycle = shown_cycle(codes);
+  E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities,
+                        coded_intensities(with_open_aperture(cycle.codes), light_field));
   const capture::PixelConstants& constants = camera.pixel;
-  const ExposureOf exposure_of(camera, intensities, options.gain);
-  capture::EventImages images(codes.num_patterns - 1, intensities.height, intensities.width);
+  const ExposureOf exposure_of(camera, cycle, intensities, options.gain);
+  capture::EventImages images(cycle.num_patterns() - 1, intensities.height, intensities.width);
   std::atomic<bool> is_saturated = false;
   parallel_for(images.image_size(), kRowPixels, [&](size_t begin, size_t end) {
     Exposure exposure;
     for (size_t p = begin; p < end; ++p) {
       exposure_of(p, exposure);
-      Pixel pixel(constants, draw_thresholds(constants, options.map_seed, p), exposure.inverse);
+      Pixel pixel(constants, draw_thresholds(constants, options.map_seed, p), exposure.of_inverses.back());
       pixel.follow(exposure.of_patterns[0], constants[kBlackTime]);
       pixel.settle(uniform_of(CounterRng(options.seed, 0).bits(p)[0]));
-      for (size_t n = 1; n < codes.num_patterns; ++n) {
-        pixel.follow(exposure.of_patterns[n], constants[kLitTime]);
-        const float count = pixel.count_events(exposure.of_patterns[n], CounterRng(options.seed, n).bits(p));
+      for (size_t n = 1; n < cycle.num_patterns(); ++n) {
+        pixel.follow(exposure.of_patterns[n], constants[cycle.time_of(n)]);
+        const float count = cycle.is_last_black(n)
+                                ? pixel.count_events_to_black()
+                                : pixel.count_events(exposure.of_patterns[n], CounterRng(options.seed, n).bits(p));
         const float held = std::clamp(count, -32768.0F, 32767.0F);
         if (held != count) is_saturated = true;
         images.image(n - 1)[p] = static_cast<int16_t>(held);

@@ -17,12 +17,14 @@ struct PixelModelOptions {
   uint64_t map_seed = 0;  ///< of the pixels' thresholds, which stay
 };
 
-/// Event images of one cycle as physical pixels make them, a closed form of the camera's cycle: the inverse of the last
-/// pattern, black, then patterns 2..N. The photoreceptor's log intensity u obeys du/dt = K (J - exp u), J = (I + eps) /
-/// eps: w = exp(-u) relaxes to 1 / J at the rate K J. The amplifier's level relaxes to u at its own rate. At the end of
-/// each pattern the level with its noise is compared with the reference: count = trunc((level - reference) /
-/// threshold), ON and OFF with thresholds of their own; the reference moves by threshold * count. Black leaves it
-/// somewhere within reset_span OFF thresholds above the level, less reset_offset.
+/// Returns the event images of one cycle as physical pixels make them, in a closed form of the camera's cycle: the
+/// inverse of the last code, black, then codes 2..N, and for codes of capture::whole_cycle() their inverses and black
+/// again. An inverse lets through what its code holds back of the open aperture's light. The photoreceptor's log
+/// intensity u obeys du/dt = K (J - exp u), J = (I + eps) / eps: w = exp(-u) relaxes to 1 / J at the rate K J. The
+/// amplifier's level relaxes to u at its own rate. At the end of each pattern the level with its noise is compared with
+/// the reference: count = trunc((level - reference) / threshold), ON and OFF with thresholds of their own; the
+/// reference moves by threshold * count. Black leaves it somewhere within reset_span OFF thresholds above the level,
+/// less reset_offset; the change to black makes the OFF events that take the reference down there.
 ///
 /// Pixel p draws from CounterRng: thresholds from (map_seed, 2^33), the reference after black from (seed, 0), noise and
 /// dark events of transition k from (seed, k). The same for any number of threads. Counts beyond int16 are saturated.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/threads.h"
+#include "e2lf/capture/whole_cycle.h"
 #include "e2lf/sensor/event_model.h"
 
 namespace e2lf::sensor {
@@ -51,6 +52,36 @@ TEST(PixelModel, IsEquations9And10WithoutLagAndMismatch) {
   size_t different = 0;
   for (size_t i = 0; i < expected->counts.size(); ++i) different += expected->counts[i] != found->counts[i] ? 1 : 0;
   EXPECT_LE(different, expected->counts.size() / 500);  // quotients within rounding of a whole number
+}
+
+TEST(PixelModel, WholeCycleIsEquations9And10WithoutLagAndMismatch) {
+  const auto codes = capture::whole_cycle(half_codes());
+  const auto field = ramp(64, 64, 0.8F);
+  EventModelOptions paper;
+  paper.constants = {.eps = 0.01F, .tau = 0.3F, .sigma_w = 0.0F, .sigma_z = 0.0F};
+  const auto expected = simulate_events(codes, field, paper);
+  const auto found = simulate_pixel_events(codes, field, ideal_camera(), {});
+  ASSERT_TRUE(expected && found);
+  ASSERT_EQ(found->transitions, 6U);
+  size_t different = 0;
+  for (size_t i = 0; i < expected->counts.size(); ++i) different += expected->counts[i] != found->counts[i] ? 1 : 0;
+  EXPECT_LE(different, expected->counts.size() / 300);  // quotients within rounding of a whole number
+}
+
+TEST(PixelModel, InverseLetsThroughWhatItsCodeHoldsBack) {
+  constexpr float kThreshold = 0.01F;
+  auto camera = ideal_camera(kThreshold);
+  camera.transmission = {0.8F, 1.0F};
+  lightfield::LightField field({8, 8, 1, 1});
+  std::fill(field.data().begin(), field.data().end(), 0.2F);
+  const auto counts = simulate_pixel_events(capture::whole_cycle(half_codes()), field, camera, {});
+  ASSERT_TRUE(counts);
+  const auto level = [](float light) { return std::log(light / 0.01F + 1.0F); };
+  // Black, 0.08, 0.1, white, and then what the two halves hold back of 0.2.
+  const float lights[] = {0.0F, 0.08F, 0.1F, 0.2F, 0.12F, 0.1F, 0.0F};
+  for (size_t n = 1; n < 7; ++n) {
+    EXPECT_NEAR(counts->image(n - 1)[0] * kThreshold, level(lights[n]) - level(lights[n - 1]), 2 * kThreshold) << n;
+  }
 }
 
 TEST(PixelModel, CountsFollowThePhotoreceptorsDifferentialEquation) {

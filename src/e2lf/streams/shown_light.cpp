@@ -2,9 +2,7 @@
 #include "e2lf/streams/shown_light.h"
 
 #include <algorithm>
-#include <charconv>
 
-#include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/coded_intensity.h"
 
@@ -12,25 +10,6 @@ namespace e2lf::streams {
 namespace {
 
 constexpr size_t kLeastPixels = 4096;  // of a thread
-
-Result<ShownPattern> shown_pattern(std::string name, size_t num_codes) {
-  const std::string prefix = "inverse ";
-  ShownPattern shown;
-  shown.is_inverse = name.starts_with(prefix);
-  std::string rest = shown.is_inverse ? name.substr(prefix.size()) : name;
-  if (rest == "black") rest = "a1";
-  size_t number = 0;
-  const char* const end = rest.data() + rest.size();
-  const bool is_code = rest.starts_with('a') && std::from_chars(rest.data() + 1, end, number).ptr == end;
-  if (is_code && number >= 1 && number <= num_codes) {
-    shown.code = number - 1;
-    return shown;
-  }
-  return Error{ErrorCode::kInvalidValue,
-               cat("the schedule's pattern \"", name, "\" is none of the codes; name it a1 ... a", num_codes,
-                   ", or inverse a1 ... inverse a", num_codes),
-               ""};
-}
 
 /// The patterns, and behind them one with all cells open.
 capture::Codes with_open_aperture(const capture::Codes& codes) {
@@ -41,20 +20,6 @@ capture::Codes with_open_aperture(const capture::Codes& codes) {
 }
 
 }  // namespace
-
-Result<std::vector<ShownPattern>> shown_patterns(const cycles::Schedule& schedule, size_t num_codes) {
-  std::vector<ShownPattern> shown;
-  for (const cycles::ScheduledPattern& pattern : schedule.patterns) {
-    E2LF_ASSIGN_OR_RETURN(shown.emplace_back(), shown_pattern(pattern.name, num_codes));
-  }
-  if (shown.empty() || schedule.num_images() + 1 != num_codes) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the schedule makes ", schedule.num_images(), " event images, ", num_codes, " codes make ",
-                     num_codes - 1, "; use a schedule for these codes"),
-                 ""};
-  }
-  return shown;
-}
 
 ShownLight::ShownLight(const capture::Codes& codes, const capture::Camera& camera, float gain, size_t height,
                        size_t width)

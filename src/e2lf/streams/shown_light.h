@@ -8,21 +8,12 @@
 #include "e2lf/capture/camera.h"
 #include "e2lf/capture/coded_intensities.h"
 #include "e2lf/capture/codes.h"
-#include "e2lf/cycles/schedule.h"
+#include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::streams {
 
-/// What the aperture shows: one of the codes, or its inverse.
-struct ShownPattern {
-  size_t code = 0;  ///< 0 = a1
-  bool is_inverse = false;
-  bool operator==(const ShownPattern&) const = default;
-};
-
-/// What each pattern of a schedule is, by its name: "a1" to "aN", "inverse a1" to "inverse aN", or "black" for "a1".
-/// Fails with kInvalidValue for another name, or when patterns of the schedule and images are not those of N codes.
-[[nodiscard]] Result<std::vector<ShownPattern>> shown_patterns(const cycles::Schedule& schedule, size_t num_codes);
+using cycles::ShownPattern;
 
 /// The light that reaches each pixel through what the aperture shows: open cells with the transmission that the camera
 /// states at each place, and what leaks through the closed ones; through an inverse the light of the open aperture

@@ -6,6 +6,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/capture/whole_cycle.h"
 
 namespace e2lf::streams {
 namespace {
@@ -43,8 +44,9 @@ Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture
                                       size_t height, size_t width) {
   E2LF_RETURN_IF_ERROR(check(options));
   E2LF_ASSIGN_OR_RETURN(EventStream events, EventStream::create(stream, height, width));
-  VirtualRig rig(codes, camera, std::move(events), options, std::move(scene), height, width);
-  E2LF_ASSIGN_OR_RETURN(rig.shown_, shown_patterns(options.schedule, codes.num_patterns));
+  const capture::Codes shown = capture::codes_of_whole_cycle(codes).value_or(codes);
+  VirtualRig rig(shown, camera, std::move(events), options, std::move(scene), height, width);
+  E2LF_ASSIGN_OR_RETURN(rig.shown_, cycles::shown_patterns(options.schedule, shown.num_patterns));
   return rig;
 }
 
@@ -63,11 +65,14 @@ Result<recordings::EventBatch> VirtualRig::play_cycle() {
   recordings::EventBatch batch;
   std::swap(batch.events, late_);
   late_.clear();
-  cycle_begin_us_ = now_us_;
-  for (size_t i = 0; i < shown_.size(); ++i) {
+  const size_t first = options_.schedule.first_of_cycle();
+  const auto show_pattern = [&](size_t i) {
     add_trigger(batch);
-    E2LF_RETURN_IF_ERROR(show(shown_[i], now_us_ + options_.schedule.patterns[i].interval_us(), batch.events));
-  }
+    return show(shown_[i], now_us_ + options_.schedule.patterns[i].interval_us(), batch.events);
+  };
+  for (size_t i = 0; i < first && pattern_ < first; ++i) E2LF_RETURN_IF_ERROR(show_pattern(i));
+  cycle_begin_us_ = now_us_;
+  for (size_t i = 0; i < shown_.size(); ++i) E2LF_RETURN_IF_ERROR(show_pattern((first + i) % shown_.size()));
   const auto& times = batch.events.t;
   const auto kept = static_cast<size_t>(std::lower_bound(times.begin(), times.end(), now_us_) - times.begin());
   late_.append(batch.events, kept, batch.events.size());
@@ -78,15 +83,18 @@ Result<recordings::EventBatch> VirtualRig::play_cycle() {
 capture::EventImages VirtualRig::sum_windows(const recordings::EventBatch& batch) const {
   capture::EventImages images(options_.schedule.num_images(), height_, width_);
   int64_t begin_us = cycle_begin_us_;
-  for (const cycles::ScheduledPattern& pattern : options_.schedule.patterns) {
+  const size_t first_pattern = options_.schedule.first_of_cycle();
+  for (size_t i = 0; i < shown_.size(); ++i) {
+    const cycles::ScheduledPattern& pattern = options_.schedule.patterns[(first_pattern + i) % shown_.size()];
     const auto& times = batch.events.t;
     const auto first = std::lower_bound(times.begin(), times.end(), begin_us);
     const auto last = std::lower_bound(first, times.end(), begin_us += pattern.interval_us());
     if (!pattern.image) continue;
     const auto image = images.image(*pattern.image);
-    for (auto i = static_cast<size_t>(first - times.begin()); i < static_cast<size_t>(last - times.begin()); ++i) {
-      int16_t& count = image[batch.events.y[i] * width_ + batch.events.x[i]];
-      const bool is_on = batch.events.p[i] != 0;
+    for (auto event = static_cast<size_t>(first - times.begin()); event < static_cast<size_t>(last - times.begin());
+         ++event) {
+      int16_t& count = image[batch.events.y[event] * width_ + batch.events.x[event]];
+      const bool is_on = batch.events.p[event] != 0;
       const int16_t limit = is_on ? std::numeric_limits<int16_t>::max() : std::numeric_limits<int16_t>::min();
       if (count != limit) count = static_cast<int16_t>(count + (is_on ? 1 : -1));
     }

@@ -32,12 +32,14 @@ struct RigOptions {
 class VirtualRig {
  public:
   /// Fails as shown_patterns(), EventStream::create() and with kInvalidValue (a rise that is longer than a pattern, a
-  /// time that is negative). The camera gives transmission and leak; `stream` everything else.
+  /// time that is negative). `codes` are a1 to aN, or capture::whole_cycle() of them. The camera gives transmission and
+  /// leak; `stream` everything else.
   [[nodiscard]] static Result<VirtualRig> create(const capture::Codes& codes, const capture::Camera& camera,
                                                  const StreamOptions& stream, const RigOptions& options,
                                                  MovingScene scene, size_t height, size_t width);
 
-  /// The events and triggers of the next cycle. Events that a readout limit holds back beyond its end come with the
+  /// The events and triggers of the next cycle; before the first, those of the patterns before
+  /// schedule.first_of_cycle(). Events that a readout limit holds back beyond its end come with the
   /// next. Fails as the scene does, and with kShape when it changes its size.
   [[nodiscard]] Result<recordings::EventBatch> play_cycle();
 
