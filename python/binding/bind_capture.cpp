@@ -13,6 +13,7 @@
 #include "e2lf/files/json_text.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
+#include "python/binding/orientation_arguments.h"
 #include "python/binding/outputs.h"
 
 namespace e2lf::python {
@@ -58,6 +59,8 @@ void bind_camera(py::module_& module) {
       .def_readonly("name", &Camera::name, "As its file says.")
       .def_readonly("event_model", &Camera::event_model, "\"reference-aware\", \"quantised\" or \"pixel\".")
       .def_readonly("constants", &Camera::constants, "Of the paper's models; of \"pixel\" eps and the mean threshold.")
+      .def_property_readonly(
+          "views", [](const Camera& self) { return orientation_word(self.views); }, kViewsDoc)
       .def(
           "to_dict", [](const Camera& self) { return to_python(capture::to_json(self)); },
           "What a camera file holds: every constant with its uncertainty.")
@@ -98,12 +101,18 @@ py::object read_event_images(const fs::path& path) {
   if (file.codes) codes = to_array(take(capture::codes_from_npy(*file.codes, path.string())));
   py::object camera = py::none();
   if (file.camera) camera = py::cast(take(capture::camera_from_npy(*file.camera, path.string())));
-  return make_tuple_of("EventImageFile", std::move(cycles), std::move(codes), std::move(camera));
+  std::optional<capture::Orientation> views;
+  if (file.views) views = take(capture::views_from_npy(*file.views, path.string()));
+  if (!file.views && file.camera) views = camera.cast<capture::Camera>().views;
+  return make_tuple_of("EventImageFile", std::move(cycles), std::move(codes), std::move(camera),
+                       orientation_word(views));
 }
 
 void write_event_images(const fs::path& path, const std::vector<py::array>& cycles,
-                        const std::optional<py::array>& codes, const capture::Camera* camera, bool overwrite) {
-  std::optional<NpyArray> patterns;
+                        const std::optional<py::array>& codes, const capture::Camera* camera,
+                        const std::optional<std::string>& views, bool overwrite) {
+  std::optional<NpyArray> patterns, orientation;
+  if (views) orientation = capture::views_to_npy(take(capture::orientation_from_name(*views, "views")));
   if (codes) patterns = capture::codes_to_npy(codes_of(*codes, "codes"));
   std::vector<Borrowed<capture::EventImages>> all;
   for (const py::array& images : cycles) all.push_back(event_images_of(images, "cycles"));
@@ -111,22 +120,27 @@ void write_event_images(const fs::path& path, const std::vector<py::array>& cycl
     E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
     if (patterns) writer.set_codes(*patterns);
     if (camera != nullptr) writer.set_camera(capture::camera_to_npy(*camera));
+    if (orientation) writer.set_views(*orientation);
     for (const auto& images : all) E2LF_RETURN_IF_ERROR(writer.add(*images));
     return writer.finish();
   });
 }
 
 void bind_event_images(py::module_& module) {
-  module.def(
-      "read_event_images", &read_event_images, py::arg("path"),
-      "EventImageFile(cycles, codes, camera) of an .npz, an .npy or a folder of event_image_00000.npy ...: a list of "
-      "int16 [transition, y, x], one for each cycle, the patterns and the camera, each None where the file lacks it.");
-  module.def(
-      "write_event_images", &write_event_images, py::arg("path"), py::arg("cycles"), py::arg("codes") = py::none(),
-      py::kw_only(), py::arg("camera") = nullptr, py::arg("overwrite") = false,
-      "Writes an .npz: `events` int16 [cycle, transition, y, x], `codes` [N, view_y, view_x] and `camera` where given."
-      "\n\n"
-      "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].");
+  module.def("read_event_images", &read_event_images, py::arg("path"),
+             "EventImageFile(cycles, codes, camera, views) of an .npz, an .npy or a folder of event_image_00000.npy "
+             "...: a list of "
+             "int16 [transition, y, x], one for each cycle, the patterns, the camera and how the views come out, each "
+             "None where the file lacks "
+             "it.");
+  module.def("write_event_images", &write_event_images, py::arg("path"), py::arg("cycles"),
+             py::arg("codes") = py::none(), py::kw_only(), py::arg("camera") = nullptr, py::arg("views") = py::none(),
+             py::arg("overwrite") = false,
+             "Writes an .npz: `events` int16 [cycle, transition, y, x], `codes` [N, view_y, view_x], `camera` and "
+             "`views` where "
+             "given.\n\n"
+             "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].\n"
+             "views: how they come out: \"upright\", \"turned\", \"flipped-x\" or \"flipped-y\".");
   module.def(
       "event_picture",
       [](const py::array& images) {

@@ -14,6 +14,7 @@
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/open_arguments.h"
+#include "python/binding/orientation_arguments.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -62,6 +63,8 @@ void bind_schedule(py::module_& module) {
       .def(py::init([](std::vector<ScheduledPattern> patterns) { return checked({std::move(patterns)}); }),
            py::arg("patterns"))
       .def_readonly("patterns", &Schedule::patterns, "A list of ScheduledPattern.")
+      .def_property_readonly(
+          "views", [](const Schedule& self) { return orientation_word(self.views); }, kViewsDoc)
       .def_property_readonly("num_images", &Schedule::num_images, "Event images in a cycle.")
       .def_property_readonly("cycle_us", &Schedule::cycle_us, "Duration of a cycle, us.")
       .def("to_json", &cycles::schedule_text, "The text of a schedule's file.")
@@ -138,6 +141,9 @@ class CycleIterator {
     const auto codes = take(cli::setup_of_cycles(name_, reader_)).codes;
     return codes ? py::object(to_array(*codes)) : py::none();
   }
+  [[nodiscard]] std::optional<std::string> views() const {
+    return orientation_word(take(cli::setup_of_cycles(name_, reader_)).views);
+  }
 
  private:
   void end() {
@@ -196,6 +202,7 @@ void bind_cycle_reader(py::module_& module) {
       .def_property_readonly("codes", &CycleIterator::codes,
                              "The patterns between which the images lie, float32 [transitions + 1, view_y, view_x]; "
                              "None where the recording does not tell.")
+      .def_property_readonly("views", &CycleIterator::views, kViewsDoc)
       .def("report", &CycleIterator::report, "Cycles found and dropped so far, why, and what was left out.");
   module.def(
       "accumulate",

@@ -6,13 +6,15 @@
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
+#include "python/binding/orientation_arguments.h"
 
 namespace e2lf::python {
 namespace {
 
 py::object estimate(const py::array& light_field, const std::optional<std::pair<size_t, size_t>>& view,
-                    const std::optional<std::pair<float, float>>& range_px, const ProgressArgument& progress) {
-  const auto field = light_field_of(light_field, "light_field");
+                    const std::optional<std::pair<float, float>>& range_px, E2LF_ORIENTATION_PARAMETERS,
+                    const ProgressArgument& progress) {
+  const auto field = oriented(light_field_of(light_field, "light_field"), E2LF_ORIENTATION_VALUE);
   depth::DisparityOptions options;
   if (view) options.view = depth::ViewIndex{view->first, view->second};
   if (range_px) options.range = depth::DisparityRange{range_px->first, range_px->second};
@@ -25,14 +27,15 @@ py::object estimate(const py::array& light_field, const std::optional<std::pair<
 }  // namespace
 
 void bind_depth(py::module_& module) {
-  module.def("depth", &estimate, py::arg("light_field"), py::kw_only(), py::arg("view") = py::none(),
-             py::arg("range_px") = py::none(), py::arg("progress") = py::none(),
-             "How far each pixel moves from view to view, as `e2lf depth` finds it: a DisparityMap with disparity and "
-             "confidence, float32 [y, x].\n\n"
-             "light_field: [view_y, view_x, y, x]; one with [channel] is taken as grey.\n"
-             "view: (view_y, view_x), whose pixels get a disparity; None = half the views, (4, 4) of 8x8.\n"
-             "range_px: (least, most) to look for, in px per view step; None = found, within 6 px.\n"
-             "progress: called with (done, total); an exception ends the work.");
+  module.def(
+      "depth", &estimate, py::arg("light_field"), py::kw_only(), py::arg("view") = py::none(),
+      py::arg("range_px") = py::none(), E2LF_ORIENTATION_ARGUMENTS, py::arg("progress") = py::none(),
+      "How far each pixel moves from view to view, as `e2lf depth` finds it: a DisparityMap with disparity and "
+      "confidence, float32 [y, x].\n\n"
+      "light_field: [view_y, view_x, y, x]; one with [channel] is taken as grey.\n"
+      "view: (view_y, view_x), whose pixels get a disparity; None = half the views, (4, 4) of 8x8.\n"
+      "range_px: (least, most) to look for, in px per view step; None = found, within 6 px.\n" E2LF_ORIENTATION_DOC
+      "progress: called with (done, total); an exception ends the work.");
 }
 
 }  // namespace e2lf::python

@@ -12,6 +12,7 @@
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
+#include "python/binding/orientation_arguments.h"
 
 namespace e2lf::python {
 namespace {
@@ -47,7 +48,8 @@ class Network {
       : reconstructor_(make(model, precision, camera)) {}
 
   py::array reconstruct(const py::array& images, const GainArgument& gain, size_t passes, size_t cycles,
-                        const std::string& colour_filter, const ProgressArgument& progress) {
+                        const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS,
+                        const ProgressArgument& progress) {
     check_gain(gain);
     if (passes < 1 || cycles < 1) throw py::value_error("passes and cycles are at least 1");
     if (cycles > 1 && !model::is_told_the_camera(reconstructor_.model())) {
@@ -68,6 +70,7 @@ class Network {
         recon::apply_tone(field, recon::auto_black(field), 1.0F);
       }
       apply_gain(field, gain);
+      lightfield::orient(field, E2LF_ORIENTATION_VALUE);
       return field;
     }));
   }
@@ -94,7 +97,7 @@ class Network {
 
 py::array invert(const py::array& images, const py::array& codes,
                  const std::optional<capture::SensorConstants>& constants, const GainArgument& gain,
-                 const std::string& colour_filter) {
+                 const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS) {
   check_gain(gain);
   const auto counts = event_images_of(images, "images");
   const capture::Codes patterns = codes_of(codes, "codes");
@@ -105,6 +108,7 @@ py::array invert(const py::array& images, const py::array& codes,
     };
     E2LF_ASSIGN_OR_RETURN(auto field, by_method(method, colour_filter, *counts, {}));
     apply_gain(field, gain);
+    lightfield::orient(field, E2LF_ORIENTATION_VALUE);
     return field;
   }));
 }
@@ -137,7 +141,7 @@ void bind_recon(py::module_& module) {
       .def(py::init<const model::Model&, const std::string&, const capture::Camera*>(), py::arg("model"), py::kw_only(),
            py::arg("precision") = "auto", py::arg("camera") = nullptr)
       .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
-           py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("colour_filter") = "",
+           py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
            py::arg("progress") = py::none(),
            "Event images int16 [transition, y, x] -> light field float32 [view_y, view_x, y, x], not clamped.\n\n"
            "gain: \"auto\" (well exposed; of physical pixels the darkest parts become black) or a number; 1 = the "
@@ -145,18 +149,18 @@ void bind_recon(py::module_& module) {
            "passes: the mean over so many positions on the network's pixel grid.\n"
            "cycles: the images are sums over so many cycles, for networks that are told the camera.\n"
            "colour_filter: over each 2x2 pixels of the sensor, row by row, such as \"rggb\": the light field has "
-           "[channel] and half the width and height.\n"
+           "[channel] and half the width and height.\n" E2LF_ORIENTATION_DOC
            "progress: called with (done, total); an exception ends the work.")
       .def_property_readonly("precision", &Network::precision, "What \"auto\" became.")
       .def_property_readonly("kernels", &Network::kernels, "The kernel of each layer.")
       .def("__repr__", [](const Network& self) { return "<e2lf.Reconstructor in " + self.precision() + ">"; });
   module.def("invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
-             py::arg("gain") = "auto", py::arg("colour_filter") = "",
+             py::arg("gain") = "auto", py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
              "A light field without any training: float32 [view_y, view_x, y, x].\n\n"
              "images: int16 [transition, y, x]. codes: the patterns, [N, view_y, view_x].\n"
              "constants: SensorConstants of the camera; None = the paper's.\n"
              "gain: \"auto\" or a number.\n"
-             "colour_filter: as for Reconstructor.reconstruct().");
+             "colour_filter, turn_views, flip_x, flip_y: as for Reconstructor.reconstruct().");
   module.def(
       "auto_gain",
       [](const py::array& light_field) {

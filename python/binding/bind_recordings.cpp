@@ -8,6 +8,7 @@
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/open_arguments.h"
+#include "python/binding/orientation_arguments.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -149,6 +150,12 @@ void bind_recording(py::module_& module) {
       .def_property_readonly("codes", &codes_of_recording,
                              "The patterns it was made with, float32 [N, view_y, view_x]; None where nothing tells.")
       .def_property_readonly("camera", &camera_of_recording, "The Camera that it was made with, or None.")
+      .def_property_readonly(
+          "views",
+          [](const Recording& self) {
+            return orientation_word(take(cli::recorded_setup(self.name(), self.reader().info())).views);
+          },
+          kViewsDoc)
       .def(
           "summary", [](Recording& self) { return to_python(cli::summary_json(self.summary())); },
           "What has been read so far: counts of events and triggers, times in us, what was left out and why.")

@@ -9,6 +9,7 @@
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
+#include "python/binding/orientation_arguments.h"
 
 namespace e2lf::python {
 namespace {
@@ -30,7 +31,9 @@ py::array simulate(const py::array& light_field, const py::array& codes, const c
                    const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
                    float scene_gain, float residue, uint64_t seed, std::optional<uint64_t> map_seed,
                    const std::string& colour_filter) {
-  const auto scene = light_on_sensor(light_field, colour_filter);
+  auto scene = light_on_sensor(light_field, colour_filter);
+  // The camera sees the scene as its views come out.
+  if (camera != nullptr && camera->views) scene = oriented(std::move(scene), *camera->views);
   const capture::Codes patterns = codes_of(codes, "codes");
   const bool is_pixel = camera != nullptr && camera->is_pixel();
   if (is_pixel && (constants || !event_model.empty() || residue != 0.0F)) {

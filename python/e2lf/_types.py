@@ -42,3 +42,4 @@ class EventImageFile(NamedTuple):
     cycles: List[np.ndarray]  #: int16 [transition, y, x] each
     codes: Optional[np.ndarray]  #: float32 [N, view_y, view_x]
     camera: Optional[Camera] = None  #: the e2lf.Camera that recorded them
+    views: Optional[str] = None  #: how the views come out: "upright", "turned", "flipped-x" or "flipped-y"

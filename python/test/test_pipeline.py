@@ -120,6 +120,22 @@ class PipelineTest(InFolder):
             with self.assertRaises(e2lf.Error):
                 wrong()
 
+    def test_orientation(self):
+        turned = np.ascontiguousarray(self.scene[::-1, ::-1])
+        self.assertTrue(same(e2lf.depth(turned, turn_views=True).disparity, e2lf.depth(self.scene).disparity))
+        np.save("turned.npy", turned)
+        self.assertTrue(same(e2lf.read_light_field("turned.npy", flip_x=True, flip_y=True), self.scene))
+        images, codes = event_images(1)
+        plain = e2lf.invert(images[0], codes, gain=1)
+        self.assertTrue(same(e2lf.invert(images[0], codes, gain=1, flip_x=True), plain[:, ::-1]))
+        e2lf.write_event_images("told.npz", images, codes, views="turned")
+        self.assertEqual(e2lf.read_event_images("told.npz").views, "turned")
+        command_line("reconstruct", "told.npz", "--method", "inversion", "-o", "out", "--format", "npy", "--gain", 1, "--quiet")
+        self.assertTrue(same(np.load("out/lightfield.npy"), plain))
+        self.assertTrue(same(e2lf.read_light_field("out", range="keep"), plain[::-1, ::-1]))
+        with self.assertRaises(e2lf.Error):
+            e2lf.write_event_images("wrong.npz", images, codes, views="sideways")
+
     def test_depth(self):
         command_line("depth", "scene.npy", "-o", "depth", "--quiet")
         told = []

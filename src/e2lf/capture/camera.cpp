@@ -139,7 +139,8 @@ const char* pixel_constant_key(PixelConstant constant) {
 Result<Camera> camera_from_json(const Json& json, const std::string& location) {
   Camera camera;
   OptionReader reader(json, location + ": $");
-  reader.read("name", camera.name).read("event_model", camera.event_model);
+  std::optional<std::string> views;
+  reader.read("name", camera.name).read("event_model", camera.event_model).read("views", views);
   const Json& constants = reader.child("constants");
   const Json& transmission = reader.child("transmission");
   E2LF_RETURN_IF_ERROR(reader.finish());
@@ -148,6 +149,9 @@ Result<Camera> camera_from_json(const Json& json, const std::string& location) {
     return Error{ErrorCode::kInvalidValue,
                  cat("unknown event model \"", model, "\"; use reference-aware, quantised or pixel"),
                  reader.child_location("event_model")};
+  }
+  if (views) {
+    E2LF_ASSIGN_OR_RETURN(camera.views, orientation_from_name(*views, reader.child_location("views")));
   }
   const OptionReader constants_reader(constants, reader.child_location("constants"));
   E2LF_RETURN_IF_ERROR(camera.is_pixel() ? read_pixel(constants_reader, camera) : read_paper(constants_reader, camera));
@@ -180,6 +184,7 @@ Json to_json(const Camera& camera) {
     if (!camera.transmission_slope_y.empty()) transmission["slope_y"] = json_numbers(camera.transmission_slope_y);
     transmission["uncertainty"] = json_number(camera.transmission_uncertainty);
   }
+  if (camera.views) json["views"] = orientation_name(*camera.views);
   return json;
 }
 

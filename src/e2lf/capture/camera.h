@@ -4,11 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/orientation.h"
 #include "e2lf/capture/sensor_constants.h"
 #include "e2lf/files/options.h"
 
@@ -59,6 +61,7 @@ struct Camera {
   float transmission_uncertainty = 0.0F;
   /// How that changes over the field, for the same patterns; see transmission_at(). Those behind the end: 0.
   std::vector<float> transmission_slope_x, transmission_slope_y;
+  std::optional<Orientation> views = {};  ///< how its views come out; nothing = not known
 
   [[nodiscard]] bool is_pixel() const { return event_model == "pixel"; }
 };
@@ -69,9 +72,10 @@ struct Camera {
 [[nodiscard]] float transmission_at(const Camera& camera, size_t n, float x, float y);
 
 /// Reads a camera file: {"name", "event_model", "constants": {"<key>": {"value", "uncertainty", "source"}, ...},
-/// "transmission": {"value": [..], "slope_x": [..], "slope_y": [..], "uncertainty", "source"}}. A camera of the paper's
-/// models has the keys eps, tau, sigma_w and sigma_z, one of "pixel" all of pixel_constant_key(). Fails with kNotFound,
-/// kFormat, kInvalidValue (unknown or missing keys, values that are not finite or out of range), naming the key.
+/// "transmission": {"value": [..], "slope_x": [..], "slope_y": [..], "uncertainty", "source"}, "views": "turned" (see
+/// orientation_name)}. A camera of the paper's models has the keys eps, tau, sigma_w and sigma_z, one of "pixel" all of
+/// pixel_constant_key(). Fails with kNotFound, kFormat, kInvalidValue (unknown or missing keys, values that are not
+/// finite or out of range), naming the key.
 [[nodiscard]] Result<Camera> read_camera(const std::filesystem::path& path);
 [[nodiscard]] Result<Camera> camera_from_json(const Json& json, const std::string& location);
 [[nodiscard]] Json to_json(const Camera& camera);

@@ -22,4 +22,11 @@ namespace e2lf::capture {
 /// Fails with kShape (no list of bytes), kFormat and as camera_from_json() does.
 [[nodiscard]] Result<Camera> camera_from_npy(const NpyArray& array, const std::string& location);
 
+/// The same of how the views lie: a line "e2lf_views turned", the name as an array of bytes.
+[[nodiscard]] HeaderLines views_to_header(const Orientation& views);
+[[nodiscard]] Result<std::optional<Orientation>> views_from_header(const HeaderLines& header,
+                                                                   const std::string& location);
+[[nodiscard]] NpyArray views_to_npy(const Orientation& views);
+[[nodiscard]] Result<Orientation> views_from_npy(const NpyArray& array, const std::string& location);
+
 }  // namespace e2lf::capture

@@ -49,5 +49,21 @@ TEST(CameraRecord, RefusesWhatIsNoCameraWithItsPlace) {
   EXPECT_EQ(camera_from_npy(make_npy<float>({2}, numbers), "e.npz").error().code, ErrorCode::kShape);
 }
 
+TEST(ViewsRecord, ComesBackFromHeaderAndArray) {
+  const HeaderLines header = views_to_header(kTurned);
+  ASSERT_EQ(header, (HeaderLines{{"e2lf_views", "turned"}}));
+  EXPECT_EQ(views_from_header(header, "x").value(), kTurned);
+  EXPECT_FALSE(views_from_header({{"width", "4"}}, "x").value().has_value());
+  EXPECT_EQ(views_from_npy(views_to_npy({true, false}), "x").value(), (Orientation{true, false}));
+  EXPECT_FALSE(views_from_header({{"e2lf_views", "sideways"}}, "x").ok());
+}
+
+TEST(CameraRecord, KeepsHowTheViewsComeOut) {
+  Camera camera;
+  EXPECT_FALSE(to_json(camera).contains("views"));
+  camera.views = Orientation{false, true};
+  EXPECT_EQ(camera_from_json(to_json(camera), "x").value().views, camera.views);
+}
+
 }  // namespace
 }  // namespace e2lf::capture

@@ -84,7 +84,7 @@ Result<NpyArray> to_numpy(const MatArray& array, const std::string& location) {
 Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
   NpzArrays arrays;
-  for (const char* name : {"events", "codes", "camera"}) {
+  for (const char* name : {"events", "codes", "camera", "views"}) {
     const std::string location = cat(path.string(), ": ", name);
     const auto found = find_mat_array(bytes, name, kMostBytes, location);
     if (!found && found.error().code == ErrorCode::kNotFound) continue;
@@ -95,8 +95,8 @@ Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
   if (const auto events = arrays.find("events"); events != arrays.end() && events->second.shape.size() == 2) {
     events->second.shape.insert(events->second.shape.begin(), 1);
   }
-  if (const auto camera = arrays.find("camera"); camera != arrays.end()) {
-    camera->second.shape = {camera->second.num_elements()};
+  for (const char* name : {"camera", "views"}) {
+    if (const auto text = arrays.find(name); text != arrays.end()) text->second.shape = {text->second.num_elements()};
   }
   return arrays;
 }

@@ -18,7 +18,7 @@ namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kEvents[] = "events.npy", kCodes[] = "codes.npy", kCamera[] = "camera.npy";
+constexpr char kEvents[] = "events.npy", kCodes[] = "codes.npy", kCamera[] = "camera.npy", kViews[] = "views.npy";
 constexpr size_t kHeaderSize = 128;  ///< of the .npy part: its shape is known last, its size first
 
 template <typename T>
@@ -145,7 +145,7 @@ class EventImageWriter::Impl {
   Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
 
   void set(const char* member, const NpyArray& array) {
-    E2LF_REQUIRE(cycles_ == 0, "patterns and camera come before the first cycle");
+    E2LF_REQUIRE(cycles_ == 0, "what is known of the events comes before the first cycle");
     known_[member] = array;
   }
   Impl(const Impl&) = delete;
@@ -291,6 +291,9 @@ void EventImageWriter::set_codes(const NpyArray& codes) {
 }
 void EventImageWriter::set_camera(const NpyArray& camera) {
   impl_->set(kCamera, camera);
+}
+void EventImageWriter::set_views(const NpyArray& views) {
+  impl_->set(kViews, views);
 }
 Result<void> EventImageWriter::add(const EventImages& images) {
   return impl_->add(images);

@@ -26,6 +26,9 @@ class EventImageWriter {
   /// The camera that recorded them, `camera` in the file; see camera_to_npy(). Before the first cycle.
   void set_camera(const NpyArray& camera);
 
+  /// How the views come out, `views` in the file; see views_to_npy(). Before the first cycle.
+  void set_views(const NpyArray& views);
+
   /// Appends a cycle; all cycles must have the shape of the first. Fails with kIo.
   [[nodiscard]] Result<void> add(const EventImages& images);
 
@@ -40,8 +43,8 @@ class EventImageWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Writes the whole cycles of a file that was never finished, its codes and its camera to `path`, and returns how many
-/// there are; no file when there is none. Fails with kIo, and kFormat for a file of another kind.
+/// Writes the whole cycles of a file that was never finished, its codes, camera and views to `path`, and returns how
+/// many there are; no file when there is none. Fails with kIo, and kFormat for a file of another kind.
 [[nodiscard]] Result<uint64_t> recover_event_images(const std::filesystem::path& unfinished,
                                                     const std::filesystem::path& path);
 

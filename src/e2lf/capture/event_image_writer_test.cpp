@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/rng.h"
+#include "e2lf/capture/camera_record.h"
 
 namespace e2lf::capture {
 namespace {
@@ -81,6 +82,7 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
   writer->set_codes(make_npy<float>({4, 1, 2}, values));
   const std::vector<uint8_t> text = {'{', '}'};
   writer->set_camera(make_npy<uint8_t>({2}, text));
+  writer->set_views(views_to_npy(kTurned));
   for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
   const fs::path partial = fs::directory_iterator(folder)->path();
   const auto all = fs::file_size(partial);
@@ -103,6 +105,8 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
     EXPECT_EQ(file->codes->to_float("").value(), values);
     ASSERT_TRUE(file->camera);
     EXPECT_EQ(file->camera->bytes, text);
+    ASSERT_TRUE(file->views);
+    EXPECT_EQ(views_from_npy(*file->views, "").value(), kTurned);
   }
   fs::remove_all(folder);
 }

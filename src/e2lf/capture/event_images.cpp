@@ -125,6 +125,7 @@ Result<EventImageFile> from_arrays(NpzArrays arrays, const fs::path& path) {
     file.codes = std::move(codes->second);
   }
   if (const auto camera = arrays.find("camera"); camera != arrays.end()) file.camera = std::move(camera->second);
+  if (const auto views = arrays.find("views"); views != arrays.end()) file.views = std::move(views->second);
   return file;
 }
 
@@ -189,7 +190,7 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
     E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, path.string()));
     cycle.counts.insert(cycle.counts.end(), counts.begin(), counts.end());
   }
-  return EventImageFile{{std::move(cycle)}, {}, {}};
+  return EventImageFile{{std::move(cycle)}, {}, {}, {}};
 }
 
 NpzArrays to_arrays(const EventImageFile& file) {
@@ -207,6 +208,7 @@ NpzArrays to_arrays(const EventImageFile& file) {
                               std::span<const int16_t>(counts));
   if (file.codes) arrays["codes"] = *file.codes;
   if (file.camera) arrays["camera"] = *file.camera;
+  if (file.views) arrays["views"] = *file.views;
   return arrays;
 }
 
@@ -230,7 +232,7 @@ Result<EventImageFile> read_event_images(const fs::path& path) {
   if (extension == ".npy") {
     E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
     E2LF_ASSIGN_OR_RETURN(std::vector<EventImages> cycles, cycles_from_array(array, path.string()));
-    return EventImageFile{std::move(cycles), {}, {}};
+    return EventImageFile{std::move(cycles), {}, {}, {}};
   }
   return Error{ErrorCode::kUnsupported,
                "not a kind of event image file; use .npz, .npy, .mat or a folder of event_image_*.npy", path.string()};

@@ -35,23 +35,24 @@ struct EventImages {
 /// What an EVENTS.npz holds: one entry per cycle, all of one shape, and what is known of how they came about.
 struct EventImageFile {
   std::vector<EventImages> cycles;
-  std::optional<NpyArray> codes;   ///< [N, view_y, view_x]
-  std::optional<NpyArray> camera;  ///< see camera_from_npy()
+  std::optional<NpyArray> codes;       ///< [N, view_y, view_x]
+  std::optional<NpyArray> camera;      ///< see camera_from_npy()
+  std::optional<NpyArray> views = {};  ///< how the views come out; see views_from_npy()
 };
 
 /// Reads event images from
 ///  - an .npz with `events` [cycles, N-1, y, x] or [N-1, y, x] (any integer type, or float with whole values) and maybe
-///  `codes` and `camera`;
+///  `codes`, `camera` and `views`;
 ///  - a .mat before version 7.3 with the same arrays, their axes in MATLAB's order: events (y, x, N-1, cycles), codes
-///  (view_y, view_x, N), camera (1, length);
+///  (view_y, view_x, N), camera and views (1, length);
 ///  - an .npy of either shape;
 ///  - a folder of event_image_00000.npy ... as the paper's software writes them, [y, x] or [y, x, 1] each, one per
 ///  transition.
 /// NaN, fractions and values beyond int16 are kInvalidValue, different sizes or a missing number kShape / kNotFound.
 [[nodiscard]] Result<EventImageFile> read_event_images(const std::filesystem::path& path);
 
-/// Writes `events` int16 [cycles, N-1, y, x], and `codes` and `camera` when given, as an .npz. All cycles must have
-/// one shape. Fails with kIo.
+/// Writes `events` int16 [cycles, N-1, y, x], and `codes`, `camera` and `views` when given, as an .npz. All cycles must
+/// have one shape. Fails with kIo.
 [[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
 
 /// The same as a .mat, with its axes as read_event_images() says. Fails with kIo, and with kUnsupported (2 GiB or more,

@@ -72,6 +72,7 @@ Result<MeasurementFile> from_arrays(NpzArrays arrays, const fs::path& path) {
   }
   if (const auto codes = arrays.find("codes"); codes != arrays.end()) file.codes = std::move(codes->second);
   if (const auto camera = arrays.find("camera"); camera != arrays.end()) file.camera = std::move(camera->second);
+  if (const auto views = arrays.find("views"); views != arrays.end()) file.views = std::move(views->second);
   return file;
 }
 
@@ -90,7 +91,7 @@ Result<MeasurementFile> read_measurements(const fs::path& path) {
     }
   }
   E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));
-  MeasurementFile file{{}, std::move(events.codes), std::move(events.camera)};
+  MeasurementFile file{{}, std::move(events.codes), std::move(events.camera), std::move(events.views)};
   for (EventImages& cycle : events.cycles) file.cycles.emplace_back(std::move(cycle));
   return file;
 }
@@ -124,6 +125,7 @@ Result<void> write_measurements(const fs::path& path, const MeasurementFile& fil
   }
   if (file.codes) arrays["codes"] = *file.codes;
   if (file.camera) arrays["camera"] = *file.camera;
+  if (file.views) arrays["views"] = *file.views;
   return write_npz(path, arrays);
 }
 

@@ -15,8 +15,9 @@ namespace e2lf::capture {
 /// came about.
 struct MeasurementFile {
   std::vector<Measurement> cycles;
-  std::optional<NpyArray> codes;   ///< [N, view_y, view_x]
-  std::optional<NpyArray> camera;  ///< see camera_from_npy()
+  std::optional<NpyArray> codes;       ///< [N, view_y, view_x]
+  std::optional<NpyArray> camera;      ///< see camera_from_npy()
+  std::optional<NpyArray> views = {};  ///< how the views come out; see views_from_npy()
 };
 
 /// Reads an .npz whose arrays tell the kind: `images` float [cycles, N, y, x] are coded images, `events` int16 [cycles,

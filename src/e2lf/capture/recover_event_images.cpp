@@ -27,11 +27,11 @@ class UnfinishedFile {
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
   ~UnfinishedFile() { inflateEnd(&inflate_); }
 
-  /// Reads patterns and camera, where there are some, and the shape of the events. False when the file does not come
-  /// that far.
+  /// Reads what is known of the events, where there is something, and the shape of the events. False when the file does
+  /// not come that far.
   bool open() {
     Member member = begin_member();
-    for (; member.name == "codes.npy" || member.name == "camera.npy"; member = begin_member()) {
+    for (; is_known(member.name); member = begin_member()) {
       if (!read_known(member)) return false;
     }
     if (member.name != "events.npy" || inflateInit2(&inflate_, -MAX_WBITS) != Z_OK) return false;
@@ -54,6 +54,7 @@ class UnfinishedFile {
 
   [[nodiscard]] const std::optional<NpyArray>& codes() const { return codes_; }
   [[nodiscard]] const std::optional<NpyArray>& camera() const { return camera_; }
+  [[nodiscard]] const std::optional<NpyArray>& views() const { return views_; }
 
   /// The next whole cycle, or null.
   const EventImages* next() {
@@ -69,12 +70,16 @@ class UnfinishedFile {
     uint64_t size = 0;  ///< 0 = not known yet
   };
 
+  static bool is_known(const std::string& name) {
+    return name == "codes.npy" || name == "camera.npy" || name == "views.npy";
+  }
+
   bool read_known(const Member& member) {
     std::vector<uint8_t> bytes(std::min(member.size, kMostKnownBytes));
     if (!read(bytes)) return false;
     auto array = decode_npy(bytes, member.name);
     if (!array) return false;
-    (member.name == "codes.npy" ? codes_ : camera_) = *std::move(array);
+    (member.name == "codes.npy" ? codes_ : member.name == "camera.npy" ? camera_ : views_) = *std::move(array);
     return true;
   }
 
@@ -115,7 +120,7 @@ class UnfinishedFile {
   std::ifstream file_;
   z_stream inflate_{};
   std::vector<uint8_t> input_;
-  std::optional<NpyArray> codes_, camera_;
+  std::optional<NpyArray> codes_, camera_, views_;
   EventImages images_;
 };
 
@@ -129,6 +134,7 @@ Result<uint64_t> recover_event_images(const fs::path& unfinished, const fs::path
   E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
   if (file.codes()) writer.set_codes(*file.codes());
   if (file.camera()) writer.set_camera(*file.camera());
+  if (file.views()) writer.set_views(*file.views());
   while (const EventImages* images = file.next()) E2LF_RETURN_IF_ERROR(writer.add(*images));
   const uint64_t cycles = writer.cycles();
   if (cycles > 0) E2LF_RETURN_IF_ERROR(writer.finish());

@@ -9,6 +9,7 @@
 #include "e2lf/capture/event_image_writer.h"
 #include "e2lf/cli/cycle_options.h"
 #include "e2lf/cli/file_kind.h"
+#include "e2lf/cli/light_field_flags.h"
 #include "e2lf/cli/live_log.h"
 #include "e2lf/cli/number_check.h"
 #include "e2lf/cli/output.h"
@@ -30,6 +31,7 @@ struct AccumulateArguments {
   fs::path input, output, plot;
   std::vector<fs::path> reports;
   CycleFlags cycles;
+  OrientationFlags orientation;
 };
 
 /// Collects the picture of a recording while it is cut.
@@ -156,7 +158,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
-  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, setup_of_cycles(arguments.input, reader));
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, setup_of_cycles(arguments.input, reader));
+  setup.views = arguments.orientation.after(setup.views);
   ConfidenceWatch confidence;
   LiveLog live_log;
   Json cycles = Json::array();
@@ -204,6 +207,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note("left_out", losses_json(summary));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);
+  if (setup.views) record.note("views", capture::orientation_name(*setup.views));
   note_colour_filter(record, recorded_colour_filter(arguments.input), output.path());
   record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
@@ -239,6 +243,7 @@ int run_accumulate(const std::vector<std::string>& arguments) {
       ->check(chart_name());
   add_report_option(verb.app(), accumulation.reports);
   add_cycle_options(verb.app(), accumulation.cycles);
+  add_orientation_options(verb.app(), accumulation.orientation);
   verb.stop_gently();
   return verb.run(arguments, [&] { return accumulate(accumulation, verb); });
 }

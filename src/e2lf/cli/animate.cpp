@@ -173,6 +173,7 @@ int run_animate(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   app.add_option("--rows", animation.quilt.rows, "of a quilt")->check(whole_number(1, 100))->capture_default_str();
   add_light_field_options(app, animation.light_field, /*has_views=*/true);
+  add_orientation_options(app, animation.light_field.orientation);
   return verb.run(arguments, [&] { return animate(animation, verb); });
 }
 

@@ -8,6 +8,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/camera_record.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/file_kind.h"
 #include "e2lf/cli/inputs.h"
@@ -90,12 +91,14 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   return {};
 }
 
-/// Writes the record of a converted recording, with the patterns and the camera that the input says.
-Result<void> write_record(RunRecord& record, const fs::path& input, const recordings::RecordingReader& reader,
-                          const OutputFile& output, const Verb& verb) {
+/// Writes the record of a converted recording, with the patterns and the camera that the input says, and with its views
+/// as `given` says beyond that.
+Result<void> write_record(RunRecord& record, const fs::path& input, const OrientationFlags& given,
+                          const recordings::RecordingReader& reader, const OutputFile& output, const Verb& verb) {
   record.add_input(input);
   record.note("left_out", losses_json(reader.summary()));
-  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(input, reader.info()));
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.info()));
+  setup.views = given.after(setup.views);
   note_setup(record, setup, output.path());
   note_colour_filter(record, recorded_colour_filter(input), output.path());
   return record.write(output.record_path(), verb);
@@ -127,7 +130,8 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
       recordings::convert_recording(*reader, output.path(), {.format = arguments.format, .progress = bar.callback()}));
   hide_progress();
   record.end_step("convert");
-  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(write_record(record, arguments.input, *reader, output, verb));
+  const OrientationFlags& given = arguments.light_field.orientation;
+  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(write_record(record, arguments.input, given, *reader, output, verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   fs::path trigger_file = report.trigger_file;
   if (!trigger_file.empty()) trigger_file = arguments.output.parent_path() / trigger_file;
@@ -168,7 +172,12 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
                                                                                  .overwrite = common.overwrite}));
   RunRecord record("convert");
   record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(arguments.input));
+  E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
+  if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
+    E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup,
+                          recorded_setup({{}, {}, file.camera, file.views}, arguments.input));
+    file.views = capture::views_to_npy(*given.after(setup.views));
+  }
   if (extension == ".mat") {
     E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(output.path(), file));
   } else {
@@ -246,6 +255,7 @@ int run_convert(const std::vector<std::string>& arguments) {
   app.add_flag("--colour", conversion.colour, "keep colour")->group(kLightFieldOptions);
   add_recording_options(app, conversion.recording, kRecordingOptions);
   add_light_field_options(app, conversion.light_field, /*has_views=*/true);
+  add_orientation_options(app, conversion.light_field.orientation);
   verb.stop_gently();
   return verb.run(arguments, [&] { return convert(conversion, verb); });
 }

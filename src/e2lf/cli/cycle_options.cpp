@@ -138,6 +138,7 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
 
 Result<RecordedSetup> setup_of_cycles(const fs::path& input, const cycles::CycleReader& reader) {
   E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.recording().info()));
+  if (reader.schedule().views) setup.views = reader.schedule().views;
   if (!setup.codes) return setup;
   if (auto codes = cycles::codes_of_images(*setup.codes, reader.schedule())) setup.codes = std::move(codes);
   return setup;

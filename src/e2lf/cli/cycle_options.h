@@ -53,7 +53,8 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
                                                       const CycleObserver& observer = {});
 
 /// What the recording was made with, as recorded_setup() finds it; its patterns are those between which the event
-/// images of the reader lie, where they are the schedule's.
+/// images of the reader lie, where they are the schedule's, which may
+/// also tell how the views come out.
 [[nodiscard]] Result<RecordedSetup> setup_of_cycles(const std::filesystem::path& input,
                                                     const cycles::CycleReader& reader);
 

@@ -124,7 +124,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
       folder / "events.npz", {{images}, capture::codes_to_npy(camera.codes), capture::camera_to_npy(recorded)}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
   fs::create_directory(folder / "recon", ignored);
-  E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}));
+  E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}, {}));
   E2LF_RETURN_IF_ERROR(write_refocused(folder, light_field));
   record.end_step("write");
   record.note("quality", eval::to_json(row));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // e2lf depth: light field -> disparity map
+#include <cmath>
 #include <cstdio>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
@@ -13,6 +15,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/occlusion.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/npy.h"
@@ -39,6 +42,7 @@ struct Estimate {
   depth::DisparityMap map;
   Image picture;  ///< the view, in colour where there is some
   lightfield::Shape shape;
+  depth::OcclusionSign sign;
 };
 
 /// What all cycles share: found at the first one, so that pictures and points of a sequence do not jump.
@@ -46,6 +50,19 @@ struct Shared {
   std::optional<depth::DisparityRange> shown;
   float infinity = 0;
 };
+
+/// A map that is inside out is no error: the user may want it, and occlusion may mislead.
+void warn_of_turned_views(const fs::path& path, const depth::OcclusionSign& sign) {
+  if (sign.verdict != depth::OcclusionSign::Verdict::kTurned) return;
+  log_warning(cat(path.string(), ": occlusion says that the views are turned by 180 degrees (confidence ",
+                  std::round(100 * sign.confidence()) / 100, ", ", sign.places,
+                  " places): near and far have changed places; give --turn-views"));
+}
+
+const char* verdict_name(depth::OcclusionSign::Verdict verdict) {
+  using Verdict = depth::OcclusionSign::Verdict;
+  return verdict == Verdict::kUpright ? "upright" : verdict == Verdict::kTurned ? "turned" : "undecided";
+}
 
 Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path, bool is_quiet) {
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
@@ -61,7 +78,9 @@ Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path,
     return error;
   }
   const depth::ViewIndex view = map->view;
-  return Estimate{*std::move(map), lightfield::view_image(light_field, view.y, view.x), light_field.shape()};
+  const depth::OcclusionSign sign = depth::occlusion_sign(light_field, *map);
+  warn_of_turned_views(path, sign);
+  return Estimate{*std::move(map), lightfield::view_image(light_field, view.y, view.x), light_field.shape(), sign};
 }
 
 void share(const DepthArguments& arguments, const depth::DisparityMap& map, Shared& shared) {
@@ -116,6 +135,10 @@ Json json_of(const Estimate& estimate, const Shared& shared) {
           {"shown_px", {json_number(shared.shown->least), json_number(shared.shown->most)}},
           {"infinity_px", json_number(shared.infinity)},
           {"residual", json_number(map.residual)},
+          {"occlusion",
+           {{"views", verdict_name(estimate.sign.verdict)},
+            {"confidence", json_number(estimate.sign.confidence())},
+            {"places", estimate.sign.places}}},
           {"mean_confidence", sum / static_cast<double>(map.confidence.pixels.size())}};
 }
 
@@ -241,6 +264,7 @@ int run_depth(const std::vector<std::string>& arguments) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   add_light_field_options(app, depth_arguments.light_field, /*has_views=*/true);
+  add_orientation_options(app, depth_arguments.light_field.orientation);
   verb.stop_gently();
   return verb.run(arguments, [&] { return run(depth_arguments, verb); });
 }

@@ -9,6 +9,7 @@
 #include "e2lf/capture/event_images.h"
 #include "e2lf/capture/measurement_io.h"
 #include "e2lf/cli/pictures.h"
+#include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/report_output.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
@@ -17,6 +18,7 @@
 #include "e2lf/lightfield/contact_sheet.h"
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/orient.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/model/video_model.h"
@@ -25,6 +27,10 @@
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
+
+std::string orientation_text(const std::optional<capture::Orientation>& views) {
+  return views ? capture::orientation_name(*views) : "not told";
+}
 
 /// How many of the values lie in each of the bins of equal width.
 std::string histogram(const char* label, std::span<const float> values, float low, float high, size_t bins) {
@@ -121,6 +127,7 @@ Result<Description> describe_event_images(const fs::path& path) {
   const auto kept = std::make_shared<const capture::EventImageFile>(std::move(read));
   const capture::EventImageFile& file = *kept;
   const capture::EventImages& first = file.cycles.front();
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup({{}, {}, file.camera, file.views}, path));
   const eval::EventStatistics statistics = eval::event_statistics(first);
   Json json = {{"kind", "event images"},
                {"cycles", file.cycles.size()},
@@ -128,10 +135,12 @@ Result<Description> describe_event_images(const fs::path& path) {
                {"height", first.height},
                {"width", first.width},
                {"codes", file.codes.has_value()},
+               {"orientation", orientation_text(setup.views)},
                {"first_cycle", eval::to_json(statistics)}};
-  std::string text = cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ",
-                         first.transitions, " transitions, ", first.width, "x", first.height, " px, codes ",
-                         file.codes ? "included" : "not included", "\nevents per pixel in the first cycle:");
+  std::string text =
+      cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ", first.transitions,
+          " transitions, ", first.width, "x", first.height, " px, codes ", file.codes ? "included" : "not included",
+          ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
   for (const double count : statistics.events_per_pixel) text += cat(" ", count);
   text += cat(", total ", statistics.total_events_per_pixel, "\n");
   return Description{std::move(text), std::move(json),
@@ -175,6 +184,7 @@ Result<Description> describe_light_field(const fs::path& path, const LightFieldF
   E2LF_ASSIGN_OR_RETURN(lightfield::LightField read, lightfield::read_light_field(path, options));
   const auto light_field = std::make_shared<const lightfield::LightField>(std::move(read));
   const lightfield::Shape& shape = light_field->shape();
+  E2LF_ASSIGN_OR_RETURN(const capture::Orientation stored, lightfield::stored_orientation(path));
   const auto [low, high] = std::minmax_element(light_field->data().begin(), light_field->data().end());
   Json json = {{"kind", "light field"},
                {"format", lightfield::kind_name(kind)},
@@ -182,14 +192,15 @@ Result<Description> describe_light_field(const fs::path& path, const LightFieldF
                {"height", shape.height},
                {"width", shape.width},
                {"channels", shape.channels},
+               {"stored_orientation", capture::orientation_name(stored)},
                {"min", *low},
                {"max", *high}};
-  return Description{cat("light field (", lightfield::kind_name(kind), "): ", shape.views_y, "x", shape.views_x,
-                         " views of ", shape.width, "x", shape.height, " px, ", shape.channels == 1 ? "grey" : "colour",
-                         ", values ", *low, "..", *high, "\n"),
-                     std::move(json), [light_field, low = *low, high = *high](report::Page& page) {
-                       return show(*light_field, low, high, page);
-                     }};
+  return Description{
+      cat("light field (", lightfield::kind_name(kind), "): ", shape.views_y, "x", shape.views_x, " views of ",
+          shape.width, "x", shape.height, " px, ", shape.channels == 1 ? "grey" : "colour", ", values ", *low, "..",
+          *high, stored.is_upright() ? "" : cat(", views stored ", capture::orientation_name(stored)), "\n"),
+      std::move(json),
+      [light_field, low = *low, high = *high](report::Page& page) { return show(*light_field, low, high, page); }};
 }
 
 Result<Description> describe_cycles(const fs::path& path, const LightFieldFlags& flags) {

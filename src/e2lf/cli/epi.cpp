@@ -109,6 +109,7 @@ int run_epi(const std::vector<std::string>& arguments) {
       ->check(whole_number(1, 100))
       ->capture_default_str();
   add_light_field_options(app, cutting.light_field, /*has_views=*/true);
+  add_orientation_options(app, cutting.light_field.orientation);
   return verb.run(arguments, [&] { return epi(cutting, verb); });
 }
 

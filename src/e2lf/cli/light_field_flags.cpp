@@ -6,6 +6,16 @@
 
 namespace e2lf::cli {
 
+void add_orientation_options(CLI::App& app, OrientationFlags& flags) {
+  const auto flag = [&](const char* name, bool& value, const char* help) {
+    app.add_flag(name, value, help)->group(kOrientationOptions);
+  };
+  flag("--turn-views", flags.turn_views,
+       "turn the grid of views by 180 degrees, beyond what files say: every disparity changes its sign");
+  flag("--flip-x", flags.flip_x, "let left and right views change places: disparities from left to right change sign");
+  flag("--flip-y", flags.flip_y, "let upper and lower views change places: disparities from top to bottom change sign");
+}
+
 void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views) {
   const char* const group = kLightFieldOptions;
   if (has_views) {
@@ -39,6 +49,7 @@ lightfield::ReadOptions read_options(const LightFieldFlags& flags) {
   options.white = flags.white;
   options.view_columns = flags.view_columns;
   options.lenslet_views = flags.lenslet_views;
+  options.orientation = flags.orientation.value();
   return options;
 }
 

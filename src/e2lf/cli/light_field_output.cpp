@@ -9,6 +9,7 @@
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/orient.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -45,17 +46,22 @@ Result<std::optional<float>> parse_black(const std::string& black) {
   return value;
 }
 
-Result<void> write_reconstruction(const fs::path& folder, const LightField& light_field, const std::string& format,
-                                  const ProgressFn& progress) {
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightFieldFormat views, lightfield::parse_format(format));
-  if (views == lightfield::LightFieldFormat::kNpy) {
-    E2LF_RETURN_IF_ERROR(lightfield::write_light_field(folder / "lightfield.npy", light_field, {.format = views}));
-  } else {
-    E2LF_RETURN_IF_ERROR(lightfield::write_views(folder, light_field, views, progress));
+Result<void> write_reconstruction(const fs::path& folder, LightField& light_field, const std::string& format,
+                                  const capture::Orientation& views, const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightFieldFormat stored, lightfield::parse_format(format));
+  const bool is_array = stored == lightfield::LightFieldFormat::kNpy;
+  if (is_array) {
+    E2LF_RETURN_IF_ERROR(lightfield::write_light_field(folder / "lightfield.npy", light_field, {.format = stored}));
   }
+  lightfield::orient(light_field, views);
+  if (!is_array) E2LF_RETURN_IF_ERROR(lightfield::write_views(folder, light_field, stored, progress));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "contact_sheet.png", lightfield::contact_sheet(light_field)));
   const lightfield::EpiPictureOptions cut = lightfield::middle_cut(light_field.shape());
   return lightfield::write_png(folder / "epi.png", lightfield::epi_picture(light_field, cut));
+}
+
+capture::Orientation stored_views(const std::string& format, const capture::Orientation& views) {
+  return format == "npy" ? views : capture::Orientation{};
 }
 
 }  // namespace e2lf::cli

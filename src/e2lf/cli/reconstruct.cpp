@@ -28,6 +28,7 @@
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/lightfield/orient.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/field_sequence.h"
 #include "e2lf/recon/linear_estimate.h"
@@ -47,6 +48,7 @@ struct ReconstructArguments {
   bool view = false;
   uint16_t port = 0;
   CycleFlags cycles;
+  OrientationFlags orientation;
 };
 
 double seconds(CycleClock::duration duration) {
@@ -198,13 +200,14 @@ Result<recon::Tone> tone_of(const ReconstructArguments& arguments, const std::op
 /// Reconstructs cycles and writes each; what has been done so far.
 class CycleWriter {
  public:
-  CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common, recon::FieldSequence sequence)
-      : arguments_(arguments), common_(common), sequence_(std::move(sequence)) {}
+  CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common,
+              std::optional<capture::Orientation> views, recon::FieldSequence sequence)
+      : arguments_(arguments), common_(common), views_(views), sequence_(std::move(sequence)) {}
 
-  /// Into an existing folder. Returns the light field.
+  /// Into an existing folder. Returns the light field, upright.
   Result<LightField> process(const CycleImages& cycle, const fs::path& folder) {
     E2LF_ASSIGN_OR_RETURN(recon::Field field, reconstruct(cycle));
-    E2LF_RETURN_IF_ERROR(write_reconstruction(folder, field.light_field, arguments_.format, {}));
+    E2LF_RETURN_IF_ERROR(write_reconstruction(folder, field.light_field, arguments_.format, views(), {}));
     Json about = cycle.about;
     about["cycle"] = cycles_.size();
     about["gain"] = field.gain;
@@ -220,12 +223,20 @@ class CycleWriter {
     return std::move(field.light_field);
   }
 
+  /// What the records of folders with views note of them.
+  [[nodiscard]] Json notes() const {
+    if (!views_) return Json::object();
+    return {{"views", lightfield::views_note(*views_, stored_views(arguments_.format, *views_))}};
+  }
+
   [[nodiscard]] const Json& cycles() const { return cycles_; }
   [[nodiscard]] const LiveLog& live_log() const { return live_log_; }
   /// Of all cycles; there must be one.
   [[nodiscard]] const recon::Tone& tone() const { return sequence_.tone(); }
 
  private:
+  [[nodiscard]] capture::Orientation views() const { return views_.value_or(capture::Orientation{}); }
+
   Result<recon::Field> reconstruct(const CycleImages& cycle) {
     // Of live input the log tells, a line for each cycle.
     ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), common_.quiet || cycle.is_live);
@@ -251,6 +262,7 @@ class CycleWriter {
   const ReconstructArguments& arguments_;
   const CommonOptions& common_;
   size_t warned_ = 0;
+  std::optional<capture::Orientation> views_;
   recon::FieldSequence sequence_;
   Json cycles_ = Json::array();
   LiveLog live_log_;
@@ -281,7 +293,7 @@ Result<void> process_cycles(CycleInput& input, CycleWriter& writer, ResultFolder
     }
     E2LF_ASSIGN_OR_RETURN(LightField light_field, writer.process(*images, folder));
     const Json& cycle = writer.cycles().back();
-    if (!is_all) E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", cycle}}));
+    if (!is_all) E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", cycle}, {"notes", writer.notes()}}));
     const bool appears = first && !is_all && !is_strict;
     if (appears) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
     // Who sees a cycle in the browser finds its files.
@@ -365,6 +377,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_RETURN_IF_ERROR(check_measurement(arguments, input.measurement()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
   E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
+  const bool is_camera_named = !arguments.camera.empty() && camera->views;
+  const auto views = arguments.orientation.after(is_camera_named ? camera->views : setup.views);
   if (!model && arguments.method == "network") {
     E2LF_ASSIGN_OR_RETURN(model, find_bundled_network(arguments, setup, camera, record));
   }
@@ -393,7 +407,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     E2LF_ASSIGN_OR_RETURN(LiveView started, LiveView::start(name.filename().string(), output.path(), arguments.port));
     view.emplace(std::move(started));
   }
-  CycleWriter writer(arguments, common, {std::move(method), tone, std::move(check)});
+  CycleWriter writer(arguments, common, views, {std::move(method), tone, std::move(check)});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());
@@ -405,6 +419,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.note("found", report_json(input.report()));
   }
   record.note("left_out", losses_json(input.summary()));
+  for (const auto& [key, note] : writer.notes().items()) record.note(key, note);
   record.end_step("reconstruct");
   // Where no cycle has events, neither is found.
   record.resolve("gain", json_number(writer.tone().gain.value_or(1.0F)));
@@ -475,6 +490,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
                "show each light field in a browser as it comes, with its latency; goes on until Ctrl-C");
   app.add_option("--port", reconstruction.port, "of 127.0.0.1, for --view; 0 = a free one")->capture_default_str();
   add_cycle_options(app, reconstruction.cycles);
+  add_orientation_options(app, reconstruction.orientation);
   verb.stop_gently();
   return verb.run(arguments, [&] { return reconstruct(reconstruction, verb); });
 }

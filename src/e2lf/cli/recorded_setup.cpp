@@ -8,7 +8,7 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_camera",
+constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_camera", *kViewsNote = "recorded_views",
                      *kColourNote = "recorded_colour_filter";
 constexpr const char* kSize = "recording_bytes";
 
@@ -45,19 +45,25 @@ std::optional<Json> note_beside(const fs::path& recording, const char* key) {
 capture::HeaderLines header_of(const RecordedSetup& setup) {
   capture::HeaderLines header;
   if (setup.codes) header = capture::codes_to_header(*setup.codes);
-  if (!setup.camera) return header;
-  for (auto& line : capture::camera_to_header(*setup.camera)) header.push_back(std::move(line));
+  const auto add = [&](capture::HeaderLines lines) {
+    std::move(lines.begin(), lines.end(), std::back_inserter(header));
+  };
+  if (setup.camera) add(capture::camera_to_header(*setup.camera));
+  if (setup.has_own_views()) add(capture::views_to_header(*setup.views));
   return header;
 }
 
 void keep_setup(const RecordedSetup& setup, capture::EventImageWriter& writer) {
   if (setup.codes) writer.set_codes(capture::codes_to_npy(*setup.codes));
   if (setup.camera) writer.set_camera(capture::camera_to_npy(*setup.camera));
+  if (setup.has_own_views()) writer.set_views(capture::views_to_npy(*setup.views));
 }
 
 void note_setup(RunRecord& record, const RecordedSetup& setup, const fs::path& recording) {
   if (setup.codes) note_with_size(record, kCodesNote, capture::codes_to_json(*setup.codes), recording);
   if (setup.camera) note_with_size(record, kCameraNote, capture::to_json(*setup.camera), recording);
+  if (setup.has_own_views())
+    note_with_size(record, kViewsNote, {{"views", capture::orientation_name(*setup.views)}}, recording);
 }
 
 Result<RecordedSetup> recorded_setup(const fs::path& recording, const recordings::RecordingInfo& info) {
@@ -75,6 +81,13 @@ Result<RecordedSetup> recorded_setup(const fs::path& recording, const recordings
       E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_json(*note, beside));
     }
   }
+  // The record first: `e2lf convert --turn-views` tells by it what the header, which it copies, says otherwise.
+  if (const auto note = note_beside(recording, kViewsNote)) {
+    E2LF_ASSIGN_OR_RETURN(setup.views, capture::orientation_from_name(note->value("views", ""), beside));
+  } else {
+    E2LF_ASSIGN_OR_RETURN(setup.views, capture::views_from_header(info.header, recording.string()));
+  }
+  if (!setup.views && setup.camera) setup.views = setup.camera->views;
   return setup;
 }
 
@@ -85,6 +98,10 @@ Result<RecordedSetup> recorded_setup(const capture::MeasurementFile& file, const
   }
   if (file.camera) {
     E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_npy(*file.camera, path.string() + ": camera"));
+    setup.views = setup.camera->views;
+  }
+  if (file.views) {
+    E2LF_ASSIGN_OR_RETURN(setup.views, capture::views_from_npy(*file.views, path.string() + ": views"));
   }
   return setup;
 }

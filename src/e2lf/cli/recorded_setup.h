@@ -19,6 +19,10 @@ namespace e2lf::cli {
 struct RecordedSetup {
   std::optional<capture::Codes> codes;
   std::optional<capture::Camera> camera;
+  std::optional<capture::Orientation> views = {};  ///< how they come out; by itself, or as the camera says
+
+  /// The camera does not say it.
+  [[nodiscard]] bool has_own_views() const { return views && !(camera && camera->views == views); }
 };
 
 /// It as lines of a recording's header.

@@ -101,6 +101,7 @@ int run_refocus(const std::vector<std::string>& arguments) {
   app.add_option("--centre-row", refocusing.aperture.centre_y, "moves the round aperture down, in view steps");
   app.add_option("--centre-column", refocusing.aperture.centre_x, "moves it to the right, in view steps");
   add_light_field_options(app, refocusing.light_field, /*has_views=*/true);
+  add_orientation_options(app, refocusing.light_field.orientation);
   return verb.run(arguments, [&] { return refocus(refocusing, verb); });
 }
 

@@ -180,6 +180,7 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_image
 struct Setup {
   KnownCodes known;
   std::optional<capture::Camera> camera;
+  std::optional<capture::Orientation> views;  ///< as camera or schedule say
   [[nodiscard]] bool is_pixel() const { return camera && camera->is_pixel(); }
 };
 
@@ -191,6 +192,11 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
     E2LF_RETURN_IF_ERROR(check_model_flags(arguments, *setup.camera));
     setup.known.constants = setup.camera->constants;
     if (!setup.is_pixel()) setup.known.event_model = setup.camera->event_model;
+    setup.views = setup.camera->views;
+  }
+  if (!setup.views && !arguments.stream.schedule.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const cycles::Schedule schedule, cycles::read_schedule(arguments.stream.schedule));
+    setup.views = schedule.views;
   }
   if (!arguments.event_model.empty()) setup.known.event_model = arguments.event_model;
   if (!arguments.measurement.empty()) {
@@ -201,9 +207,10 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
   return setup;
 }
 
-/// The scene has a view for each cell of the patterns.
+/// The scene has a view for each cell of the patterns, in the place in which the camera sees it.
 Result<SceneOptions> scene_options(const SimulateArguments& arguments, const Setup& setup) {
   SceneOptions options{arguments.light_field, setup.known.codes.views_y, setup.known.codes.views_x};
+  if (setup.views) options.flags.orientation = {false, setup.views->flip_x, setup.views->flip_y};
   if (arguments.colour_filter.empty()) return options;
   if (arguments.stream.has_turntable()) {
     return Error{ErrorCode::kInvalidValue, "the turntable is grey; leave the colour filter out", "--colour-filter"};
@@ -212,12 +219,12 @@ Result<SceneOptions> scene_options(const SimulateArguments& arguments, const Set
   return options;
 }
 
-/// Patterns and camera as the result says them. ESIM and v2e are no models of a camera file: of them the patterns
-/// alone.
+/// Patterns, camera and views as the result says them. ESIM and v2e are no models of a camera file: of them the
+/// patterns alone.
 RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
-  RecordedSetup recorded{setup.known.codes, setup.camera};
+  RecordedSetup recorded{setup.known.codes, setup.camera, setup.views};
   if (setup.is_pixel()) return recorded;
-  if (!sensor::event_model_from_name(setup.known.event_model)) return {setup.known.codes, std::nullopt};
+  if (!sensor::event_model_from_name(setup.known.event_model)) return {setup.known.codes, std::nullopt, setup.views};
   capture::Camera& camera = recorded.camera ? *recorded.camera : recorded.camera.emplace();
   camera.event_model = setup.known.event_model;
   camera.constants = constants_of(arguments, setup.known);
@@ -298,6 +305,7 @@ Result<capture::Measurement> run_images(const SimulateArguments& arguments, cons
   capture::MeasurementFile file;
   file.codes = capture::codes_to_npy(setup.known.codes);
   if (recorded.camera) file.camera = capture::camera_to_npy(*recorded.camera);
+  if (recorded.has_own_views()) file.views = capture::views_to_npy(*recorded.views);
   for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
     capture::Measurement measured;
     measured.kind = kind;

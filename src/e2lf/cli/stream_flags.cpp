@@ -8,6 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
+#include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/turntable_scene.h"
 #include "e2lf/streams/camera_stream.h"
 
@@ -53,7 +54,9 @@ StreamScene turntable(const StreamFlags& flags, const SceneOptions& options, uin
   const lightfield::Shape shape{options.views_y, options.views_x, flags.height, flags.width, 1};
   result.scene.at = [=](uint64_t knot) -> Result<lightfield::LightField> {
     const auto angle = static_cast<float>(std::remainder(turn * static_cast<double>(knot), 2 * std::numbers::pi));
-    return lightfield::render_light_field(lightfield::turntable_scene(angle, seed), shape);
+    lightfield::LightField field = lightfield::render_light_field(lightfield::turntable_scene(angle, seed), shape);
+    lightfield::orient(field, options.flags.orientation.value());
+    return field;
   };
   return result;
 }

@@ -222,6 +222,7 @@ int run_view(const std::vector<std::string>& arguments) {
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   add_light_field_options(verb.app(), view_arguments.light_field, /*has_views=*/true);
+  add_orientation_options(verb.app(), view_arguments.light_field.orientation);
   add_cycle_options(verb.app(), view_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] {

@@ -120,9 +120,13 @@ Result<void> validate(const Schedule& schedule, const std::string& location) {
 Result<Schedule> parse_schedule(const std::string& text, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, name));
   OptionReader reader(json, name + ": $");
-  const Json& patterns = reader.child("patterns");
+  std::optional<std::string> views;
+  const Json& patterns = reader.read("views", views).child("patterns");
   E2LF_RETURN_IF_ERROR(reader.finish());
   Schedule schedule;
+  if (views) {
+    E2LF_ASSIGN_OR_RETURN(schedule.views, capture::orientation_from_name(*views, reader.child_location("views")));
+  }
   for (size_t i = 0; patterns.is_array() && i < patterns.size(); ++i) {
     E2LF_ASSIGN_OR_RETURN(auto pattern, parse_pattern(patterns[i], cat(name, ": $.patterns[", i, "]")));
     schedule.patterns.push_back(std::move(pattern));
@@ -146,7 +150,9 @@ std::string schedule_text(const Schedule& schedule) {
     if (pattern.image) json["image"] = *pattern.image;
     patterns.push_back(std::move(json));
   }
-  return json_text(Json{{"patterns", std::move(patterns)}});
+  Json json = {{"patterns", std::move(patterns)}};
+  if (schedule.views) json["views"] = capture::orientation_name(*schedule.views);
+  return json_text(json);
 }
 
 }  // namespace e2lf::cycles

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/orientation.h"
 
 namespace e2lf::cycles {
 
@@ -30,6 +31,7 @@ struct ScheduledPattern {
 /// The patterns of one cycle in the order in which they are shown, again and again.
 struct Schedule {
   std::vector<ScheduledPattern> patterns;
+  std::optional<capture::Orientation> views = {};  ///< how the views come out; nothing = not known
 
   [[nodiscard]] size_t size() const { return patterns.size(); }
   [[nodiscard]] size_t num_images() const;
@@ -59,8 +61,9 @@ struct Schedule {
 /// from first_of_cycle() on.
 [[nodiscard]] Result<void> validate(const Schedule& schedule, const std::string& location);
 
-/// {"patterns": [{"name": "a2", "duration_us": 10000, "overhead_us": 0, "image": 0, "sign": "on"}, ...]}; image left
-/// out = not used. Fails with kNotFound, kFormat and kInvalidValue.
+/// {"patterns": [{"name": "a2", "duration_us": 10000, "overhead_us": 0, "image": 0, "sign": "on"}, ...],
+/// "views": "turned"}; image left out = not used, views as capture::orientation_name() says them. Fails with kNotFound,
+/// kFormat and kInvalidValue.
 [[nodiscard]] Result<Schedule> read_schedule(const std::filesystem::path& path);
 [[nodiscard]] Result<Schedule> parse_schedule(const std::string& text, const std::string& name);
 [[nodiscard]] std::string schedule_text(const Schedule& schedule);

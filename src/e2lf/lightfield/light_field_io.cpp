@@ -7,9 +7,11 @@
 #include <span>
 #include <string_view>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/formats/raw_image.h"
 #include "e2lf/lightfield/formats/readers.h"
+#include "e2lf/lightfield/orient.h"
 
 namespace e2lf::lightfield {
 namespace fs = std::filesystem;
@@ -91,6 +93,32 @@ Result<LightField> read_npz_light_field(const fs::path& path, const ReadOptions&
                path.string()};
 }
 
+/// As the files hold it.
+Result<LightField> read_stored(const fs::path& path, const ReadOptions& options, const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(const LightFieldKind kind, storage_kind(path));
+  switch (kind) {
+    case LightFieldKind::kViewFolder:
+    case LightFieldKind::kHciFolder:
+    case LightFieldKind::kStanfordFolder:
+      return read_view_folder(path, options, progress);
+    case LightFieldKind::kArrayFolder:
+      return read_stored(array_in(path), options, progress);
+    case LightFieldKind::kMat:
+      return read_mat(path, options);
+    case LightFieldKind::kHdf5:
+      return read_hdf5(path, options);
+    case LightFieldKind::kLenslet:
+      return read_lenslet(path, options);
+    case LightFieldKind::kNpz:
+      return read_npz_light_field(path, options);
+    case LightFieldKind::kNpy: {
+      E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
+      return from_npy(array, options, path.string());
+    }
+  }
+  return Error{ErrorCode::kInternal, "unknown kind of light field", path.string()};
+}
+
 }  // namespace
 
 const char* kind_name(LightFieldKind kind) {
@@ -138,28 +166,14 @@ Result<LightFieldKind> detect_kind(const fs::path& path) {
 }
 
 Result<LightField> read_light_field(const fs::path& path, const ReadOptions& options, const ProgressFn& progress) {
-  E2LF_ASSIGN_OR_RETURN(const LightFieldKind kind, storage_kind(path));
-  switch (kind) {
-    case LightFieldKind::kViewFolder:
-    case LightFieldKind::kHciFolder:
-    case LightFieldKind::kStanfordFolder:
-      return read_view_folder(path, options, progress);
-    case LightFieldKind::kArrayFolder:
-      return read_light_field(array_in(path), options, progress);
-    case LightFieldKind::kMat:
-      return read_mat(path, options);
-    case LightFieldKind::kHdf5:
-      return read_hdf5(path, options);
-    case LightFieldKind::kLenslet:
-      return read_lenslet(path, options);
-    case LightFieldKind::kNpz:
-      return read_npz_light_field(path, options);
-    case LightFieldKind::kNpy: {
-      E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
-      return from_npy(array, options, path.string());
-    }
+  E2LF_ASSIGN_OR_RETURN(const capture::Orientation stored, stored_orientation(path));
+  E2LF_ASSIGN_OR_RETURN(LightField light_field, read_stored(path, options, progress));
+  if (!stored.is_upright()) {
+    log_info(cat(path.string(), ": its views are ", capture::orientation_name(stored),
+                 ", as run.json says; they change places"));
   }
-  return Error{ErrorCode::kInternal, "unknown kind of light field", path.string()};
+  orient(light_field, stored + options.orientation);
+  return light_field;
 }
 
 }  // namespace e2lf::lightfield

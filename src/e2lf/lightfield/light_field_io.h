@@ -9,6 +9,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
+#include "e2lf/capture/orientation.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::lightfield {
@@ -63,7 +64,8 @@ struct ReadOptions {
   AxisViews views_y, views_x;
   bool reverse_rows = false;  ///< view rows are stored bottom to top, as in some Stanford scenes: with that, disparity
                               ///< has opposite signs along rows and columns
-  bool colour = false;        ///< keep colour; otherwise grey, see grey_of
+  capture::Orientation orientation = {};  ///< the views that were taken change places, beyond what a record says
+  bool colour = false;                    ///< keep colour; otherwise grey, see grey_of
   RangePolicy range = RangePolicy::kRefuse;
   float white =
       0.0F;  ///< the stored number that is 1; 0 = the largest of an unsigned type of 8 or 16 bits, 1 of others
@@ -74,10 +76,11 @@ struct ReadOptions {
 };
 
 /// Reads a light field of any kind; samples are divided by options.white. Says on the log which views it took, where
-/// more are stored, and warns of values and extents that are hardly those of a light field, see value_range.h. View
-/// images are decoded in parallel. Fails with kNotFound (the path, or a view: named), kShape (fewer views than wanted,
-/// views of different sizes, an array of another shape), kInvalidValue (NaN, range), kFormat, kTruncated, kUnsupported
-/// (also beyond max_bytes); the location is the file.
+/// more are stored, and warns of values and extents that are hardly those of a light field, see plausible_field.h. Views
+/// that the folder's record calls turned or flipped change places (see stored_orientation()), which the log says, too.
+/// View images are decoded in parallel. Fails with kNotFound (the path, or a view: named), kShape (fewer views than
+/// wanted, views of different sizes, an array of another shape), kInvalidValue (NaN, range), kFormat, kTruncated,
+/// kUnsupported (also beyond max_bytes); the location is the file.
 [[nodiscard]] Result<LightField> read_light_field(const std::filesystem::path& path, const ReadOptions& options = {},
                                                   const ProgressFn& progress = {});
 

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/depth/occlusion.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <gtest/gtest.h>
+
+#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/orient.h"
+#include "e2lf/lightfield/scene.h"
+
+namespace e2lf::depth {
+namespace {
+
+using lightfield::LightField;
+using lightfield::Scene;
+using Verdict = OcclusionSign::Verdict;
+
+OcclusionSign sign_of(const LightField& light_field) {
+  return occlusion_sign(light_field, estimate_disparity(light_field).value());
+}
+
+lightfield::Material noise_material(uint32_t seed) {
+  lightfield::Material material{lightfield::TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
+  material.grain = 0;
+  material.seed = seed;
+  return material;
+}
+
+/// A square of disparity -1.6 before a wall of 0.8: both have texture.
+LightField square_before_wall() {
+  Scene scene = lightfield::textured_plane_scene(0.8F);
+  const float z = lightfield::depth_at_disparity(scene.camera, -1.6F);
+  scene.quads.push_back({{-0.12F, -0.12F, z}, {0.24F, 0, 0}, {0, 0.24F, 0}, noise_material(2)});
+  return lightfield::render_light_field(scene, {8, 8, 128, 160, 1});
+}
+
+TEST(OcclusionSign, TellsASquareBeforeAWallFromAHoleInIt) {
+  LightField light_field = square_before_wall();
+  const OcclusionSign upright = sign_of(light_field);
+  EXPECT_EQ(upright.verdict, Verdict::kUpright) << upright.places << ' ' << upright.deviations;
+  EXPECT_GT(upright.confidence(), 0.8F);
+  lightfield::orient(light_field, capture::kTurned);
+  const OcclusionSign turned = sign_of(light_field);
+  EXPECT_EQ(turned.verdict, Verdict::kTurned) << turned.places << ' ' << turned.deviations;
+  EXPECT_GT(turned.confidence(), 0.8F);
+}
+
+TEST(OcclusionSign, IsRightAboutTheDemoScene) {
+  LightField light_field = lightfield::render_light_field(lightfield::demo_scene(3), {8, 8, 144, 192, 1});
+  EXPECT_EQ(sign_of(light_field).verdict, Verdict::kUpright);
+  lightfield::orient(light_field, capture::kTurned);
+  EXPECT_EQ(sign_of(light_field).verdict, Verdict::kTurned);
+}
+
+TEST(OcclusionSign, LeavesOpenWhereNothingHidesAnything) {
+  const auto plane = lightfield::textured_plane_scene(0.8F);
+  EXPECT_EQ(sign_of(lightfield::render_light_field(plane, {8, 8, 64, 80, 1})).verdict, Verdict::kUndecided);
+  EXPECT_EQ(sign_of(LightField({8, 8, 20, 20, 1})).verdict, Verdict::kUndecided);
+  EXPECT_EQ(sign_of(LightField({1, 2, 20, 20, 1})).places, 0U);
+}
+
+/// Prints the table of docs/depth.md: what is found of every light field in E2LF_FIELDS, as it is and turned.
+TEST(OcclusionSign, DISABLED_FiguresOfLightFields) {
+  const char* folder = std::getenv("E2LF_FIELDS");
+  ASSERT_NE(folder, nullptr);
+  std::vector<std::filesystem::path> scenes;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) scenes.push_back(entry.path());
+  std::sort(scenes.begin(), scenes.end());
+  constexpr const char* kVerdicts[] = {"undecided", "upright", "turned"};
+  for (const auto& scene : scenes) {
+    lightfield::ReadOptions options;
+    options.range = lightfield::RangePolicy::kKeep;
+    auto read = lightfield::read_light_field(scene, options);
+    if (!read) continue;
+    for (const char* name : {"as it is", "turned"}) {
+      const auto map = estimate_disparity(*read);
+      ASSERT_TRUE(map.ok());
+      const OcclusionSign sign = occlusion_sign(*read, *map);
+      std::printf("%s, %s: %s, %zu places, %.0f %%, %.1f deviations, range %.2f..%.2f\n", scene.filename().c_str(),
+                  name, kVerdicts[static_cast<int>(sign.verdict)], sign.places, 100.0 * double{sign.smaller_in_front},
+                  double{sign.deviations}, double{map->range.least}, double{map->range.most});
+      std::fflush(stdout);
+      lightfield::orient(*read, capture::kTurned);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace e2lf::depth
