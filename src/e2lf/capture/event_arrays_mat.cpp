@@ -70,7 +70,13 @@ Result<NpyArray> to_numpy(const MatArray& array, const std::string& location) {
   numbers.shape.assign(extents.rbegin(), extents.rend());
   std::swap(numbers.shape[extents.size() - 1], numbers.shape[extents.size() - 2]);
   numbers.bytes = transposed(array.data, extents[0], extents[1], type->bytes);
-  return numbers;
+  // Signed numbers are stored unsigned where none is negative, which says nothing of a lost sign.
+  const auto array_class = static_cast<MatClass>(array.array_class);
+  const bool is_unsigned =
+      array_class == MatClass::kUint8 || array_class == MatClass::kUint16 || array_class == MatClass::kUint32;
+  if (is_unsigned || numbers.type[0] != 'u') return numbers;
+  E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, numbers.to_float(location));
+  return make_npy<float>(numbers.shape, values);
 }
 
 }  // namespace

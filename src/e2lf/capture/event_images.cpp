@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -15,16 +16,57 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The place of an element as its indices, "[0, 2, 14, 7]".
+std::string place_of(size_t element, const std::vector<size_t>& shape) {
+  std::vector<size_t> place(shape.size());
+  for (size_t axis = shape.size(); axis-- > 0; element /= shape[axis]) place[axis] = element % shape[axis];
+  return shape_text(place);
+}
+
+/// Fails where floating-point numbers are no whole ones, and names the first.
+Result<void> check_whole(const NpyArray& array, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
+  const auto is_finite = [](float value) { return std::isfinite(value); };
+  const auto infinite = std::find_if_not(values.begin(), values.end(), is_finite);
+  const auto index_of = [&](auto found) { return static_cast<size_t>(found - values.begin()); };
+  if (infinite != values.end()) {
+    const auto count = values.size() - static_cast<size_t>(std::count_if(values.begin(), values.end(), is_finite));
+    return Error{ErrorCode::kInvalidValue,
+                 cat(count, count == 1 ? " count is" : " counts are", " not finite (NaN or infinity), the first is ",
+                     *infinite, " at ", place_of(index_of(infinite), array.shape),
+                     "; event images hold whole numbers, replace what is none"),
+                 location};
+  }
+  const auto part = std::find_if(values.begin(), values.end(), [](float value) { return value != std::trunc(value); });
+  if (part == values.end()) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("the count ", *part, " at ", place_of(index_of(part), array.shape),
+                   " is not a whole number; event images hold sums of signed events, undo what they were scaled by"),
+               location};
+}
+
 /// `array` as int16 values; anything that is not a whole number within int16 is an error.
 Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(const std::vector<int32_t> values, array.to_int32(location));
-  std::vector<int16_t> counts(values.size());
-  for (size_t i = 0; i < values.size(); ++i) {
-    if (values[i] < std::numeric_limits<int16_t>::min() || values[i] > std::numeric_limits<int16_t>::max()) {
+  if (array.type.starts_with('f')) E2LF_RETURN_IF_ERROR(check_whole(array, location));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<float> rough, array.to_float(location));
+  // In unsigned numbers of 8 to 64 bits, -1 is the largest; what is beyond half of it was negative.
+  const bool is_unsigned = array.type.starts_with('u');
+  const auto half = static_cast<float>(std::ldexp(0.5, static_cast<int>(8 * array.item_size)));
+  std::vector<int16_t> counts(rough.size());
+  for (size_t i = 0; i < rough.size(); ++i) {
+    if (is_unsigned && rough[i] >= half) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("the event count ", values[i], " does not fit int16; is this an event image?"), location};
+                   cat("the counts are of an unsigned type (", array.type, "), in which -1 became ", rough[i], " at ",
+                       place_of(i, array.shape), "; store them as int16"),
+                   location};
     }
-    counts[i] = static_cast<int16_t>(values[i]);
+    if (rough[i] < std::numeric_limits<int16_t>::min() || rough[i] > std::numeric_limits<int16_t>::max()) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("the event count ", rough[i], " at ", place_of(i, array.shape),
+                       " does not fit int16; is this an event image?"),
+                   location};
+    }
+    counts[i] = static_cast<int16_t>(rough[i]);
   }
   return counts;
 }
@@ -36,6 +78,15 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
     return Error{ErrorCode::kShape,
                  cat("event images have shape ", shape_text(shape), "; expected [N-1, y, x] or [cycles, N-1, y, x]"),
                  location};
+  }
+  // No camera shows more patterns than it has columns.
+  constexpr size_t kMostTransitions = 16;
+  if (shape[shape.size() - 3] > kMostTransitions && shape.back() <= kMostTransitions) {
+    return Error{
+        ErrorCode::kShape,
+        cat("event images of shape ", shape_text(shape), " have their axes in another order; store [N-1, y, x] ",
+            "or [cycles, N-1, y, x], as numpy.moveaxis(events, -1, -3) does"),
+        location};
   }
   E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, location));
   const size_t num_cycles = shape.size() == 4 ? shape[0] : 1;
