@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/capture/event_images.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
 #include <numeric>
@@ -124,6 +126,24 @@ TEST_F(EventImageFiles, ThreeAxesAreOneCycleOfAnyNumericType) {
     EXPECT_EQ(read->cycles, std::vector<EventImages>{expected});
     EXPECT_FALSE(read->codes);
   }
+}
+
+TEST_F(EventImageFiles, A14A15WhatIsNoCountIsNamedWithItsPlace) {
+  const auto text = [](const fs::path& path) { return read_event_images(path).error().text(); };
+  const std::string nan = text(write<float>("nan.npy", {1, 2, 2}, {0, 1, std::nanf(""), 2}));
+  EXPECT_THAT(nan, testing::AllOf(testing::HasSubstr("NaN"), testing::HasSubstr("at [0, 1, 0]")));
+  EXPECT_THAT(text(write<double>("part.npy", {1, 2, 2}, {0, 1, 2, -0.5})), testing::HasSubstr("-0.5 at [0, 1, 1]"));
+  EXPECT_THAT(text(write<uint8_t>("u1.npy", {1, 2, 2}, {0, 255, 1, 2})), testing::HasSubstr("-1 became 255"));
+  EXPECT_THAT(text(write<uint16_t>("u2.npy", {1, 2, 2}, {0, 65535, 1, 2})), testing::HasSubstr("-1 became 65535"));
+  EXPECT_TRUE(read_event_images(write<uint8_t>("small.npy", {1, 2, 2}, {0, 100, 1, 2})));
+}
+
+TEST_F(EventImageFiles, A14TransposedAxesAreRefused) {
+  const std::vector<int16_t> counts(48 * 64 * 3, 1);
+  const Error error = read_event_images(write<int16_t>("yxn.npy", {48, 64, 3}, counts)).error();
+  EXPECT_EQ(error.code, ErrorCode::kShape);
+  EXPECT_THAT(error.text(), testing::HasSubstr("[48, 64, 3]"));
+  EXPECT_FALSE(read_event_images(write<int16_t>("cyxn.npy", {1, 48, 64, 3}, counts)));
 }
 
 TEST_F(EventImageFiles, FolderIsReadInNumberOrder) {
