@@ -95,6 +95,7 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const record
                           const OutputFile& output, const Verb& verb) {
   record.add_input(input);
   record.note("left_out", losses_json(reader.summary()));
+  record.note("read_as", reading_json(reader.info()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(input, reader.info()));
   note_setup(record, setup, output.path());
   note_colour_filter(record, recorded_colour_filter(input), output.path());

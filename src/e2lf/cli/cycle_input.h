@@ -54,6 +54,7 @@ class CycleInput {
   }
   [[nodiscard]] cycles::CycleSource source() const { return reader_->source(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
+  [[nodiscard]] const recordings::RecordingInfo& info() const { return reader_->recording().info(); }
   [[nodiscard]] cycles::CycleReport report() const { return reader_->report(); }
   /// What was left out of a recording and of sums.
   [[nodiscard]] recordings::DecodeSummary summary() const;

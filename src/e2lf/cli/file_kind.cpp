@@ -29,6 +29,7 @@ Result<void> check_readable(const fs::path& path) {
 Result<FileKind> folder_kind(const fs::path& path) {
   std::error_code error;
   if (fs::exists(path / "event_image_00000.npy", error)) return FileKind::kEventImages;
+  if (fs::exists(path / "events_ts.npy", error)) return FileKind::kRecording;
   if (!lightfield::cycle_folders(path).empty()) return FileKind::kCycles;
   if (lightfield::detect_kind(path)) return FileKind::kLightField;
   return Error{ErrorCode::kFormat,

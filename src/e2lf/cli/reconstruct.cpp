@@ -356,6 +356,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     input.confidence().warn(arguments.input, input.report());
     record.resolve("source", source_name(input.source()));
     record.note("found", report_json(input.report()));
+    record.note("read_as", reading_json(input.info()));
   }
   record.note("left_out", losses_json(input.summary()));
   record.end_step("reconstruct");
