@@ -5,6 +5,7 @@
 #include <string>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/workspace.h"
 
@@ -60,7 +61,7 @@ PyObject* g_error = nullptr;
 
 void raise_error(const Error& error) {
   const std::string setting = arguments_of(error.setting);
-  const std::string text = without_workspaces(error.text()) + (setting.empty() ? "" : " (" + setting + ")");
+  const std::string text = printable(without_workspaces(error.text())) + (setting.empty() ? "" : " (" + setting + ")");
   py::object raised = py::reinterpret_borrow<py::object>(g_error)(text);
   raised.attr("code") = error_code_name(error.code);
   raised.attr("message") = without_workspaces(error.message);

@@ -24,8 +24,8 @@
   "format: where the file does not tell.\n"                                                                      \
   "width, height: of the sensor in px, where the file does not tell.\n"                                          \
   "stream: number or name of a stream of events, where there are several.\n"                                     \
-  "columns: order of the columns of an array [events, 4], as \"txyp\".\n"                                        \
-  "time_unit: of the times of arrays: \"auto\", \"s\", \"ms\", \"us\" or \"ns\".\n"                              \
+  "columns: order of the columns of a table of events, as \"txyp\".\n"                                           \
+  "time_unit: of the times of tables: \"auto\", \"s\", \"ms\", \"us\" or \"ns\".\n"                              \
   "from_us, to_us: leave out what is before or at and after these times of the recording's clock.\n"             \
   "relative: they count from the first event or trigger.\n"                                                      \
   "shift_time: times begin at 0 instead of the sensor's own.\n"                                                  \

@@ -46,9 +46,9 @@ for input in txyp.npy txyp_seconds.npy xytp.npy xypt.npy seconds.npz names.npz r
 done
 # What the file does not say is said: the unit of times, and which column is what.
 "$E2LF" convert seconds.npz out.npz --overwrite 2>stderr.txt
-grep -q "read as seconds" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
+grep -q "times as s (not whole numbers)" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
 "$E2LF" convert whole_floats.npz out.npz --overwrite 2>stderr.txt
-grep -q "read as microseconds; --time-unit" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
+grep -q "times as us (whole numbers).*--time-unit" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
 "$E2LF" convert xytp.npy out.npz --overwrite 2>stderr.txt
 grep -q "x, y, t, p" stderr.txt || fail "the columns are not stated: $(cat stderr.txt)"
 "$E2LF" convert ns.npz out.npz --overwrite --time-unit ns
@@ -57,6 +57,43 @@ same out.npz
 same out.npz
 fails 1 "--columns" "$E2LF" convert square.npy out2.npz
 absent out2.npz
+check "$(json out.npz.run.json "j['notes']['read_as'] == {'columns': 't, x, y, p', 'time_unit': 'us', 'polarity': '0 = OFF, 1 = ON'}")"
+# Formats that fix the unit of their times refuse another one.
+"$E2LF" convert out.npz fixed.raw --sensor-width 64 --sensor-height 48 --quiet
+fails 1 "--time-unit" "$E2LF" info fixed.raw --time-unit ns
+fails 1 "--columns" "$E2LF" convert ns.npz out2.npz --columns txyp
+# MVSEC's layout, DSEC's with an offset in seconds, and names with units.
+py - <<'PY'
+import h5py, numpy as np
+a = np.load("truth.npz")
+x, y, p, t = (a[k] for k in "xypt")
+with h5py.File("mvsec.h5", "w") as f:
+    rows = np.stack([x, y, 1.5e9 + t * 1e-6, 2.0 * p - 1], 1)
+    f["davis/left/events"] = rows
+    f["davis/right/events"] = rows[:10]
+with h5py.File("dsec.h5", "w") as f:
+    for key, column in (("x", x), ("y", y), ("t", t.astype(np.uint32)), ("p", p)):
+        f["events/" + key] = column
+    f["t_offset"] = 57.92
+with h5py.File("units.h5", "w") as f:
+    for key, column in (("x", x), ("y", y), ("t_ns", t * 1000), ("p", p)):
+        f[key] = column
+PY
+"$E2LF" convert mvsec.h5 mvsec.npz 2>stderr.txt
+grep -q 'camera "right"' stderr.txt || fail "the other camera is not named: $(cat stderr.txt)"
+"$E2LF" convert dsec.h5 dsec.npz 2>stderr.txt
+py - <<'PY'
+import numpy as np
+a, b, c = (np.load(name)["t"] for name in ("truth.npz", "mvsec.npz", "dsec.npz"))
+assert np.abs(b - a - 1_500_000_000_000_000).max() <= 1
+assert np.array_equal(c, a + 57_920_000)
+PY
+"$E2LF" convert units.h5 out.npz --overwrite
+same out.npz
+# Control characters of a file do not reach the terminal.
+printf 'a\033[31mb,c,d,e\n1\033[0m,2,3,4\n' >hostile.csv
+fails 1 '\x1b[' "$E2LF" info hostile.csv
+! grep -q "$(printf '\033')" stderr.txt || fail "a control character"
 # An array that was never finished says fewer events than it holds.
 cp out.npz whole.npz && "$E2LF" convert whole.npz cut.npy --quiet
 py - <<'PY'

@@ -205,6 +205,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.resolve("source", source_name(reader.source()));
   record.note("cycles", report_json(report));
   record.note("left_out", losses_json(summary));
+  record.note("read_as", reading_json(reader.recording().info()));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);
   if (setup.views) record.note("views", capture::orientation_name(*setup.views));

@@ -59,6 +59,7 @@ class CycleInput {
   /// Of a recording alone.
   [[nodiscard]] const cycles::Schedule& schedule() const { return reader_->schedule(); }
   [[nodiscard]] const ConfidenceWatch& confidence() const { return confidence_; }
+  [[nodiscard]] const recordings::RecordingInfo& info() const { return reader_->recording().info(); }
   [[nodiscard]] cycles::CycleReport report() const { return reader_->report(); }
   /// What was left out of a recording and of sums.
   [[nodiscard]] recordings::DecodeSummary summary() const;

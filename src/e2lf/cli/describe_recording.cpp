@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cstdio>
 
+#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/describe.h"
 #include "e2lf/cli/recording_statistics.h"
@@ -26,6 +27,7 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
   json["trigger_channels"] = statistics.triggers_json();
   json["extents"] = {{"width", statistics.width()}, {"height", statistics.height()}};
   json["assumptions"] = assumptions_json(info);
+  json["read_as"] = reading_json(info);
   json["left_out"] = left_out;
   Json header = Json::object();
   for (const auto& [key, value] : info.header) header[key] = value;
@@ -60,6 +62,10 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
   if (summary.out_of_order > 0) text += cat("sorted:    ", summary.out_of_order, " events were out of order\n");
   text += cat("left out:  ", losses.empty() ? "nothing" : recordings::loss_text(losses), "\n");
   if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " stretches of time are incomplete\n");
+  if (info.table) {
+    text +=
+        cat("read as:   ", info.table->columns, "; times in ", info.table->time_unit, "; ", info.table->polarity, "\n");
+  }
   for (const recordings::Assumption& assumption : info.assumptions) {
     text += cat("assumed:   ", assumption_text(assumption), "\n");
   }
@@ -96,7 +102,8 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
     if (options.progress) options.progress(reader->summary().events(), 0);
   }
   const recordings::DecodeSummary summary = reader->summary();
-  return Description{to_text(reader->info(), summary, statistics), to_json(reader->info(), summary, statistics), {}};
+  return Description{
+      printable(to_text(reader->info(), summary, statistics)), to_json(reader->info(), summary, statistics), {}};
 }
 
 }  // namespace e2lf::cli

@@ -417,6 +417,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     input.confidence().warn(arguments.input, input.report(), input.schedule());
     record.resolve("source", source_name(input.source()));
     record.note("found", report_json(input.report()));
+    record.note("read_as", reading_json(input.info()));
   }
   record.note("left_out", losses_json(input.summary()));
   for (const auto& [key, note] : writer.notes().items()) record.note(key, note);

@@ -17,9 +17,11 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   add("--sensor-width", flags.width, "px, where the recording does not tell");
   add("--sensor-height", flags.height, "px, where the recording does not tell");
   add("--stream", flags.stream, "number or name of a stream of events, where the recording holds several");
-  add("--columns", flags.columns, "order of the columns of an array [events, 4], as txyp");
+  add("--columns", flags.columns,
+      "order of the columns of a table of events, as txyp; - is a column to be passed over");
   app.add_option("--time-unit", flags.time_unit,
-                 "of the times of numpy and HDF5 arrays: s, ms, us, ns; auto = s of floating-point numbers, else us")
+                 "of the times of text, numpy and HDF5 tables: s, ms, us, ns; auto = as names say, else us of whole "
+                 "numbers and s of others")
       ->check(CLI::IsMember({"auto", "s", "ms", "us", "ns"}))
       ->group(group);
   add("--from-us", flags.from_us, "recordings: leave out what is before this time of the recording's own clock");
@@ -78,10 +80,15 @@ void say_assumptions(const recordings::RecordingReader& reader) {
 }
 
 std::string assumption_text(const recordings::Assumption& assumption) {
-  if (assumption.setting == Setting::kColumns) return assumption.text + "; --columns says otherwise";
+  if (assumption.setting == Setting::kColumns) return assumption.text + "; --columns and --time-unit say otherwise";
   if (assumption.setting == Setting::kStream) return assumption.text + "; --stream chooses another";
   if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; --time-unit says otherwise";
   return assumption.text;
+}
+
+Json reading_json(const recordings::RecordingInfo& info) {
+  if (!info.table) return nullptr;
+  return {{"columns", info.table->columns}, {"time_unit", info.table->time_unit}, {"polarity", info.table->polarity}};
 }
 
 Json losses_json(const recordings::DecodeSummary& summary) {

@@ -19,7 +19,7 @@ struct RecordingFlags {
   size_t width = 0, height = 0;                    ///< px; 0 = as the recording says
   int64_t from_us = INT64_MIN, to_us = INT64_MAX;  ///< of the recording's clock
   std::string stream;                              ///< empty = the first
-  std::string columns, time_unit = "auto";         ///< of arrays
+  std::string columns, time_unit = "auto";         ///< of tables
   bool is_relative = false;                        ///< they count from its first event or trigger
   bool is_strict = false;                          ///< what would be left out is an error
 };
@@ -44,6 +44,9 @@ void say_assumptions(const recordings::RecordingReader& reader);
 
 /// An assumption with the flag that says otherwise.
 [[nodiscard]] std::string assumption_text(const recordings::Assumption& assumption);
+
+/// How a table of events was read: {"columns", "time_unit", "polarity"}; null for other recordings.
+[[nodiscard]] Json reading_json(const recordings::RecordingInfo& info);
 
 /// What was left out of a recording, by reason: [{"reason", "count", "first_byte"}, ...].
 [[nodiscard]] Json losses_json(const recordings::DecodeSummary& summary);

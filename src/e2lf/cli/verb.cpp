@@ -9,6 +9,7 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
+#include "e2lf/base/printable.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
@@ -26,7 +27,7 @@ void print_log(LogLevel level, const std::string& message) {
   if (level == LogLevel::kDebug) return;
   hide_progress();
   std::fprintf(stderr, "e2lf: %s%s\n", level == LogLevel::kWarning ? "warning: " : "",
-               without_workspaces(message).c_str());
+               printable(without_workspaces(message)).c_str());
 }
 
 /// --quiet: what was lost is said all the same.
@@ -314,7 +315,7 @@ std::string Verb::flag_hint(Setting setting) const {
 int Verb::exit_code(const Result<void>& result) const {
   if (!result) {
     const std::string text = without_workspaces(result.error().text()) + flag_hint(result.error().setting);
-    std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), text.c_str());
+    std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), printable(text).c_str());
   }
   if (!stop_requested()) return result ? 0 : 1;
   std::fprintf(stderr, "e2lf: %s: ended by %s; %s\n", name_.c_str(), stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",

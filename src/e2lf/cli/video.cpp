@@ -230,6 +230,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   record.end_step("frames");
   Json json = report_json(arguments, report, windows, maker);
   record.note("video", json);
+  record.note("read_as", reading_json(windows.recording().info()));
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
   E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));

@@ -27,6 +27,13 @@ struct Assumption {
   Setting setting = Setting::kNone;
 };
 
+/// How a table of events (text, numpy arrays, HDF5 columns) was read.
+struct TableReading {
+  std::string columns;    ///< "t, x, y, p": in the order of the file, or "x, y, p, t" of columns with names
+  std::string time_unit;  ///< "s", "ms", "us" or "ns"
+  std::string polarity;   ///< "0 = OFF, 1 = ON"
+};
+
 /// What a recording says of itself.
 struct RecordingInfo {
   std::string format;  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...
@@ -35,6 +42,7 @@ struct RecordingInfo {
   std::vector<std::pair<std::string, std::string>> header;  ///< keys and values in the file's order
   std::vector<Assumption> assumptions = {};
   std::vector<std::string> streams = {};  ///< of events, where the format may hold several: "0 (events of DAVIS346)"
+  std::optional<TableReading> table = {};  ///< of tables only
 
   /// The value of a header key, or nothing.
   [[nodiscard]] std::optional<std::string> find(const std::string& key) const;
@@ -45,9 +53,9 @@ enum class TimeOrigin {
   kZero,      ///< the first event or trigger of the recording is at 0; events and triggers are shifted alike
 };
 
-/// What the times of a numpy or HDF5 array count.
+/// What the times of a table count.
 enum class TimeUnit {
-  kAuto,  ///< seconds where they are floating-point numbers, else microseconds
+  kAuto,  ///< as names and headers say, else microseconds where times are whole numbers, else seconds
   kSeconds,
   kMilliseconds,
   kMicroseconds,
@@ -60,10 +68,10 @@ struct OpenOptions {
   TimeOrigin time = TimeOrigin::kAbsolute;
   size_t width = 0;  ///< sensor size for files that do not say; a file that says otherwise is kInvalidValue
   size_t height = 0;
-  TimeUnit time_unit = TimeUnit::kAuto;  ///< of arrays; other formats say it themselves
-  std::string columns = {};              ///< of an array [events, 4], as "txyp"; empty = found by their values
-  std::string stream = {};               ///< number or name of a stream of events, where there are several
-  int threads = 1;                       ///< for one read() call; 0 = all cores
+  TimeUnit time_unit = TimeUnit::kAuto;  ///< of tables; kInvalidValue for formats that have a unit of their own
+  std::string columns = {};  ///< of tables, as "txyp", "-" = to be passed over; empty = found by names and values
+  std::string stream = {};   ///< number or name of a stream of events, where there are several
+  int threads = 1;           ///< for one read() call; 0 = all cores
 
   /// read() hands out from_us <= t < to_us only: times of the sensor's clock, whatever `time` is, or under kZero of
   /// `range` since the first event or trigger of the recording. A file is sought, a stream is skipped.

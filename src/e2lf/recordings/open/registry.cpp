@@ -24,8 +24,11 @@
 #include "e2lf/recordings/open/foreign_file.h"
 #include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/recordings/side_triggers.h"
+#include "e2lf/recordings/table/layout.h"
 
 namespace e2lf::recordings {
+using table::refuse_table_options;
+
 namespace {
 
 std::deque<Codec> built_in_codecs() {
@@ -50,6 +53,7 @@ std::deque<Codec> built_in_codecs() {
       {.name = "hdf5",
        .extensions = {".hdf5"},
        .description = "Metavision HDF5, compressed with ECF",
+       .is_table = true,
        .detect = hdf5_events::detect,
        .open = hdf5_events::open,
        .create_file = hdf5_events::create_file,
@@ -57,6 +61,7 @@ std::deque<Codec> built_in_codecs() {
       {.name = "dsec",
        .extensions = {".h5"},
        .description = "HDF5 with columns as in the DSEC data set",
+       .is_table = true,
        .open = hdf5_events::open,
        .create_file = hdf5_events::create_dsec_file,
        .side_file = side_trigger_path,
@@ -87,6 +92,7 @@ std::deque<Codec> built_in_codecs() {
       {.name = "npy",
        .extensions = {".npy"},
        .description = "numpy array of records x, y, p, t",
+       .is_table = true,
        .detect = numpy::detect_npy,
        .open = numpy::open_npy,
        .create_file = numpy::create_npy_file,
@@ -95,21 +101,25 @@ std::deque<Codec> built_in_codecs() {
       {.name = "npz",
        .extensions = {".npz"},
        .description = "numpy arrays x, y, p, t, held in memory",
+       .is_table = true,
        .detect = numpy::detect_npz,
        .open = numpy::open_npz,
        .create = numpy::create_npz,
+       .is_folder = numpy::is_event_folder,
+       .open_folder = numpy::open_event_folder,
        .is_written_at_end = true},
       {.name = "csv",
        .extensions = {".csv"},
        .description = "text, x,y,p,t with t in microseconds",
-       .detect = text::detect_csv,
+       .is_table = true,
+       .detect = text::detect,
        .open = text::open_csv,
        .create = text::create_csv,
        .side_file = side_trigger_path},
       {.name = "txt",
        .extensions = {".txt"},
        .description = "text, t x y p with t in seconds",
-       .detect = text::detect_txt,
+       .is_table = true,
        .open = text::open_txt,
        .create = text::create_txt,
        .side_file = side_trigger_path},
@@ -122,7 +132,7 @@ struct Table {
   std::deque<Codec> codecs = built_in_codecs();
 };
 
-Table& table() {
+Table& codec_table() {
   static Table instance;
   return instance;
 }
@@ -193,15 +203,15 @@ Error unsupported(const Codec& codec, const char* action, const std::string& nam
 }  // namespace
 
 std::vector<const Codec*> codecs() {
-  const std::lock_guard<std::mutex> lock(table().mutex);
+  const std::lock_guard<std::mutex> lock(codec_table().mutex);
   std::vector<const Codec*> all;
-  for (const Codec& codec : table().codecs) all.push_back(&codec);
+  for (const Codec& codec : codec_table().codecs) all.push_back(&codec);
   return all;
 }
 
 void add_codec(Codec codec) {
-  const std::lock_guard<std::mutex> lock(table().mutex);
-  table().codecs.push_front(std::move(codec));
+  const std::lock_guard<std::mutex> lock(codec_table().mutex);
+  codec_table().codecs.push_front(std::move(codec));
 }
 
 Result<const Codec*> find_codec(const std::string& name) {
@@ -244,6 +254,7 @@ Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSour
   E2LF_ASSIGN_OR_RETURN(const Codec* codec,
                         options.format.empty() ? detect_codec(*source) : find_codec(options.format));
   if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
+  if (!codec->is_table) E2LF_RETURN_IF_ERROR(refuse_table_options(options, codec->name, source->name()));
   E2LF_ASSIGN_OR_RETURN(auto reader, codec->open(std::move(source), options));
   if (losses != nullptr) reader->count_losses_of(std::move(losses));
   return check_stream(std::move(reader));

@@ -17,6 +17,9 @@ struct Codec {
   std::vector<std::string> extensions = {};  ///< lower case, with the dot; the first codec of the table with one wins
   std::string description = {};              ///< for help texts
 
+  /// Whether the columns and the unit of time are not fixed: OpenOptions::columns and time_unit are refused elsewhere.
+  bool is_table = false;
+
   /// Whether a file that begins with `head` is of this format; null = by extension or by name only.
   bool (*detect)(std::span<const uint8_t> head) = nullptr;
 

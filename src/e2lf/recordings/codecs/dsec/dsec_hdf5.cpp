@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/column_convert.h"
+#include "e2lf/recordings/table/column_names.h"
+#include "e2lf/recordings/table/number_columns.h"
+#include "e2lf/recordings/table/wrapped_times.h"
 #include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::hdf5_events {
@@ -23,7 +26,7 @@ constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
 /// One column of events: a data set, read in its own kind of numbers.
 struct NumberColumn {
   DatasetShape shape;
-  numpy::NumberField field;  ///< of the numbers once read
+  table::NumberField field;  ///< of the numbers once read
 };
 
 struct KnownNumber {
@@ -66,17 +69,43 @@ Error no_numbers(const std::string& name, const std::string& location) {
           location};
 }
 
-/// A file without t_offset begins at 0.
-Result<void> read_offset(hid_t file, const std::string& location, int64_t& offset_us) {
+/// The unit that an attribute of the times says.
+TimeUnit unit_of_attribute(hid_t dataset) {
+  for (const char* name : {"unit", "units"}) {
+    const TimeUnit unit = table::parse_time_unit(read_text_attribute(dataset, name));
+    if (unit != TimeUnit::kAuto) return unit;
+  }
+  return TimeUnit::kAuto;
+}
+
+/// The time that the times of a file count from, in microseconds; 0 without t_offset. It is of the unit of the
+/// times where that is named or where both are whole, and seconds where it has a fraction.
+Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit unit, const std::string& location) {
   const Handle offset(H5Dopen2(file, "t_offset", H5P_DEFAULT), H5Dclose);
-  if (!offset.valid()) return {};
+  if (!offset.valid()) return 0;
   const std::string place = location + ": t_offset";
   E2LF_ASSIGN_OR_RETURN(const Storage storage, e2lf::hdf5::inspect_storage(offset.get(), place));
-  if (storage.claimed_elements() != 1 || !e2lf::hdf5::chunks_are_whole(offset.get(), storage) ||
-      H5Dread(offset.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset_us) < 0 || !is_time(offset_us)) {
-    return Error{ErrorCode::kFormat, "not one time in microseconds; the file is damaged", place};
+  const std::string type = number_type(offset.get());
+  std::array<uint8_t, 8> bytes{};
+  const Error damaged{ErrorCode::kFormat, "not one time; the file is damaged", place};
+  if (type.empty() || storage.claimed_elements() != 1 || !e2lf::hdf5::chunks_are_whole(offset.get(), storage) ||
+      H5Dread(offset.get(), memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
+    return damaged;
   }
-  return {};
+  const table::NumberField field{type, 0, element_size(type)};
+  const double value = table::to_doubles(bytes.data(), field, 1)[0];
+  const bool is_whole = value == std::trunc(value);
+  if (options.time_unit == TimeUnit::kAuto && unit == TimeUnit::kSeconds && is_whole && value != 0) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the times are seconds, and the offset ", value, " does not say its unit; name the unit of both"),
+                 place, Setting::kTimeUnit};
+  }
+  if (options.time_unit == TimeUnit::kAuto && !is_whole) unit = TimeUnit::kSeconds;
+  int64_t offset_us = 0;
+  uint8_t bad = 0;
+  table::to_times(bytes.data(), field, unit, 1, &offset_us, &bad);
+  if (bad != 0 || !is_time(offset_us)) return damaged;
+  return offset_us;
 }
 
 /// Events read by rows, from columns or from the rows of one data set.
@@ -96,12 +125,11 @@ class RowBlocks : public EventBlocks {
     block.events.resize(count);
     E2LF_RETURN_IF_ERROR(read_rows(next_, count, block.events, bad));
     for (size_t i = 0; i < count; ++i) {
-      bad[i] |= block.events.p[i] > 1;
       // A time that is none stays one; the gate drops it.
       int64_t& t_us = block.events.t[i];
       t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
     }
-    const size_t num_bad = numpy::remove_bad(block.events, 0, bad);
+    const size_t num_bad = table::remove_bad(block.events, 0, bad);
     summary.add(Violation::kBadRecord, 0, num_bad);
     summary.dropped_words += num_bad;
     next_ += count;
@@ -135,8 +163,26 @@ class RowBlocks : public EventBlocks {
     return static_cast<const uint8_t*>(numbers_.data());
   }
 
+  /// The first number behind the sample that is wanted.
+  Result<std::optional<double>> find_further(const DatasetShape& shape, const table::NumberField& field,
+                                             const table::TableSample::IsWanted& is_wanted) {
+    for (uint64_t begin = table::kSampledRows; begin < length_; begin += kBlock) {
+      const uint64_t count = std::min(kBlock, length_ - begin);
+      E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape, field.type, begin, count));
+      const auto values = table::to_doubles(numbers, field, count);
+      const auto wanted = std::find_if(values.begin(), values.end(), is_wanted);
+      if (wanted != values.end()) return std::optional<double>(*wanted);
+    }
+    return std::optional<double>();
+  }
+
+ public:
+  [[nodiscard]] TimeUnit unit() const { return unit_; }
+
+ protected:
   std::string location_;
   TimeUnit unit_ = TimeUnit::kAuto;
+  table::PolarityCode polarity_;
   int64_t offset_us_ = 0;
   uint64_t length_ = 0;
   bool is_cut_ = false;
@@ -146,15 +192,12 @@ class RowBlocks : public EventBlocks {
   uint64_t next_ = 0;
 };
 
-/// So many tell columns and units.
-constexpr uint64_t kSampledRows = 4096;
-
 class ColumnBlocks final : public RowBlocks {
  public:
   /// The columns of one group under four names, "x", "y", "p" and "t" or the like.
-  static Result<std::unique_ptr<EventBlocks>> open(hid_t file, const std::array<std::string, 4>& names,
-                                                   const OpenOptions& options, const std::string& location,
-                                                   RecordingInfo& info) {
+  static Result<std::unique_ptr<ColumnBlocks>> open(hid_t file, const std::array<std::string, 4>& names,
+                                                    const OpenOptions& options, const std::string& location,
+                                                    RecordingInfo& info) {
     auto blocks = std::make_unique<ColumnBlocks>();
     blocks->location_ = location + ": events";
     for (size_t i = 0; i < 4; ++i) {
@@ -171,33 +214,54 @@ class ColumnBlocks final : public RowBlocks {
         return Error{ErrorCode::kShape, "the columns of events differ in length; the file is damaged", location};
       }
     }
-    E2LF_RETURN_IF_ERROR(read_offset(file, location, blocks->offset_us_));
-    const NumberColumn& times = blocks->columns_[3];
-    const uint64_t count = std::min<uint64_t>(blocks->length_, kSampledRows);
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, blocks->read_numbers(times.shape, times.field.type, 0, count));
-    blocks->unit_ = numpy::find_time_unit(options.time_unit, numbers, times.field, count, info.assumptions);
-    return std::unique_ptr<EventBlocks>(std::move(blocks));
+    E2LF_RETURN_IF_ERROR(blocks->decide(names, options, location, info));
+    E2LF_ASSIGN_OR_RETURN(blocks->offset_us_, read_offset(file, options, blocks->unit_, location));
+    return blocks;
   }
 
  private:
+  Result<void> decide(const std::array<std::string, 4>& names, const OpenOptions& options, const std::string& location,
+                      RecordingInfo& info) {
+    table::TableSample sample;
+    sample.is_ordered = false;
+    const uint64_t count = std::min<uint64_t>(length_, table::kSampledRows);
+    for (size_t i = 0; i < 4; ++i) {
+      const NumberColumn& column = columns_[i];
+      E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, 0, count));
+      const std::string name = names[i].substr(names[i].rfind('/') + 1);
+      sample.columns.push_back({name, unit_of_attribute(column.shape.dataset.get()),
+                                table::to_doubles(numbers, column.field, count),
+                                table::is_integer_type(column.field.type)});
+    }
+    sample.find_further = [&](size_t i, const auto& is_wanted) {
+      return find_further(columns_[i].shape, columns_[i].field, is_wanted);
+    };
+    E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, location, info));
+    unit_ = layout.unit;
+    polarity_ = layout.polarity;
+    return {};
+  }
+
   template <typename T>
   Result<void> read(const NumberColumn& column, uint64_t begin, uint64_t count, T* out, uint8_t* bad) {
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, begin, count));
-    numpy::to_column(numbers, column.field, count, out, bad);
+    table::to_column(numbers, column.field, count, out, bad);
     return {};
   }
 
   Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) override {
     E2LF_RETURN_IF_ERROR(read(columns_[0], begin, count, events.x.data(), bad.data()));
     E2LF_RETURN_IF_ERROR(read(columns_[1], begin, count, events.y.data(), bad.data()));
-    E2LF_RETURN_IF_ERROR(read(columns_[2], begin, count, events.p.data(), bad.data()));
+    const NumberColumn& polarities = columns_[2];
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(polarities.shape, polarities.field.type, begin, count));
+    table::to_polarities(numbers, polarities.field, polarity_, count, events.p.data(), bad.data());
     return read_times(begin, count, events.t.data(), bad.data());
   }
 
   Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
     const NumberColumn& column = columns_[3];
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, begin, count));
-    numpy::to_times(numbers, column.field, unit_, count, times_us, bad);
+    table::to_times(numbers, column.field, unit_, count, times_us, bad);
     return {};
   }
 
@@ -206,58 +270,128 @@ class ColumnBlocks final : public RowBlocks {
 
 class MatrixBlocks final : public RowBlocks {
  public:
-  static Result<std::unique_ptr<EventBlocks>> open(hid_t file, const OpenOptions& options, const std::string& location,
-                                                   RecordingInfo& info) {
+  static Result<std::unique_ptr<MatrixBlocks>> open(hid_t file, const std::string& rows, const OpenOptions& options,
+                                                    const std::string& location, RecordingInfo& info) {
     auto blocks = std::make_unique<MatrixBlocks>();
-    blocks->location_ = location + ": events";
-    E2LF_ASSIGN_OR_RETURN(blocks->shape_, open_matrix(file, "events", location));
+    blocks->location_ = cat(location, ": ", rows);
+    E2LF_ASSIGN_OR_RETURN(blocks->shape_, open_matrix(file, rows, location));
     blocks->type_ = number_type(blocks->shape_.dataset.get());
-    if (blocks->type_.empty()) return no_numbers("events", location);
+    if (blocks->type_.empty()) return no_numbers(rows, location);
     if (blocks->shape_.columns != 4) {
       return Error{ErrorCode::kShape, cat("the data set has ", blocks->shape_.columns, " columns; store t, x, y, p"),
                    blocks->location_};
     }
     blocks->length_ = blocks->shape_.length;
     blocks->is_cut_ = blocks->shape_.is_cut;
-    const uint64_t count = std::min<uint64_t>(blocks->length_, kSampledRows);
+    const uint64_t count = std::min<uint64_t>(blocks->length_, table::kSampledRows);
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, blocks->read_numbers(blocks->shape_, blocks->type_, 0, count));
-    const auto rows = numpy::sample_rows(numbers, blocks->type_, element_size(blocks->type_), count);
-    E2LF_ASSIGN_OR_RETURN(const std::string order, numpy::find_column_order(rows, options.columns, location));
-    if (options.columns.empty()) info.assumptions.push_back(numpy::column_assumption(order));
-    blocks->fields_ = numpy::fields_of_rows(order, blocks->type_, element_size(blocks->type_));
-    blocks->unit_ = numpy::find_time_unit(options.time_unit, numbers, blocks->fields_.t, count, info.assumptions);
-    return std::unique_ptr<EventBlocks>(std::move(blocks));
+    const size_t item = element_size(blocks->type_);
+    const auto field_of = [&](size_t i) { return table::NumberField{blocks->type_, i * item, 4 * item}; };
+    table::TableSample sample;
+    for (size_t i = 0; i < 4; ++i) {
+      sample.columns.push_back(
+          {"", TimeUnit::kAuto, table::to_doubles(numbers, field_of(i), count), table::is_integer_type(blocks->type_)});
+    }
+    sample.find_further = [&](size_t i, const auto& is_wanted) {
+      return blocks->find_further(blocks->shape_, field_of(i), is_wanted);
+    };
+    E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, location, info));
+    const auto [x, y, p, t] = layout.columns;
+    blocks->fields_ = {field_of(x), field_of(y), field_of(p), field_of(t), layout.unit, layout.polarity};
+    blocks->unit_ = layout.unit;
+    return blocks;
   }
 
  private:
   Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) override {
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
-    numpy::to_column(numbers, fields_.x, count, events.x.data(), bad.data());
-    numpy::to_column(numbers, fields_.y, count, events.y.data(), bad.data());
-    numpy::to_column(numbers, fields_.p, count, events.p.data(), bad.data());
-    numpy::to_times(numbers, fields_.t, unit_, count, events.t.data(), bad.data());
+    table::to_column(numbers, fields_.x, count, events.x.data(), bad.data());
+    table::to_column(numbers, fields_.y, count, events.y.data(), bad.data());
+    table::to_polarities(numbers, fields_.p, fields_.polarity, count, events.p.data(), bad.data());
+    table::to_times(numbers, fields_.t, unit_, count, events.t.data(), bad.data());
     return {};
   }
 
   Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
     E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
-    numpy::to_times(numbers, fields_.t, unit_, count, times_us, bad);
+    table::to_times(numbers, fields_.t, unit_, count, times_us, bad);
     return {};
   }
 
   DatasetShape shape_;
   std::string type_;
-  numpy::RecordFields fields_;
+  table::RecordFields fields_;
 };
 
-bool is_there(hid_t file, const std::string& name) {
-  const size_t slash = name.find('/');
-  if (slash != std::string::npos && H5Lexists(file, name.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
-  return H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0;
+/// Whether a path is there, with all of its groups.
+bool is_there(hid_t file, const std::string& path) {
+  for (size_t end = path.find('/'); end != std::string::npos; end = path.find('/', end + 1)) {
+    if (H5Lexists(file, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
+  }
+  return H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0;
 }
 
-bool is_dataset(hid_t file, const char* name) {
-  return is_there(file, name) && Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose).valid();
+bool is_dataset(hid_t file, const std::string& name) {
+  return is_there(file, name) && Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose).valid();
+}
+
+/// The names of what is in a group ("" = the file).
+std::vector<std::string> members_of(hid_t file, const std::string& group) {
+  constexpr hsize_t kMost = 1000;
+  std::vector<std::string> names;
+  const Handle opened(H5Gopen2(file, group.empty() ? "/" : group.c_str(), H5P_DEFAULT), H5Gclose);
+  H5G_info_t about{};
+  if (!opened.valid() || H5Gget_info(opened.get(), &about) < 0) return names;
+  for (hsize_t i = 0; i < std::min(about.nlinks, kMost); ++i) {
+    std::array<char, 256> name{};
+    if (H5Lget_name_by_idx(opened.get(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size(), H5P_DEFAULT) >
+        0) {
+      names.emplace_back(name.data());
+    }
+  }
+  return names;
+}
+
+/// The columns x, y, p and t in a group by their names; empty where one is missing.
+std::array<std::string, 4> find_columns(hid_t file, const std::string& group) {
+  std::array<std::pair<size_t, std::string>, 4> best;
+  for (const std::string& name : members_of(file, group)) {
+    const table::ColumnName known = table::parse_column_name(name);
+    if (!known.field) continue;
+    auto& [rank, chosen] = best[static_cast<size_t>(*known.field)];
+    const std::string path = group.empty() ? name : cat(group, "/", name);
+    if ((!chosen.empty() && rank <= known.rank) || !is_dataset(file, path)) continue;
+    rank = known.rank;
+    chosen = path;
+  }
+  return {best[0].second, best[1].second, best[2].second, best[3].second};
+}
+
+/// A column that is missing gets the name by which the error calls it.
+std::array<std::string, 4> with_usual_names(std::array<std::string, 4> names, const std::string& group) {
+  for (size_t field = 0; field < 4; ++field) {
+    if (names[field].empty()) names[field] = cat(group, group.empty() ? "" : "/", table::kFieldLetters[field]);
+  }
+  return names;
+}
+
+template <typename Blocks>
+Result<std::unique_ptr<EventBlocks>> unwrapped(Result<std::unique_ptr<Blocks>> opened) {
+  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Blocks> blocks, std::move(opened));
+  const TimeUnit unit = blocks->unit();
+  return table::make_unwrapped(std::move(blocks), unit);
+}
+
+/// Where data sets keep the events of several cameras: MVSEC's groups and those of others.
+std::vector<std::string> groups_of(hid_t file) {
+  std::vector<std::string> groups = {"events", ""};
+  for (const char* camera : {"davis", "prophesee", "events", "dvs"}) {
+    for (const char* side : {"left", "right"}) {
+      const std::string group = cat(camera, "/", side);
+      if (is_there(file, group)) groups.push_back(group);
+    }
+  }
+  return groups;
 }
 
 class DsecWriter final : public RecordingWriter {
@@ -353,13 +487,17 @@ class DsecWriter final : public RecordingWriter {
 Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options, const std::string& location,
                                                   RecordingInfo& info) {
   const LibraryLock lock;
-  if (is_dataset(file, "events")) return MatrixBlocks::open(file, options, location, info);
-  for (const std::string group : {"events/", ""}) {
-    for (const std::string plural : {"", "s"}) {
-      const std::array<std::string, 4> names = {group + "x" + plural, group + "y" + plural, group + "p" + plural,
-                                                group + "t" + plural};
-      if (is_there(file, names[3])) return ColumnBlocks::open(file, names, options, location, info);
+  const std::vector<std::string> groups = groups_of(file);
+  for (const std::string& group : groups) {
+    if (group.ends_with("/left") && is_there(file, cat(group.substr(0, group.size() - 4), "right"))) {
+      info.assumptions.push_back(
+          {cat("the events are those of ", group, "; the file also holds the camera \"right\"")});
     }
+    const std::string rows = group.empty() ? "events" : cat(group, "/events");
+    if (is_dataset(file, rows)) return unwrapped(MatrixBlocks::open(file, rows, options, location, info));
+    const std::array<std::string, 4> names = find_columns(file, group);
+    const bool has_any = !names[3].empty() && !(names[0].empty() && names[1].empty());
+    if (has_any) return unwrapped(ColumnBlocks::open(file, with_usual_names(names, group), options, location, info));
   }
   return Error{
       ErrorCode::kNotFound,

@@ -9,6 +9,7 @@
 #include "e2lf/recordings/codecs/metavision_hdf5/event_chunks.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
 #include "e2lf/recordings/side_triggers.h"
+#include "e2lf/recordings/table/layout.h"
 #include "e2lf/recordings/time_sort.h"
 
 namespace e2lf::recordings::hdf5_events {
@@ -82,6 +83,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   std::unique_ptr<EventBlocks> blocks;
   TriggerFeed triggers;
   if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
+    E2LF_RETURN_IF_ERROR(table::refuse_table_options(options, "hdf5", name));
     E2LF_ASSIGN_OR_RETURN(blocks, EventChunks::open(file.get(), name, options.threads));
     if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
       triggers = TriggerFeed(std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events"));

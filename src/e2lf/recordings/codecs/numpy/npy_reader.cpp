@@ -5,48 +5,36 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy_header.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/column_convert.h"
 #include "e2lf/recordings/codecs/numpy/numpy.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
+#include "e2lf/recordings/table/column_names.h"
+#include "e2lf/recordings/table/number_columns.h"
+#include "e2lf/recordings/table/wrapped_times.h"
 #include "e2lf/recordings/time_search.h"
 #include "e2lf/recordings/time_sort.h"
 
 namespace e2lf::recordings::numpy {
+using table::kSampledRows;
+using table::NumberField;
+using table::RecordFields;
+
 namespace {
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
 constexpr size_t kMaxRecordBytes = 4096;
-constexpr size_t kSampledRows = 4096;  // of an array [events, 4], to tell its columns
-
-/// The field of a record that has one of the names.
-Result<NumberField> find_field(const NpyArray& array, std::initializer_list<const char*> names,
-                               const std::string& location) {
-  for (const NpyField& field : array.fields) {
-    if (std::find(names.begin(), names.end(), field.name) == names.end()) continue;
-    if (!is_number_type(field.type)) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("field \"", field.name, "\" is of type ", field.type, "; store numbers, as u2 and i8"),
-                   location};
-    }
-    return NumberField{field.type, field.offset, array.item_size};
-  }
-  return Error{ErrorCode::kFormat, cat("the records have no field \"", *names.begin(), "\"; are they events?"),
-               location};
-}
 
 /// Whether an array is [events, 4].
 bool has_four_columns(const NpyArray& array) {
-  return array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && is_number_type(array.type);
+  return array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && table::is_number_type(array.type);
 }
 
-Result<RecordFields> find_fields(const NpyArray& array, const std::string& location) {
-  RecordFields fields;
-  E2LF_ASSIGN_OR_RETURN(fields.x, find_field(array, {"x"}, location));
-  E2LF_ASSIGN_OR_RETURN(fields.y, find_field(array, {"y"}, location));
-  E2LF_ASSIGN_OR_RETURN(fields.p, find_field(array, {"p", "polarity", "on"}, location));
-  E2LF_ASSIGN_OR_RETURN(fields.t, find_field(array, {"t", "ts", "timestamp"}, location));
-  return fields;
+/// Whether records have fields that can be those of events.
+bool has_event_fields(const NpyArray& array) {
+  const auto names_time = [](const NpyField& field) {
+    return table::parse_column_name(field.name).field == table::Field::kT;
+  };
+  return std::any_of(array.fields.begin(), array.fields.end(), names_time) && array.fields.size() >= 4;
 }
 
 /// Copies records of big-endian numbers as little-endian ones.
@@ -141,48 +129,87 @@ Result<NpyHeader> read_header(std::span<const uint8_t> head, const std::string& 
   return header;
 }
 
-/// Makes the rows of an array [events, 4] records, and says where the numbers of an event are in them.
-Result<RecordFields> find_columns(std::span<const uint8_t> bytes, const std::string& order, const std::string& name,
-                                  NpyHeader& header, RecordingInfo& info) {
+/// OpenEB's records, which e2lf writes: their times are microseconds.
+bool is_openeb(const NpyArray& array) {
+  const std::vector<NpyField>& fields = array.fields;
+  constexpr std::pair<const char*, const char*> kFields[] = {{"x", "u2"}, {"y", "u2"}, {"p", "i2"}, {"t", "i8"}};
+  return fields.size() == 4 && std::equal(fields.begin(), fields.end(), kFields, [](const auto& a, const auto& b) {
+           return a.name == b.first && a.type == b.second;
+         });
+}
+
+/// The columns of records, or of the rows of an array [events, 4], which become records.
+std::vector<NpyField> columns_of(NpyHeader& header) {
+  if (!has_four_columns(header.array)) return header.array.fields;
   const size_t number_bytes = header.array.item_size;
-  if (!header.big_endian.empty()) {
-    for (size_t i = 1; i < 4; ++i) header.big_endian.push_back({i * number_bytes, number_bytes});
+  const bool is_big_endian = !header.big_endian.empty();
+  std::vector<NpyField> columns;
+  for (size_t i = 0; i < 4; ++i) {
+    columns.push_back({"", header.array.type, i * number_bytes});
+    if (i > 0 && is_big_endian) header.big_endian.push_back({i * number_bytes, number_bytes});
   }
   header.array.item_size = 4 * number_bytes;
-  const size_t count = std::min({bytes.size() / header.array.item_size, kSampledRows, header.array.shape[0]});
-  bytes = bytes.first(count * header.array.item_size);
-  std::vector<uint8_t> little;
-  if (!header.big_endian.empty()) {
-    reverse_big_endian(bytes, header, little);
-    bytes = little;
-  }
-  const auto rows = sample_rows(bytes.data(), header.array.type, number_bytes, count);
-  E2LF_ASSIGN_OR_RETURN(const std::string found, find_column_order(rows, order, name));
-  if (order.empty()) info.assumptions.push_back(column_assumption(found));
-  return fields_of_rows(found, header.array.type, number_bytes);
+  return columns;
 }
 
-/// Where the numbers of an event are; the source stands at the first record.
-Result<RecordFields> fields_of(ByteSource& source, const std::string& order, NpyHeader& header, RecordingInfo& info) {
-  const std::string name = source.name();
-  if (!has_four_columns(header.array)) return find_fields(header.array, name);
-  E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kSampledRows * 4 * header.array.item_size));
-  return find_columns(bytes, order, name, header, info);
-}
-
-/// The unit of the times; the source stands at the first record.
-Result<TimeUnit> unit_of(ByteSource& source, TimeUnit named, const NpyHeader& header, const NumberField& times,
-                         RecordingInfo& info) {
+/// The first records, little-endian; the source stands at the first.
+Result<std::vector<uint8_t>> first_records(ByteSource& source, const NpyHeader& header) {
   const size_t record_bytes = header.array.item_size;
-  E2LF_ASSIGN_OR_RETURN(auto bytes, source.fetch(kSampledRows * record_bytes));
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kSampledRows * record_bytes));
   const size_t count = std::min({bytes.size() / record_bytes, kSampledRows, header.array.shape[0]});
-  bytes = bytes.first(count * record_bytes);
-  std::vector<uint8_t> little;
-  if (!header.big_endian.empty()) {
-    reverse_big_endian(bytes, header, little);
-    bytes = little;
+  std::vector<uint8_t> records;
+  reverse_big_endian(bytes.first(count * record_bytes), header, records);
+  return records;
+}
+
+/// The first number behind the sample that is wanted. Leaves the source at the first record.
+Result<std::optional<double>> find_further(ByteSource& source, const NpyHeader& header, const NpyField& column,
+                                           const table::TableSample::IsWanted& is_wanted) {
+  const size_t item = header.array.item_size;
+  std::optional<double> found;
+  std::vector<uint8_t> records;
+  while (!found) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kBlockBytes / item * item));
+    const size_t count = std::min(bytes.size(), kBlockBytes) / item;
+    if (count == 0) break;
+    reverse_big_endian(bytes.first(count * item), header, records);
+    const auto values = table::to_doubles(records.data(), {column.type, column.offset, item}, count);
+    const auto wanted = std::find_if(values.begin(), values.end(), is_wanted);
+    if (wanted != values.end()) found = *wanted;
+    source.consume(count * item);
   }
-  return find_time_unit(named, bytes.data(), times, count, info.assumptions);
+  E2LF_RETURN_IF_ERROR(source.seek(header.data_offset));
+  return found;
+}
+
+/// Where the numbers of an event are, and how they are to be read; the source stands at the first record.
+Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& options, NpyHeader& header,
+                                   RecordingInfo& info) {
+  const std::string name = source.name();
+  table::TableSample sample;
+  if (is_openeb(header.array)) sample.usual_unit = TimeUnit::kMicroseconds;
+  const std::vector<NpyField> columns = columns_of(header);
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> records, first_records(source, header));
+  const size_t item = header.array.item_size;
+  std::vector<NumberField> fields;
+  for (const NpyField& column : columns) {
+    if (!table::is_number_type(column.type)) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("field \"", column.name, "\" is of type ", column.type, "; store numbers, as u2 and i8"), name};
+    }
+    fields.push_back({column.type, column.offset, item});
+    sample.columns.push_back({column.name, TimeUnit::kAuto,
+                              table::to_doubles(records.data(), fields.back(), records.size() / item),
+                              table::is_integer_type(column.type)});
+  }
+  if (source.seekable()) {
+    sample.find_further = [&](size_t column, const auto& is_wanted) {
+      return find_further(source, header, columns[column], is_wanted);
+    };
+  }
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, name, info));
+  const auto [x, y, p, t] = layout.columns;
+  return RecordFields{fields[x], fields[y], fields[p], fields[t], layout.unit, layout.polarity};
 }
 
 /// Fails where a file goes on behind the events that its header counts: it was never finished, or its header is wrong.
@@ -200,7 +227,7 @@ Result<void> check_count(const NpyHeader& header, const ByteSource& source) {
 
 bool detect_npy(std::span<const uint8_t> head) {
   const auto header = read_header(head, "");
-  return header.ok() && (has_four_columns(header->array) || find_fields(header->array, "").ok());
+  return header.ok() && (has_four_columns(header->array) || has_event_fields(header->array));
 }
 
 Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
@@ -211,13 +238,14 @@ Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> so
   info.format = "npy";
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   source->consume(header.data_offset);
-  E2LF_ASSIGN_OR_RETURN(RecordFields fields, fields_of(*source, options.columns, header, info));
+  E2LF_ASSIGN_OR_RETURN(RecordFields fields, decide_fields(*source, options, header, info));
   E2LF_RETURN_IF_ERROR(check_count(header, *source));
-  E2LF_ASSIGN_OR_RETURN(fields.unit, unit_of(*source, options.time_unit, header, fields.t, info));
   E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->logical_path()));
   const bool is_seekable = source->seekable();
+  const TimeUnit unit = fields.unit;
   auto records = std::make_unique<NpyBlocks>(std::move(source), std::move(header), std::move(fields));
-  return make_block_reader(make_time_sorted(std::move(records), is_seekable, name), std::move(info), name, options,
+  auto unwrapped = table::make_unwrapped(std::move(records), unit);
+  return make_block_reader(make_time_sorted(std::move(unwrapped), is_seekable, name), std::move(info), name, options,
                            std::move(triggers));
 }
 

@@ -1,19 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/memory.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/files/options.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/column_convert.h"
 #include "e2lf/recordings/codecs/numpy/numpy.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/table/column_names.h"
+#include "e2lf/recordings/table/number_columns.h"
+#include "e2lf/recordings/table/wrapped_times.h"
 #include "e2lf/recordings/time_search.h"
 #include "e2lf/recordings/time_sort.h"
 
 namespace e2lf::recordings::numpy {
+using table::Field;
+using table::kSampledRows;
+using table::NumberField;
+
 namespace {
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
@@ -28,7 +36,7 @@ Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const 
     const auto found = arrays.find(key);
     if (found == arrays.end()) continue;
     const NpyArray& array = found->second;
-    if (array.shape.size() != 1 || !is_number_type(array.type)) {
+    if (array.shape.size() != 1 || !table::is_number_type(array.type)) {
       return Error{ErrorCode::kShape, cat("array \"", key, "\" is not a column of numbers; store x, y, p, t"), name};
     }
     return &array;
@@ -53,7 +61,7 @@ Result<Column<T>> read_column(const NpzArrays& arrays, Names names, const std::s
                               Column<uint8_t>& bad) {
   E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name, count));
   Column<T> column(count);
-  to_column(array->bytes.data(), {array->type, 0, array->item_size}, count, column.data(), bad.data());
+  table::to_column(array->bytes.data(), {array->type, 0, array->item_size}, count, column.data(), bad.data());
   return column;
 }
 
@@ -62,7 +70,7 @@ Result<Column<int64_t>> read_times(const NpzArrays& arrays, Names names, const s
                                    TimeUnit unit, Column<uint8_t>& bad) {
   E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name, count));
   Column<int64_t> column(count);
-  to_times(array->bytes.data(), {array->type, 0, array->item_size}, unit, count, column.data(), bad.data());
+  table::to_times(array->bytes.data(), {array->type, 0, array->item_size}, unit, count, column.data(), bad.data());
   return column;
 }
 
@@ -204,49 +212,93 @@ void read_size(const NpzArrays& arrays, RecordingInfo& info) {
   info.height = static_cast<size_t>((*size)[1]);
 }
 
-/// So many tell columns and units.
-constexpr size_t kSampledRows = 4096;
-
-struct NpzEvents {
-  EventColumns columns;
-  TimeUnit unit = TimeUnit::kAuto;
-  size_t num_bad = 0;
+/// One column of the events of an archive, in an array of its own or within its rows.
+struct NpzColumn {
+  std::string name;
+  const NpyArray* array = nullptr;
+  NumberField field;
 };
 
-/// The events of an array [events, 4].
-Result<NpzEvents> read_rows(const NpyArray& array, const OpenOptions& options, const std::string& name,
-                            RecordingInfo& info) {
-  const auto rows =
-      sample_rows(array.bytes.data(), array.type, array.item_size, std::min(array.shape[0], kSampledRows));
-  E2LF_ASSIGN_OR_RETURN(const std::string order, find_column_order(rows, options.columns, name));
-  if (options.columns.empty()) info.assumptions.push_back(column_assumption(order));
-  RecordFields fields = fields_of_rows(order, array.type, array.item_size);
-  fields.unit = find_time_unit(options.time_unit, array.bytes.data(), fields.t, rows.size(), info.assumptions);
-  NpzEvents events;
-  events.unit = fields.unit;
-  events.num_bad = to_events(array.bytes.data(), fields, array.shape[0], events.columns);
-  return events;
+/// The columns of the rows of an array: its fields, or four without names.
+std::vector<NpzColumn> columns_of_rows(const NpyArray& array) {
+  std::vector<NpzColumn> columns;
+  for (const NpyField& field : array.fields) {
+    if (table::is_number_type(field.type)) {
+      columns.push_back({field.name, &array, {field.type, field.offset, array.item_size}});
+    }
+  }
+  for (size_t i = 0; array.fields.empty() && i < 4; ++i) {
+    columns.push_back({"", &array, {array.type, i * array.item_size, 4 * array.item_size}});
+  }
+  return columns;
 }
 
-/// The events of four arrays, a column each.
-Result<NpzEvents> read_columns(const NpzArrays& arrays, const OpenOptions& options, const std::string& name,
-                               RecordingInfo& info) {
-  const Names times = {"t", "ts", "timestamp", "timestamps"};
-  E2LF_ASSIGN_OR_RETURN(const NpyArray* time_column, find_column(arrays, times, name));
-  const size_t count = time_column->shape[0];
-  NpzEvents events;
-  events.unit =
-      find_time_unit(options.time_unit, time_column->bytes.data(), {time_column->type, 0, time_column->item_size},
-                     std::min(count, kSampledRows), info.assumptions);
-  Column<uint8_t> bad(count);
-  std::fill(bad.begin(), bad.end(), uint8_t{0});
-  EventColumns& columns = events.columns;
-  E2LF_ASSIGN_OR_RETURN(columns.x, read_column<uint16_t>(arrays, {"x", "xs"}, name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(columns.y, read_column<uint16_t>(arrays, {"y", "ys"}, name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(columns.p, read_column<uint8_t>(arrays, {"p", "ps", "pol", "polarity"}, name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(columns.t, read_times(arrays, times, name, count, events.unit, bad));
-  for (size_t i = 0; i < count; ++i) bad[i] |= columns.p[i] > 1;
-  events.num_bad = remove_bad(columns, 0, bad);
+/// The arrays that are named as the numbers of an event are; of two for one number the better name. An array "xy" holds
+/// both coordinates.
+Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std::string& name) {
+  std::array<std::pair<size_t, std::string>, table::kNumFields> best{};
+  std::vector<NpzColumn> columns;
+  for (const auto& [key, array] : arrays) {
+    const table::ColumnName known = table::parse_column_name(key);
+    if (known.is_xy && columns.empty() && array.shape.size() == 2 && array.shape[1] == 2 &&
+        table::is_number_type(array.type)) {
+      columns.push_back({"x", &array, {array.type, 0, 2 * array.item_size}});
+      columns.push_back({"y", &array, {array.type, array.item_size, 2 * array.item_size}});
+    }
+    if (!known.field) continue;
+    auto& [rank, chosen] = best[static_cast<size_t>(*known.field)];
+    if (chosen.empty() || known.rank < rank) {
+      rank = known.rank;
+      chosen = key;
+    }
+  }
+  for (size_t field = columns.size(); field < table::kNumFields; ++field) {
+    const std::string key =
+        best[field].second.empty() ? std::string(1, table::kFieldLetters[field]) : best[field].second;
+    E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, {key.c_str()}, name));
+    columns.push_back({key, array, {array->type, 0, array->item_size}});
+  }
+  for (const NpzColumn& column : columns) {
+    if (column.array->shape[0] != columns[0].array->shape[0]) {
+      return Error{ErrorCode::kShape, cat("array \"", column.name, "\" differs in length; store it whole"), name};
+    }
+  }
+  return columns;
+}
+
+/// Reads the events of some columns. Sets `unit` to that of their times.
+Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is_ordered, const OpenOptions& options,
+                                  const std::string& name, RecordingInfo& info, TimeUnit& unit, size_t& num_bad) {
+  const size_t count = columns.empty() ? 0 : columns[0].array->shape[0];
+  const size_t sampled = std::min(count, kSampledRows);
+  table::TableSample sample;
+  sample.is_ordered = is_ordered;
+  if (info.format == "npz" && info.width != 0 && options.width == 0)
+    sample.usual_unit = TimeUnit::kMicroseconds;  // written by e2lf
+  for (const NpzColumn& column : columns) {
+    sample.columns.push_back({column.name, TimeUnit::kAuto,
+                              table::to_doubles(column.array->bytes.data(), column.field, sampled),
+                              table::is_integer_type(column.field.type)});
+  }
+  sample.find_further = [&](size_t i, const auto& is_wanted) -> Result<std::optional<double>> {
+    const auto values = table::to_doubles(columns[i].array->bytes.data(), columns[i].field, count);
+    const auto wanted = std::find_if(values.begin() + static_cast<ptrdiff_t>(sampled), values.end(), is_wanted);
+    return wanted == values.end() ? std::optional<double>() : *wanted;
+  };
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, name, info));
+  unit = layout.unit;
+  Column<uint8_t> bad(count, 0);
+  EventColumns events;
+  events.resize(count);
+  const auto bytes_of = [&](Field field) {
+    return columns[layout.columns[static_cast<size_t>(field)]].array->bytes.data();
+  };
+  const auto field_of = [&](Field field) { return columns[layout.columns[static_cast<size_t>(field)]].field; };
+  table::to_column(bytes_of(Field::kX), field_of(Field::kX), count, events.x.data(), bad.data());
+  table::to_column(bytes_of(Field::kY), field_of(Field::kY), count, events.y.data(), bad.data());
+  table::to_polarities(bytes_of(Field::kP), field_of(Field::kP), layout.polarity, count, events.p.data(), bad.data());
+  table::to_times(bytes_of(Field::kT), field_of(Field::kT), unit, count, events.t.data(), bad.data());
+  num_bad = table::remove_bad(events, 0, bad);
   return events;
 }
 
@@ -256,9 +308,34 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
   const NpyArray* const array = named != arrays.end() ? &named->second
                                 : arrays.size() == 1  ? &arrays.begin()->second
                                                       : nullptr;
-  const bool fits = array != nullptr && array->fields.empty() && array->shape.size() == 2 && array->shape[1] == 4 &&
-                    is_number_type(array->type);
-  return fits ? array : nullptr;
+  if (array == nullptr) return nullptr;
+  const bool are_rows =
+      array->fields.empty() && array->shape.size() == 2 && array->shape[1] == 4 && table::is_number_type(array->type);
+  const bool are_records = !array->fields.empty() && array->shape.size() == 1;
+  return are_rows || are_records ? array : nullptr;
+}
+
+/// A reader of decoded arrays; `info` says format and size.
+Result<std::unique_ptr<RecordingReader>> open_arrays(const NpzArrays& arrays, RecordingInfo info,
+                                                     const std::string& name, const OpenOptions& options) {
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+  const NpyArray* const rows = find_rows(arrays);
+  std::vector<NpzColumn> columns;
+  if (rows != nullptr) {
+    columns = columns_of_rows(*rows);
+  } else {
+    E2LF_ASSIGN_OR_RETURN(columns, named_columns(arrays, name));
+  }
+  TimeUnit unit = TimeUnit::kMicroseconds;
+  size_t num_bad = 0;
+  EventBatch all;
+  E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, rows != nullptr, options, name, info, unit, num_bad));
+  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
+  E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "is not told", name));
+  std::unique_ptr<EventBlocks> blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
+  blocks = table::make_unwrapped(std::move(blocks), unit);
+  return make_block_reader(make_time_sorted(std::move(blocks), /*is_seekable=*/true, name), std::move(info), name,
+                           options);
 }
 
 }  // namespace
@@ -280,18 +357,37 @@ Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> so
   RecordingInfo info;
   info.format = "npz";
   read_size(arrays, info);
-  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+  return open_arrays(arrays, std::move(info), name, options);
+}
 
-  const NpyArray* const rows = find_rows(arrays);
-  E2LF_ASSIGN_OR_RETURN(NpzEvents events, rows != nullptr ? read_rows(*rows, options, name, info)
-                                                          : read_columns(arrays, options, name, info));
-  size_t num_bad = events.num_bad;
-  EventBatch all;
-  all.events = std::move(events.columns);
-  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, events.unit, num_bad));
-  auto columns = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
-  return make_block_reader(make_time_sorted(std::move(columns), /*is_seekable=*/true, name), std::move(info), name,
-                           options);
+bool is_event_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path / "events_ts.npy", error) &&
+         std::filesystem::is_regular_file(path / "events_xy.npy", error) &&
+         std::filesystem::is_regular_file(path / "events_p.npy", error);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem::path& path,
+                                                           const OpenOptions& options) {
+  NpzArrays arrays;
+  for (const char* key : {"events_ts", "events_xy", "events_p"}) {
+    const std::filesystem::path file = path / cat(key, ".npy");
+    std::error_code error;
+    const uintmax_t bytes = std::filesystem::file_size(file, error);
+    if (!error) E2LF_RETURN_IF_ERROR(require_memory(3 * bytes, "store the events as .raw or .hdf5", file.string()));
+    E2LF_ASSIGN_OR_RETURN(arrays[key], read_npy(file));
+  }
+  RecordingInfo info;
+  info.format = "evreal";
+  if (const auto metadata = read_json(path / "metadata.json"); metadata && metadata->is_object()) {
+    const Json size = metadata->value("sensor_resolution", Json());
+    const auto is_size = [](const Json& value) { return value.is_number_unsigned() && value.get<uint64_t>() <= 65536; };
+    if (size.is_array() && size.size() == 2 && is_size(size[0]) && is_size(size[1])) {
+      info.height = size[0].get<size_t>();
+      info.width = size[1].get<size_t>();
+    }
+  }
+  return open_arrays(arrays, std::move(info), path.string(), options);
 }
 
 Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {

@@ -9,12 +9,11 @@
 
 namespace e2lf::recordings::numpy {
 
-/// Events as numpy arrays, in any order of time. A .npy file is one array of records with the fields x, y, p, t (also
-/// "polarity", "on", "ts", "timestamp") in any order and of any type of numbers, or an array [events, 4]
-/// (find_column_order); we write OpenEB's records {x u2, y u2, p i2, t i8}, 16 bytes. It is streamed. An .npz file has
-/// the columns x, y, p, t (also xs, ys, ps, ts and the like) as arrays of one length, or `events` [events, 4];
-/// trigger_p, trigger_id, trigger_t, and size = [width, height]; it is read and written whole, in memory. Polarities
-/// are 0/1 or -1/1; times are microseconds, or seconds where they are floating-point numbers, unless OpenOptions says.
+/// Events as numpy arrays, in any order of time. A .npy file is one array of records with the fields x, y, p, t in any
+/// order and of any type of numbers, or an array [events, 4]; we write OpenEB's records {x u2, y u2, p i2, t i8}, 16
+/// bytes. It is streamed. An .npz file has the columns x, y, p, t as arrays of one length, or one array of records or
+/// rows; trigger_p, trigger_id, trigger_t, and size = [width, height]; it is read and written whole, in memory.
+/// Columns, names, units and polarities: table/layout.h.
 
 [[nodiscard]] bool detect_npy(std::span<const uint8_t> head);
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> source,
@@ -30,5 +29,11 @@ namespace e2lf::recordings::numpy {
                                                                 const OpenOptions& options);
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink,
                                                                   const RecordingInfo& info);
+
+/// A folder as EVREAL reads it: events_ts.npy, events_xy.npy [events, 2], events_p.npy, and maybe metadata.json with
+/// sensor_resolution = [height, width]. It is read whole, in memory.
+[[nodiscard]] bool is_event_folder(const std::filesystem::path& path);
+[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem::path& path,
+                                                                         const OpenOptions& options);
 
 }  // namespace e2lf::recordings::numpy

@@ -2,32 +2,52 @@
 #include "e2lf/recordings/codecs/text/csv_layout.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
-#include <string>
-#include <vector>
+#include <map>
+
+#include "e2lf/base/printable.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/table/column_names.h"
 
 namespace e2lf::recordings::text {
 namespace {
 
-constexpr int64_t kTimeLimitUs = int64_t{1} << 62;
+constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
 
-bool is_separator(char c) {
-  return c == ',' || c == ' ' || c == ';' || c == '\t' || c == '\r';
+bool is_utf16(std::span<const uint8_t> bytes) {
+  if (bytes.size() < 4) return false;
+  const bool has_mark = (bytes[0] == 0xFF && bytes[1] == 0xFE) || (bytes[0] == 0xFE && bytes[1] == 0xFF);
+  const auto is_ascii = [&](size_t i) { return bytes[i] != 0 && bytes[i] < 0x80; };
+  const bool is_plain = (is_ascii(0) && bytes[1] == 0 && is_ascii(2) && bytes[3] == 0) ||
+                        (bytes[0] == 0 && is_ascii(1) && bytes[2] == 0 && is_ascii(3));
+  return has_mark ? bytes[2] == 0 || bytes[3] == 0 : is_plain;
 }
 
-bool is_digit(char c) {
-  return static_cast<unsigned char>(c - '0') < 10;
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (size_t i = 0; i < line.size();) {
-    while (i < line.size() && is_separator(line[i])) ++i;
-    const size_t begin = i;
-    while (i < line.size() && !is_separator(line[i])) ++i;
-    if (i > begin) words.push_back(line.substr(begin, i - begin));
+std::vector<std::string_view> lines_of(std::string_view text, char line_end, bool is_whole) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const size_t end = text.find(line_end);
+    // The last one may go on, unless nothing else is there.
+    if (end == std::string_view::npos && !is_whole && !lines.empty()) break;
+    lines.push_back(text.substr(0, end));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
-  return words;
+  return lines;
+}
+
+/// Whether commas stand within numbers: other characters separate four or more of these.
+bool has_decimal_commas(const std::vector<std::string_view>& lines) {
+  size_t within = 0, between = 0;
+  for (const std::string_view line : lines) {
+    if (line.find(',') == std::string_view::npos || is_comment(line)) continue;
+    bool is_within = split(line, true).size() >= 4;
+    for (const std::string_view word : split(line, true)) {
+      is_within = is_within && parse_cell(word, true).has_value();
+    }
+    (is_within ? within : between) += 1;
+  }
+  return within > between;
 }
 
 bool parse_size(std::string_view word, size_t& value) {
@@ -35,132 +55,174 @@ bool parse_size(std::string_view word, size_t& value) {
   return error == std::errc() && end == word.data() + word.size() && value >= 1 && value <= 65536;
 }
 
-/// "x", "y", "p" or "polarity", "t" or "timestamp" in some order.
-bool parse_names(const std::vector<std::string_view>& words, Layout& layout) {
-  if (words.size() != 4) return false;
-  auto order = layout.order;
-  std::array<bool, 4> seen{};
-  for (size_t i = 0; i < 4; ++i) {
-    const char first = static_cast<char>(words[i][0] | 0x20);
-    const size_t field = std::string_view("xypt").find(first);
-    if (field == std::string_view::npos || seen[field]) return false;
-    seen[field] = true;
-    order[i] = static_cast<Field>(field);
+/// "geometry: 640,480", "sensor size 640x480", "width 640, height 480" in a comment.
+void read_size(std::string_view comment, TextHead& head) {
+  std::string lower(comment);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto has = [&](const char* word) { return lower.find(word) != std::string::npos; };
+  if (!has("geometry") && !has("resolution") && !has("size") && !(has("width") && has("height"))) return;
+  std::vector<size_t> numbers;
+  for (size_t i = 0; i < lower.size();) {
+    const size_t begin = i;
+    while (i < lower.size() && std::isdigit(static_cast<unsigned char>(lower[i])) != 0) ++i;
+    size_t number = 0;
+    if (i > begin && parse_size(std::string_view(lower).substr(begin, i - begin), number)) numbers.push_back(number);
+    if (i == begin) ++i;
   }
-  layout.order = order;
-  return true;
+  if (numbers.size() != 2) return;
+  if (has("height") && has("width") && lower.find("height") < lower.find("width")) std::swap(numbers[0], numbers[1]);
+  head.width = numbers[0];
+  head.height = numbers[1];
 }
 
-/// A whole number with an optional sign at `next`, which moves behind it.
-bool parse_integer(const char*& next, const char* end, int64_t& value) {
-  const bool negative = next != end && *next == '-';
-  next += negative;
-  if (next == end || !is_digit(*next)) return false;
-  value = 0;
-  for (; next != end && is_digit(*next); ++next) {
-    if (value >= kTimeLimitUs / 10) return false;
-    value = value * 10 + (*next - '0');
-  }
-  if (negative) value = -value;
-  return true;
-}
-
-/// Seconds as microseconds, rounded: digits, maybe a point and more digits; an exponent is taken by the slow way.
-bool parse_seconds(const char*& next, const char* end, int64_t& value_us) {
-  const char* const begin = next;
-  const bool negative = next != end && *next == '-';
-  int64_t seconds = 0;
-  if (!parse_integer(next, end, seconds) || seconds > kTimeLimitUs / 1'000'000 || seconds < -kTimeLimitUs / 1'000'000) {
-    return false;
-  }
-  int64_t fraction = 0;
-  if (next != end && *next == '.') {
-    ++next;
-    int digits = 0;
-    for (; next != end && is_digit(*next); ++next, ++digits) {
-      if (digits < 6) fraction = fraction * 10 + (*next - '0');
-      if (digits == 6) fraction += *next >= '5';
+/// The names in a line: those between commas or the like, or the words of a line with blanks alone, where a unit in
+/// brackets belongs to the word before it. A comma in front leaves the first one without a name.
+std::vector<std::string> names_in(std::string_view line, bool has_decimal_comma) {
+  line.remove_prefix(std::min(line.size(), line.find_first_not_of("#%/; \t\xEF\xBB\xBF")));
+  const char* separators = !has_decimal_comma && line.find(',') != std::string_view::npos ? ","
+                           : line.find(';') != std::string_view::npos                     ? ";"
+                           : line.find('\t') != std::string_view::npos                    ? "\t"
+                                                                                          : " ";
+  std::vector<std::string> names;
+  for (size_t begin = 0; begin <= line.size();) {
+    const size_t end = std::min(line.find(separators[0], begin), line.size());
+    const std::string name(line.substr(begin, end - begin));
+    begin = end + 1;
+    const size_t first = name.find_first_not_of(" \r\n");
+    if (separators[0] == ' ' && first == std::string::npos) continue;
+    if (separators[0] == ' ' && !names.empty() && (name[first] == '(' || name[first] == '[')) {
+      names.back() += " " + name;
+    } else {
+      names.push_back(name);
     }
-    for (; digits < 6; ++digits) fraction *= 10;
   }
-  if (next != end && (*next == 'e' || *next == 'E')) {
-    double number = 0;
-    const auto [after, error] = std::from_chars(begin, end, number);
-    if (error != std::errc() || !(number > -4e12 && number < 4e12)) return false;
-    next = after;
-    value_us = static_cast<int64_t>(number * 1e6 + (negative ? -0.5 : 0.5));
-    return true;
-  }
-  value_us = seconds * 1'000'000 + (negative ? -fraction : fraction);
+  while (!names.empty() && names.back().find_first_not_of(" \r\n") == std::string::npos) names.pop_back();
+  return names;
+}
+
+/// Gives the columns the names of a line, where it has as many of which two are known.
+bool take_names(std::string_view line, TextHead& head) {
+  const std::vector<std::string> names = names_in(line, head.has_decimal_comma);
+  if (names.size() != head.columns) return false;
+  size_t known = 0;
+  for (const std::string& name : names) known += table::parse_column_name(name).field.has_value();
+  if (known < 2) return false;
+  for (size_t i = 0; i < names.size(); ++i) head.sample.columns[i].name = names[i];
   return true;
 }
 
-void skip_fraction(const char*& next, const char* end) {
-  if (next == end || *next != '.') return;
-  ++next;
-  while (next != end && *next == '0') ++next;
+struct Cells {
+  std::vector<std::string_view> words;
+  std::vector<double> values;  ///< as many where all are numbers
+  [[nodiscard]] bool are_numbers() const { return !words.empty() && values.size() == words.size(); }
+};
+
+Cells cells_of(std::string_view line, bool has_decimal_comma) {
+  Cells cells{split(line, has_decimal_comma), {}};
+  for (const std::string_view word : cells.words) {
+    const auto value = parse_cell(word, has_decimal_comma);
+    if (!value) break;
+    cells.values.push_back(*value);
+  }
+  return cells;
+}
+
+bool has_any_number(const Cells& cells, bool has_decimal_comma) {
+  return std::any_of(cells.words.begin(), cells.words.end(),
+                     [&](std::string_view word) { return parse_cell(word, has_decimal_comma).has_value(); });
+}
+
+/// Whether a time is written in seconds as e2lf and E2VID do, with six decimals.
+bool has_six_decimals(std::string_view word) {
+  const size_t point = word.find('.');
+  return point != std::string_view::npos && word.size() - point == 7 &&
+         word.find_first_of("eE") == std::string_view::npos;
 }
 
 }  // namespace
 
-bool parse_line(std::string_view line, const Layout& layout, Event& event) {
-  const char* next = line.data();
-  const char* const end = next + line.size();
-  std::array<int64_t, 4> values;
-  for (const Field field : layout.order) {
-    while (next != end && is_separator(*next)) ++next;
-    int64_t& value = values[static_cast<size_t>(field)];
-    if (field == Field::kT && layout.is_seconds) {
-      if (!parse_seconds(next, end, value)) return false;
-    } else {
-      if (!parse_integer(next, end, value)) return false;
-      skip_fraction(next, end);
-    }
-    if (next != end && !is_separator(*next)) return false;
-  }
-  while (next != end && is_separator(*next)) ++next;
-  const auto [x, y, p, t] = values;
-  if (next != end || x < 0 || x > UINT16_MAX || y < 0 || y > UINT16_MAX || p < -1 || p > 1) return false;
-  event = {static_cast<uint16_t>(x), static_cast<uint16_t>(y), static_cast<uint8_t>(p > 0), t};
-  return true;
+std::string quoted(std::string_view line) {
+  constexpr size_t kMost = 60;
+  return cat('"', printable(line.substr(0, kMost)), line.size() > kMost ? "...\"" : "\"");
 }
 
-std::optional<Layout> find_layout(std::span<const uint8_t> head) {
-  Layout layout;
-  bool has_names = false;
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-  for (size_t begin = 0; begin < text.size();) {
-    const size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view line = text.substr(begin, end - begin);
-    const std::vector<std::string_view> words = split(line);
-    layout.header_bytes = begin;
-    begin = end + 1;
-    if (line.starts_with("%geometry:")) {
-      const std::vector<std::string_view> sizes = split(line.substr(10));
-      if (sizes.size() != 2 || !parse_size(sizes[0], layout.width) || !parse_size(sizes[1], layout.height)) return {};
-    } else if (words.empty() || line[0] == '#' || line[0] == '%') {
-      continue;
-    } else if (words.size() == 2 && !has_names && layout.width == 0) {
-      if (!parse_size(words[0], layout.width) || !parse_size(words[1], layout.height)) return {};
-      layout.order = kTxtOrder;
-      layout.is_seconds = true;
-    } else if (!has_names && parse_names(words, layout)) {
-      has_names = true;
-    } else {
-      if (words.size() != 4) return {};
-      const bool first_has_point = words[0].find('.') != std::string_view::npos;
-      if (!has_names && first_has_point) layout.order = kTxtOrder;
-      const auto time_at = std::find(layout.order.begin(), layout.order.end(), Field::kT) - layout.order.begin();
-      layout.is_seconds |= words[static_cast<size_t>(time_at)].find('.') != std::string_view::npos;
-      Event event;
-      if (!parse_line(line, layout, event)) return {};
-      layout.has_events = true;
-      return layout;
-    }
-    layout.header_bytes = std::min(begin, text.size());
+Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const std::string& location) {
+  if (is_utf16(bytes)) {
+    return Error{ErrorCode::kUnsupported, "the text is encoded as UTF-16; save it as UTF-8 or ASCII", location};
   }
-  if (layout.width == 0) return {};
-  return layout;
+  TextHead head;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto count_of = [&](char c) { return std::count(text.begin(), text.end(), c); };
+  if (count_of('\n') == 0 && count_of('\r') > 0) head.line_end = '\r';
+  const std::vector<std::string_view> lines = lines_of(text, head.line_end, is_whole);
+  head.has_decimal_comma = has_decimal_commas(lines);
+
+  // Of most lines tells how many columns there are.
+  std::vector<Cells> cells;
+  std::map<size_t, size_t> widths;
+  for (std::string_view line : lines) {
+    if (line.starts_with(kUtf8Mark)) line.remove_prefix(kUtf8Mark.size());
+    cells.push_back(is_comment(line) ? Cells() : cells_of(line, head.has_decimal_comma));
+    if (cells.back().are_numbers() && cells.back().words.size() >= 4) ++widths[cells.back().words.size()];
+  }
+  const auto most =
+      std::max_element(widths.begin(), widths.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (most != widths.end()) head.columns = most->first;
+  head.sample.columns.resize(head.columns);
+
+  TimeUnit unit = TimeUnit::kAuto;
+  bool has_begun = false, has_names = false, has_size_line = false, has_point = false, are_six = true;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    std::string_view line = lines[i];
+    if (line.starts_with(kUtf8Mark)) line.remove_prefix(kUtf8Mark.size());
+    const auto place = static_cast<size_t>(lines[i].data() - text.data());
+    const size_t end = std::min(place + lines[i].size() + 1, text.size());
+    const std::vector<std::string_view>& words = cells[i].words;
+    const bool is_data = cells[i].are_numbers() && words.size() == head.columns;
+    size_t width = 0, height = 0;
+    if (is_comment(line)) {
+      if (!has_begun && !has_names) has_names = take_names(line, head);
+      if (!has_begun) read_size(line, head);
+      if (!has_begun && line.starts_with("%geometry")) head.sample.usual_order = "xypt";
+      if (unit == TimeUnit::kAuto) unit = table::unit_in_sentence(line);
+    } else if (words.empty() || (line == head.names_line && has_begun)) {
+      continue;
+    } else if (!has_begun && words.size() == 2 && parse_size(words[0], width) && parse_size(words[1], height)) {
+      head.width = width;
+      head.height = height;
+      has_size_line = true;
+      head.names_line = line;
+    } else if (!has_begun && !is_data && !has_any_number(cells[i], head.has_decimal_comma)) {
+      if (!has_names) has_names = take_names(line, head);
+      head.names_line = line;
+    } else {
+      if (!has_begun) head.header_bytes = place;
+      has_begun = true;
+      ++head.lines;
+      if (is_data) {
+        const bool is_first_six = has_six_decimals(words[0]);
+        for (const std::string_view word : words) has_point |= word.find_first_of(".,eE") != std::string_view::npos;
+        are_six = are_six && is_first_six;
+        for (size_t column = 0; column < head.columns; ++column) {
+          head.sample.columns[column].values.push_back(cells[i].values[column]);
+        }
+      } else if (head.bad_lines++ == 0) {
+        head.first_bad_number = i + 1;
+        head.first_bad = quoted(line);
+      }
+    }
+    if (!has_begun) head.header_bytes = end;
+  }
+  if (!has_begun && lines.empty()) head.header_bytes = 0;
+  for (table::TableSample::Column& column : head.sample.columns) column.unit = unit;
+  for (table::TableSample::Column& column : head.sample.columns) column.is_integer = !has_point;
+  const bool has_commas =
+      !head.has_decimal_comma && text.find_first_of(",;", head.header_bytes) != std::string_view::npos;
+  if (head.sample.usual_order.empty()) head.sample.usual_order = has_commas ? "xypt" : "txyp";
+  head.has_six_decimals = head.lines > 0 && are_six;
+  if (has_size_line && head.has_six_decimals && !has_names) head.sample.usual_unit = TimeUnit::kSeconds;
+  return head;
 }
 
 }  // namespace e2lf::recordings::text

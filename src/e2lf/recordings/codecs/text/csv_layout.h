@@ -1,37 +1,34 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <optional>
+#include <functional>
 #include <span>
-#include <string_view>
+#include <string>
 
-#include "e2lf/recordings/event.h"
+#include "e2lf/recordings/codecs/text/csv_line.h"
+#include "e2lf/recordings/table/layout.h"
 
 namespace e2lf::recordings::text {
 
-enum class Field { kX, kY, kP, kT };
-
-/// How the lines of a text recording are to be read.
-struct Layout {
-  std::array<Field, 4> order = {Field::kX, Field::kY, Field::kP, Field::kT};
-  bool is_seconds = false;  ///< times have a decimal point
-  size_t width = 0;
-  size_t height = 0;
+/// The first lines of a text, before it is decided what they mean.
+struct TextHead {
+  bool has_decimal_comma = false;
+  bool has_six_decimals = false;  ///< in the first column, as where it is seconds
+  char line_end = '\n';           ///< '\r' of old Macs
+  size_t columns = 0;             ///< of most lines; 0 = there is no line of numbers
+  size_t width = 0, height = 0;
   size_t header_bytes = 0;  ///< where the events begin
-  bool has_events = false;  ///< there is one at least
+  std::string names_line;   ///< the line of names, which may come again; empty = none
+  table::TableSample sample;
+  size_t lines = 0, bad_lines = 0;  ///< of numbers, and of those that have not as many as most
+  size_t first_bad_number = 0;      ///< counted from 1
+  std::string first_bad;
 };
 
-inline constexpr std::array<Field, 4> kCsvOrder = {Field::kX, Field::kY, Field::kP, Field::kT};
-inline constexpr std::array<Field, 4> kTxtOrder = {Field::kT, Field::kX, Field::kY, Field::kP};
+/// Looks at the first lines. `is_whole` says that there are no more. Fails with kUnsupported for UTF-16.
+[[nodiscard]] Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const std::string& location);
 
-/// Finds the layout from the first lines: a line of names if there is one, otherwise t x y p where the first number has
-/// a decimal point and x,y,p,t where it has none. Nothing when the first line of data is not four numbers, or when
-/// there is none and no line tells the size either.
-[[nodiscard]] std::optional<Layout> find_layout(std::span<const uint8_t> head);
-
-/// Reads one line, without its end, as an event. False when it is not one.
-[[nodiscard]] bool parse_line(std::string_view line, const Layout& layout, Event& event);
+/// For messages: at most 60 characters, none of them a control character.
+[[nodiscard]] std::string quoted(std::string_view line);
 
 }  // namespace e2lf::recordings::text

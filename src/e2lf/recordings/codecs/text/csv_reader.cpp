@@ -10,6 +10,7 @@
 #include "e2lf/recordings/codecs/text/text.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
+#include "e2lf/recordings/table/wrapped_times.h"
 #include "e2lf/recordings/time_search.h"
 #include "e2lf/recordings/time_sort.h"
 
@@ -17,48 +18,110 @@ namespace e2lf::recordings::text {
 namespace {
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
+constexpr size_t kHeadBytes = size_t{1} << 14;  // tell the columns
 constexpr size_t kLongestLine = 4096;
 constexpr size_t kSeekBytes = 16384;  // between the places that a seek looks at; more than some lines
 constexpr size_t kShortestLine = 8;   // "0,0,0,0\n"
 
-/// Appends the events of whole lines; returns how many lines are not events.
-size_t parse_lines(std::string_view text, const Layout& layout, EventColumns& events) {
-  size_t bad = 0;
+/// How a text is to be read.
+struct Layout {
+  LineLayout line;
+  char line_end = '\n';
+  size_t header_bytes = 0;
+  std::string names_line;  ///< may come again where files were joined
+};
+
+/// Lines that are no events.
+struct BadLines {
+  size_t count = 0;
+  size_t first_byte = 0;   ///< from the beginning of the text
+  std::string first = {};  ///< what it holds
+
+  /// Adds those of the text that begins at `byte` of this one.
+  void append(const BadLines& later, size_t byte) {
+    if (count == 0 && later.count > 0) {
+      first_byte = byte + later.first_byte;
+      first = later.first;
+    }
+    count += later.count;
+  }
+};
+
+bool is_remark(std::string_view line, const Layout& layout) {
+  return line.find_first_not_of(" \t\r\n,;") == std::string_view::npos || is_comment(line) || line == layout.names_line;
+}
+
+/// Reads a line that is not plainly an event: behind the mark of UTF-8 there may be one, and in lines of a file with
+/// other ends of lines many.
+void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, EventColumns& events, BadLines& bad) {
+  constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
+  if (line.starts_with(kUtf8Mark)) line.remove_prefix(kUtf8Mark.size());
+  const bool has_ends = layout.line_end == '\n' && line.find('\r') < line.size() - 1;
+  for (size_t begin = 0; begin < line.size();) {
+    const size_t end = has_ends ? std::min(line.find('\r', begin), line.size()) : line.size();
+    const std::string_view part = line.substr(begin, end - begin);
+    Event event;
+    if (part.size() <= kLongestLine && parse_line(part, layout.line, event)) {
+      events.push_back(event);
+    } else if (!is_remark(part, layout)) {
+      if (bad.count++ == 0) {
+        bad.first_byte = byte + begin;
+        bad.first = quoted(part);
+      }
+    }
+    begin = end + 1;
+  }
+}
+
+/// Appends the events of whole lines; returns those that are none.
+BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& events) {
+  BadLines bad;
   Event event;
   for (size_t begin = 0; begin < text.size();) {
-    const void* const found = std::memchr(text.data() + begin, '\n', text.size() - begin);
+    const void* const found = std::memchr(text.data() + begin, layout.line_end, text.size() - begin);
     const size_t end =
         found == nullptr ? text.size() : static_cast<size_t>(static_cast<const char*>(found) - text.data());
     const std::string_view line = text.substr(begin, end - begin);
-    begin = end + 1;
-    if (line.size() <= kLongestLine && parse_line(line, layout, event)) {
+    if (line.size() <= kLongestLine && parse_line(line, layout.line, event)) {
       events.push_back(event);
     } else {
-      bad += !line.empty() && line != "\r" && line[0] != '#' && line[0] != '%';
+      parse_odd_line(line, begin, layout, events, bad);
     }
+    begin = end + 1;
   }
   return bad;
 }
 
 class CsvBlocks final : public EventBlocks {
  public:
-  CsvBlocks(std::unique_ptr<ByteSource> source, const Layout& layout, int threads)
-      : source_(std::move(source)), layout_(layout), threads_(threads == 0 ? num_threads() : threads) {}
+  CsvBlocks(std::unique_ptr<ByteSource> source, Layout layout, RecordingInfo info, int threads)
+      : source_(std::move(source)),
+        layout_(std::move(layout)),
+        info_(std::move(info)),
+        threads_(threads == 0 ? num_threads() : threads) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
     E2LF_ASSIGN_OR_RETURN(const std::string_view text, fetch_lines());
-    if (text.empty()) return false;
-    const size_t bad = threads_ == 1 ? parse_lines(text, layout_, block.events) : parse_parallel(text, block.events);
-    if (bad > 0) summary.add(Violation::kBadRecord, source_->position(), bad);
-    summary.dropped_words += bad;
-    is_within_line_ = text.back() != '\n';
+    if (text.empty()) {
+      E2LF_RETURN_IF_ERROR(table::require_mostly_events(events_, bad_, info_, first_bad_, source_->name()));
+      return false;
+    }
+    const BadLines bad = threads_ == 1 ? parse_lines(text, layout_, block.events) : parse_parallel(text, block.events);
+    const uint64_t first_byte = source_->position() + bad.first_byte;
+    summary.add(Violation::kBadRecord, first_byte, bad.count);
+    summary.dropped_words += bad.count;
+    if (bad_ == 0 && bad.count > 0) first_bad_ = cat("at byte ", first_byte, ": ", bad.first);
+    events_ += block.events.size();
+    bad_ += bad.count;
+    is_within_line_ = text.back() != layout_.line_end;
     source_->consume(text.size());
     return true;
   }
 
   Result<void> seek_before(int64_t t_us) override {
     is_within_line_ = false;
+    events_ = bad_ = 0;
     E2LF_RETURN_IF_ERROR(source_->seek(layout_.header_bytes));
     const uint64_t bytes = source_->size().value_or(0);
     const uint64_t places = bytes < layout_.header_bytes ? 0 : (bytes - layout_.header_bytes) / kSeekBytes;
@@ -75,7 +138,7 @@ class CsvBlocks final : public EventBlocks {
   Result<uint64_t> line_behind(uint64_t byte) {
     E2LF_RETURN_IF_ERROR(source_->seek(byte - 1));
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
-    const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
+    const auto newline = std::find(bytes.begin(), bytes.end(), static_cast<uint8_t>(layout_.line_end));
     return byte - 1 + static_cast<uint64_t>(newline - bytes.begin()) + (newline == bytes.end() ? 0 : 1);
   }
 
@@ -85,7 +148,7 @@ class CsvBlocks final : public EventBlocks {
     E2LF_RETURN_IF_ERROR(source_->seek(line));
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kLongestLine));
-    text = text.substr(0, text.rfind('\n') + 1);
+    text = text.substr(0, text.rfind(layout_.line_end) + 1);
     EventColumns events;
     parse_lines(text, layout_, events);
     if (events.empty()) return INT64_MAX;
@@ -101,7 +164,7 @@ class CsvBlocks final : public EventBlocks {
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(wanted));
       const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), block));
-      const size_t newline = text.rfind('\n');
+      const size_t newline = text.rfind(layout_.line_end);
       if (newline != std::string_view::npos) return text.substr(0, newline + 1);
       // A number that a stop cut is another number.
       if (bytes.size() < wanted && stop_requested() && !source_->seekable()) return std::string_view();
@@ -115,23 +178,23 @@ class CsvBlocks final : public EventBlocks {
   Result<void> skip_line() {
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(1));
-      const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
+      const auto newline = std::find(bytes.begin(), bytes.end(), static_cast<uint8_t>(layout_.line_end));
       const bool is_found = newline != bytes.end();
       source_->consume(static_cast<size_t>(newline - bytes.begin()) + (is_found ? 1 : 0));
       if (is_found || bytes.empty()) return {};
     }
   }
 
-  size_t parse_parallel(std::string_view text, EventColumns& events) {
+  BadLines parse_parallel(std::string_view text, EventColumns& events) {
     const auto parts = static_cast<size_t>(threads_);
     std::vector<size_t> begins = {0};
     for (size_t i = 1; i < parts; ++i) {
-      const size_t newline = text.find('\n', std::max(begins.back(), text.size() * i / parts));
+      const size_t newline = text.find(layout_.line_end, std::max(begins.back(), text.size() * i / parts));
       begins.push_back(newline == std::string_view::npos ? text.size() : newline + 1);
     }
     begins.push_back(text.size());
     parts_.resize(parts);
-    std::vector<size_t> bad(parts);
+    std::vector<BadLines> bad(parts);
     parallel_for(parts, 1, [&](size_t from, size_t to) {
       for (size_t i = from; i < to; ++i) {
         parts_[i].clear();
@@ -139,87 +202,123 @@ class CsvBlocks final : public EventBlocks {
         bad[i] = parse_lines(text.substr(begins[i], begins[i + 1] - begins[i]), layout_, parts_[i]);
       }
     });
-    size_t all_bad = 0;
+    BadLines all_bad;
     for (size_t i = 0; i < parts; ++i) {
       events.append(parts_[i]);
-      all_bad += bad[i];
+      all_bad.append(bad[i], begins[i]);
     }
     return all_bad;
   }
 
   std::unique_ptr<ByteSource> source_;
   Layout layout_;
+  RecordingInfo info_;
   int threads_;
+  uint64_t events_ = 0, bad_ = 0;
+  std::string first_bad_;
   bool is_within_line_ = false;  ///< the line at hand is too long and was counted
   std::vector<EventColumns> parts_;
 };
 
-/// The first line that is neither empty nor a comment; empty when there is none.
-std::string_view first_data_line(std::string_view text) {
-  while (!text.empty()) {
-    const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
-    if (!line.empty() && line[0] != '#' && line[0] != '%') return line;
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
+/// The first number of a column behind the first events that is wanted. Leaves the source at the first event.
+Result<std::optional<double>> find_further(ByteSource& source, const TextHead& head, size_t column,
+                                           const table::TableSample::IsWanted& is_wanted) {
+  std::optional<double> found;
+  while (!found) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kBlockBytes));
+    if (bytes.empty()) break;
+    std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kBlockBytes));
+    if (const size_t end = text.rfind(head.line_end); end != std::string_view::npos) text = text.substr(0, end + 1);
+    for (size_t begin = 0; begin < text.size() && !found;) {
+      const size_t end = std::min(text.find(head.line_end, begin), text.size());
+      const std::string_view line = text.substr(begin, end - begin);
+      begin = end + 1;
+      if (line.size() > kLongestLine || is_comment(line)) continue;
+      const auto words = split(line, head.has_decimal_comma);
+      if (words.size() != head.columns) continue;
+      const auto value = parse_cell(words[column], head.has_decimal_comma);
+      if (value && is_wanted(*value)) found = value;
+    }
+    source.consume(text.size());
   }
-  return {};
+  E2LF_RETURN_IF_ERROR(source.seek(head.header_bytes));
+  return found;
 }
 
-/// The layout that the first lines show; `fallback` where they hold no event, or one of that layout behind damage.
-Result<Layout> layout_of(std::span<const uint8_t> head, const Layout& fallback, const std::string& name) {
-  if (const auto layout = find_layout(head)) return *layout;
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-  const std::string_view line = first_data_line(text);
-  EventColumns events;
-  parse_lines(text, fallback, events);
-  if (line.empty() || !events.empty()) return fallback;
-  constexpr size_t kQuoted = 60;
-  return Error{ErrorCode::kFormat,
-               cat("the columns of \"", line.substr(0, kQuoted), line.size() > kQuoted ? "..." : "",
-                   "\" are not known; events are lines x,y,p,t (t in us) or t x y p (t in s), or a first line names "
-                   "the four columns, as t,x,y,p"),
-               name};
+/// Fails where most of the first lines are no rows of numbers.
+Result<void> check_head(const TextHead& head, const std::string& name) {
+  if (head.lines == 0 || (head.columns > 0 && 2 * head.bad_lines <= head.lines)) return {};
+  return Error{
+      ErrorCode::kFormat,
+      cat("the columns of ", head.first_bad, " are not known, like those of ", head.bad_lines, " of the first ",
+          head.lines, " lines; an event is a line with the four numbers t, x, y, p in any order"),
+      cat(name, ": line ", head.first_bad_number)};
 }
 
+/// The source stands at the first event then.
+Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead head, RecordingInfo& info) {
+  const std::string name = source.name();
+  source.consume(head.header_bytes);
+  Layout layout{{}, head.line_end, head.header_bytes, head.names_line};
+  layout.line.has_decimal_comma = head.has_decimal_comma;
+  if (head.columns == 0) {
+    layout.line.columns = {table::Field::kX, table::Field::kY, table::Field::kP, table::Field::kT};
+    return layout;
+  }
+  table::TableSample sample = head.sample;
+  if (source.seekable()) {
+    sample.find_further = [&](size_t column, const auto& is_wanted) {
+      return find_further(source, head, column, is_wanted);
+    };
+  }
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout decided, decide_layout(std::move(sample), options, name, info));
+  layout.line.columns.resize(head.columns);
+  for (size_t field = 0; field < table::kNumFields; ++field) {
+    layout.line.columns[decided.columns[field]] = static_cast<table::Field>(field);
+  }
+  layout.line.unit = decided.unit;
+  layout.line.polarity = decided.polarity;
+  return layout;
+}
+
+/// The formats differ in what is usual where a file does not tell.
 Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options,
-                                              const char* format, const Layout& fallback) {
-  RecordingInfo info;
-  info.format = format;
-  E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
+                                              const char* format, const char* usual_order) {
   const std::string name = source->name();
-  E2LF_ASSIGN_OR_RETURN(const Layout layout,
-                        layout_of(head.first(std::min(head.size(), kDetectBytes)), fallback, name));
-  source->consume(layout.header_bytes);
-  info.width = layout.width;
-  info.height = layout.height;
+  E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kHeadBytes));
+  const bool is_whole = bytes.size() < kHeadBytes;
+  E2LF_ASSIGN_OR_RETURN(TextHead head, read_head(bytes.first(std::min(bytes.size(), kHeadBytes)), is_whole, name));
+  E2LF_RETURN_IF_ERROR(check_head(head, name));
+  if (!options.format.empty()) head.sample.usual_order = usual_order;
+  if (options.format == "txt" && head.has_six_decimals) head.sample.usual_unit = TimeUnit::kSeconds;
+  RecordingInfo info;
+  info.width = head.width;
+  info.height = head.height;
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+  E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, std::move(head), info));
+  const TimeUnit unit = layout.line.unit;
+  info.format = !options.format.empty() || !info.table ? format : unit == TimeUnit::kSeconds ? "txt" : "csv";
   E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->logical_path()));
   const bool is_seekable = source->seekable();
-  auto lines = std::make_unique<CsvBlocks>(std::move(source), layout, options.threads);
-  return make_block_reader(make_time_sorted(std::move(lines), is_seekable, name), std::move(info), name, options,
+  auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
+  auto unwrapped = table::make_unwrapped(std::move(lines), unit);
+  return make_block_reader(make_time_sorted(std::move(unwrapped), is_seekable, name), std::move(info), name, options,
                            std::move(triggers));
 }
 
 }  // namespace
 
-bool detect_csv(std::span<const uint8_t> head) {
-  const auto layout = find_layout(head);
-  return layout && layout->has_events && !layout->is_seconds;
-}
-
-bool detect_txt(std::span<const uint8_t> head) {
-  const auto layout = find_layout(head);
-  return layout && layout->has_events && layout->is_seconds;
+bool detect(std::span<const uint8_t> head) {
+  const auto read = read_head(head.first(std::min(head.size(), kDetectBytes)), head.size() < kDetectBytes, "");
+  return read.ok() && read->columns > 0 && 2 * read->bad_lines <= read->lines;
 }
 
 Result<std::unique_ptr<RecordingReader>> open_csv(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
-  return open(std::move(source), options, "csv", Layout());
+  return open(std::move(source), options, "csv", "xypt");
 }
 
 Result<std::unique_ptr<RecordingReader>> open_txt(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
-  Layout fallback;
-  fallback.order = kTxtOrder;
-  fallback.is_seconds = true;
-  return open(std::move(source), options, "txt", fallback);
+  return open(std::move(source), options, "txt", "txyp");
 }
 
 }  // namespace e2lf::recordings::text

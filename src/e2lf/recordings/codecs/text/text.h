@@ -8,14 +8,15 @@
 
 namespace e2lf::recordings::text {
 
-/// Events as lines of text, in one of two orders:
+/// Events as lines of text. We write two orders:
 ///   csv: x,y,p,t   t in whole microseconds; first line "%geometry:W,H" when the size is known
 ///   txt: t x y p   t in seconds with six decimals; first line "W H" when the size is known
-/// A reader also takes other separators (comma, semicolon, blanks), lines of comment (# or %), a line of column names
-/// in any order, and polarities -1 / 1. A line that is not four numbers is dropped (kBadRecord).
+/// A reader takes the columns in any order and unit (table/layout.h), other separators, comments and names above them,
+/// any ends of lines, and polarities in words. A line that is no event is dropped (kBadRecord); where most are none,
+/// opening or reading fails with kFormat.
 
-[[nodiscard]] bool detect_csv(std::span<const uint8_t> head);
-[[nodiscard]] bool detect_txt(std::span<const uint8_t> head);
+/// Whether the first lines are rows of numbers.
+[[nodiscard]] bool detect(std::span<const uint8_t> head);
 
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_csv(std::unique_ptr<ByteSource> source,
                                                                 const OpenOptions& options);

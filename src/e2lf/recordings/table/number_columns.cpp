@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/numpy/column_convert.h"
+#include "e2lf/recordings/table/number_columns.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,8 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/little_endian.h"
-#include "e2lf/base/text.h"
 
-namespace e2lf::recordings::numpy {
+namespace e2lf::recordings::table {
 namespace {
 
 /// Calls visit(T{}) with the type of the code; false for a code that is none.
@@ -33,7 +32,6 @@ bool with_number_type(std::string_view code, Visit&& visit) {
 /// One number as To; true where it does not fit.
 template <typename From, typename To>
 bool convert_one(From value, To& out) {
-  if constexpr (std::is_same_v<To, uint8_t> && !std::is_unsigned_v<From>) value = value == From{-1} ? From{0} : value;
   if constexpr (std::is_floating_point_v<From>) {
     const auto number = static_cast<double>(value);
     const bool fits = number == std::trunc(number) && number >= static_cast<double>(std::numeric_limits<To>::min()) &&
@@ -81,23 +79,6 @@ bool convert_time(From value, TimeUnit unit, int64_t& out) {
   }
 }
 
-/// Whether no value falls below the one before it.
-bool never_falls(std::span<const std::array<double, 4>> rows, size_t column) {
-  return std::is_sorted(rows.begin(), rows.end(), [&](const auto& a, const auto& b) { return a[column] < b[column]; });
-}
-
-/// Whether the values cannot be coordinates.
-bool exceeds_coordinates(std::span<const std::array<double, 4>> rows, size_t column) {
-  return std::any_of(rows.begin(), rows.end(), [&](const auto& row) {
-    return row[column] != std::trunc(row[column]) || row[column] > UINT16_MAX || row[column] < 0;
-  });
-}
-
-bool are_polarities(std::span<const std::array<double, 4>> rows, size_t column) {
-  return std::all_of(rows.begin(), rows.end(),
-                     [&](const auto& row) { return row[column] == 0 || row[column] == 1 || row[column] == -1; });
-}
-
 }  // namespace
 
 bool is_number_type(const std::string& type) {
@@ -134,31 +115,39 @@ size_t to_events(const uint8_t* records, const RecordFields& fields, size_t coun
   std::fill(bad.begin(), bad.end(), uint8_t{0});
   to_column(records, fields.x, count, events.x.data(), bad.data());
   to_column(records, fields.y, count, events.y.data(), bad.data());
-  to_column(records, fields.p, count, events.p.data(), bad.data());
+  to_polarities(records, fields.p, fields.polarity, count, events.p.data(), bad.data());
   to_times(records, fields.t, fields.unit, count, events.t.data(), bad.data());
-  for (size_t i = 0; i < count; ++i) bad[i] |= events.p[i] > 1;
   return remove_bad(events, 0, bad);
 }
 
-TimeUnit find_time_unit(TimeUnit named, const uint8_t* records, const NumberField& times, size_t count,
-                        std::vector<Assumption>& assumptions) {
-  if (named != TimeUnit::kAuto) return named;
-  if (times.type != "f4" && times.type != "f8") return TimeUnit::kMicroseconds;
-  bool are_whole = true, is_any_set = false;
-  with_number_type(times.type, [&](auto type) {
-    const uint8_t* next = records + times.offset;
-    for (size_t i = 0; i < count; ++i, next += times.stride) {
-      const auto time = static_cast<double>(load_le<decltype(type)>(next));
-      are_whole = are_whole && time == std::trunc(time);
-      is_any_set = is_any_set || time != 0;
+void to_polarities(const uint8_t* records, const NumberField& field, const PolarityCode& code, size_t count,
+                   uint8_t* out, uint8_t* bad) {
+  const bool known = with_number_type(field.type, [&](auto type) {
+    using From = decltype(type);
+    const uint8_t* next = records + field.offset;
+    for (size_t i = 0; i < count; ++i, next += field.stride) {
+      out[i] = code.of(static_cast<double>(load_le<From>(next)));
+      bad[i] |= out[i] == PolarityCode::kNone;
     }
   });
-  if (count == 0) return TimeUnit::kMicroseconds;
-  const bool are_us = are_whole && is_any_set;
-  assumptions.push_back({are_us ? "times are whole numbers and were read as microseconds"
-                                : "times are not whole numbers and were read as seconds",
-                         Setting::kTimeUnit});
-  return are_us ? TimeUnit::kMicroseconds : TimeUnit::kSeconds;
+  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+}
+
+std::vector<double> to_doubles(const uint8_t* records, const NumberField& field, size_t count) {
+  std::vector<double> values(count);
+  const bool known = with_number_type(field.type, [&](auto type) {
+    const uint8_t* next = records + field.offset;
+    for (double& value : values) {
+      value = static_cast<double>(load_le<decltype(type)>(next));
+      next += field.stride;
+    }
+  });
+  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+  return values;
+}
+
+bool is_integer_type(const std::string& type) {
+  return type[0] != 'f';
 }
 
 size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad) {
@@ -177,48 +166,4 @@ size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad
   return removed;
 }
 
-Result<std::string> find_column_order(std::span<const std::array<double, 4>> rows, const std::string& given,
-                                      const std::string& location) {
-  std::string letters = given;
-  std::sort(letters.begin(), letters.end());
-  if (letters == "ptxy") return given;
-  if (!given.empty()) {
-    return Error{ErrorCode::kInvalidValue, "the columns are t, x, y and p in some order; write it as txyp", location,
-                 Setting::kColumns};
-  }
-  const bool p_is_last = are_polarities(rows, 3), p_is_third = are_polarities(rows, 2);
-  if (!rows.empty() && p_is_third && !p_is_last) return std::string("xypt");
-  if (!rows.empty() && p_is_last && !p_is_third) {
-    const bool first_is_large = exceeds_coordinates(rows, 0), third_is_large = exceeds_coordinates(rows, 2);
-    if (first_is_large != third_is_large) return std::string(first_is_large ? "txyp" : "xytp");
-    const bool first_rises = never_falls(rows, 0), third_rises = never_falls(rows, 2);
-    if (first_rises != third_rises) return std::string(first_rises ? "txyp" : "xytp");
-  }
-  return Error{ErrorCode::kInvalidValue,
-               "the values do not tell which of the four columns are t, x, y and p; name them, as txyp", location,
-               Setting::kColumns};
-}
-
-Assumption column_assumption(const std::string& order) {
-  return {cat("the columns were read as ", order[0], ", ", order[1], ", ", order[2], ", ", order[3]),
-          Setting::kColumns};
-}
-
-std::vector<std::array<double, 4>> sample_rows(const uint8_t* rows, const std::string& type, size_t item_size,
-                                               size_t count) {
-  std::vector<std::array<double, 4>> sample(count);
-  with_number_type(type, [&](auto number) {
-    using From = decltype(number);
-    for (size_t i = 0; i < 4 * count; ++i) {
-      sample[i / 4][i % 4] = static_cast<double>(load_le<From>(rows + i * item_size));
-    }
-  });
-  return sample;
-}
-
-RecordFields fields_of_rows(const std::string& order, const std::string& type, size_t item_size) {
-  const auto field = [&](char letter) { return NumberField{type, order.find(letter) * item_size, 4 * item_size}; };
-  return {field('x'), field('y'), field('p'), field('t')};
-}
-
-}  // namespace e2lf::recordings::numpy
+}  // namespace e2lf::recordings::table

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/table/column_names.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <vector>
+
+namespace e2lf::recordings::table {
+namespace {
+
+/// The words of a text in lower case; the Greek letter of "us" becomes a Latin one.
+std::vector<std::string> words_of(std::string_view text) {
+  std::vector<std::string> words(1);
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const std::string_view pair = text.substr(i, 2);
+    if (pair == "\xC2\xB5" || pair == "\xCE\xBC") {
+      words.back() += 'u';
+      ++i;
+    } else if (byte >= 0x80 || std::isalnum(byte) != 0) {
+      words.back() += static_cast<char>(byte < 0x80 ? std::tolower(byte) : byte);
+    } else if (!words.back().empty()) {
+      words.emplace_back();
+    }
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+struct KnownName {
+  Field field;
+  std::string_view name;
+  bool is_prefix = false;
+};
+
+constexpr KnownName kNames[] = {{Field::kT, "t"},
+                                {Field::kT, "ts"},
+                                {Field::kT, "timestamp", true},
+                                {Field::kT, "time"},
+                                {Field::kT, "times"},
+                                {Field::kT, "zeit", true},
+                                {Field::kT, "temps", true},
+                                {Field::kT, "tiempo", true},
+                                {Field::kT, "tempo", true},
+                                {Field::kX, "x"},
+                                {Field::kX, "xs"},
+                                {Field::kX, "col"},
+                                {Field::kX, "column"},
+                                {Field::kY, "y"},
+                                {Field::kY, "ys"},
+                                {Field::kY, "row"},
+                                {Field::kP, "p"},
+                                {Field::kP, "ps"},
+                                {Field::kP, "pol"},
+                                {Field::kP, "pols"},
+                                {Field::kP, "polari", true},
+                                {Field::kP, "on"},
+                                {Field::kP, "sign"}};
+
+}  // namespace
+
+TimeUnit parse_time_unit(std::string_view word) {
+  if (is_one_of(word, {"s", "sec", "secs", "second", "seconds"})) return TimeUnit::kSeconds;
+  if (is_one_of(word, {"ms", "msec", "msecs", "millis", "millisecond", "milliseconds"})) return TimeUnit::kMilliseconds;
+  if (is_one_of(word, {"us", "usec", "usecs", "micros", "microsecond", "microseconds"})) return TimeUnit::kMicroseconds;
+  if (is_one_of(word, {"ns", "nsec", "nsecs", "nanos", "nanosecond", "nanoseconds"})) return TimeUnit::kNanoseconds;
+  return TimeUnit::kAuto;
+}
+
+const char* time_unit_name(TimeUnit unit) {
+  switch (unit) {
+    case TimeUnit::kSeconds:
+      return "s";
+    case TimeUnit::kMilliseconds:
+      return "ms";
+    case TimeUnit::kNanoseconds:
+      return "ns";
+    case TimeUnit::kAuto:
+    case TimeUnit::kMicroseconds:
+      break;
+  }
+  return "us";
+}
+
+ColumnName parse_column_name(std::string_view name) {
+  std::vector<std::string> words = words_of(name);
+  const auto is_filler = [](const std::string& word) {
+    return is_one_of(word,
+                     {"event", "events", "ev", "px", "pixel", "pixels", "pos", "coord", "coordinate", "addr", "in"});
+  };
+  words.erase(std::remove_if(words.begin(), words.end(), is_filler), words.end());
+  if (words.size() > 1 && words[0] == "time" && words[1] == "stamp") {
+    words.erase(words.begin());
+    words[0] = "timestamp";
+  }
+  ColumnName result;
+  if (words.empty() || words.size() > 2) return result;
+  if (words.size() == 1 && words[0] == "xy") result.is_xy = true;
+  for (const KnownName& known : kNames) {
+    const bool fits = known.is_prefix ? words[0].starts_with(known.name) : words[0] == known.name;
+    if (!fits) continue;
+    if (words.size() == 2) result.unit = parse_time_unit(words[1]);
+    // Another second word makes it another thing: "t_offset".
+    if (words.size() == 2 && (known.field != Field::kT || result.unit == TimeUnit::kAuto)) return result;
+    result.field = known.field;
+    result.rank = static_cast<size_t>(&known - kNames);
+    return result;
+  }
+  return result;
+}
+
+TimeUnit unit_in_sentence(std::string_view text) {
+  if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; })) {
+    return TimeUnit::kAuto;
+  }
+  const std::vector<std::string> words = words_of(text);
+  const auto is_about_times = [](const std::string& word) {
+    return is_one_of(word, {"t", "time", "times", "timestamp", "timestamps", "unit", "units"});
+  };
+  if (std::none_of(words.begin(), words.end(), is_about_times)) return TimeUnit::kAuto;
+  for (size_t i = 1; i < words.size(); ++i) {
+    const TimeUnit unit = parse_time_unit(words[i]);
+    if (unit != TimeUnit::kAuto && (is_about_times(words[i - 1]) || is_one_of(words[i - 1], {"in", "are", "is"}))) {
+      return unit;
+    }
+  }
+  return TimeUnit::kAuto;
+}
+
+}  // namespace e2lf::recordings::table

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/table/layout.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/table/column_names.h"
+
+namespace e2lf::recordings::table {
+namespace {
+
+constexpr size_t of(Field field) {
+  return static_cast<size_t>(field);
+}
+
+/// Who said how a part of a table is to be read.
+enum class Reason { kOption, kFile, kFormat, kValues };
+
+const char* reason_text(Reason reason) {
+  switch (reason) {
+    case Reason::kOption:
+      return "as the option says";
+    case Reason::kFile:
+      return "as the file says";
+    case Reason::kFormat:
+      return "as usual in this format";
+    case Reason::kValues:
+      break;
+  }
+  return "by their values";
+}
+
+Error undecided(std::string message, const std::string& location, Setting setting) {
+  return {ErrorCode::kInvalidValue, std::move(message), location, setting};
+}
+
+Result<ColumnsOfFields> order_of_option(const std::string& order, const TableSample& sample,
+                                        const std::string& location) {
+  if (!sample.is_ordered) {
+    return undecided("the columns have names and no order; leave the option out", location, Setting::kColumns);
+  }
+  ColumnsOfFields columns = {};
+  bool fits = order.size() == sample.columns.size();
+  for (size_t field = 0; field < kNumFields; ++field) {
+    const size_t place = order.find(kFieldLetters[field]);
+    fits = fits && place != std::string::npos && order.find(kFieldLetters[field], place + 1) == std::string::npos;
+    columns[field] = place;
+  }
+  fits = fits && order.find_first_not_of("xypt-") == std::string::npos;
+  if (fits) return columns;
+  return undecided(cat("\"", order, "\" is no order of the ", sample.columns.size(),
+                       " columns; write each of t, x, y, p once, as txyp, and - for a column to be passed over"),
+                   location, Setting::kColumns);
+}
+
+struct Columns {
+  ColumnsOfFields columns = {};
+  Reason reason = Reason::kFile;
+};
+
+Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& options, const RecordingInfo& info,
+                               const std::string& location) {
+  if (!options.columns.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const ColumnsOfFields columns, order_of_option(options.columns, sample, location));
+    return Columns{columns, Reason::kOption};
+  }
+  std::array<std::optional<size_t>, kNumFields> named;
+  std::array<size_t, kNumFields> ranks{};
+  for (size_t i = 0; i < sample.columns.size(); ++i) {
+    const ColumnName name = parse_column_name(sample.columns[i].name);
+    if (!name.field) continue;
+    const size_t field = of(*name.field);
+    if (named[field] && ranks[field] <= name.rank) continue;
+    named[field] = i;
+    ranks[field] = name.rank;
+  }
+  if (std::all_of(named.begin(), named.end(), [](const auto& column) { return column.has_value(); })) {
+    return Columns{{*named[0], *named[1], *named[2], *named[3]}, Reason::kFile};
+  }
+  const Error error = undecided(
+      cat("neither names nor values tell which of the ", sample.columns.size(),
+          " columns are t, x, y and p; name them, as ", std::string("txyp-----").substr(0, sample.columns.size())),
+      location, Setting::kColumns);
+  if (sample.columns.size() != kNumFields) return error;
+  OrderHints hints{{}, info.width, info.height, sample.usual_order};
+  for (size_t field = 0; field < kNumFields; ++field) {
+    if (named[field]) hints.named[*named[field]] = static_cast<Field>(field);
+  }
+  std::vector<std::vector<double>> values;
+  for (const TableSample::Column& column : sample.columns) values.push_back(column.values);
+  if (values[0].empty() && hints.usual.empty()) hints.usual = "txyp";  // of no event
+  const auto guess = find_order(values, hints);
+  if (!guess) return error;
+  return Columns{guess->columns, guess->is_usual ? Reason::kFormat : Reason::kValues};
+}
+
+/// The unit of times that are not whole. Nothing where they cannot well be seconds.
+std::optional<TimeUnit> unit_of_fractions(const std::vector<double>& times) {
+  constexpr double kLatestS = 1e11;  // 3,000 years
+  constexpr size_t kManyEvents = 100;
+  std::vector<double> sizes;
+  for (const double time : times) sizes.push_back(std::fabs(time));
+  const auto middle = sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  if (*middle >= kLatestS * 1e6) return TimeUnit::kNanoseconds;
+  if (*middle >= kLatestS * 1e3) return TimeUnit::kMicroseconds;
+  if (*middle >= kLatestS) return TimeUnit::kMilliseconds;
+  const double span_s = std::fabs(times.back() - times.front());
+  if (times.size() >= kManyEvents && span_s > static_cast<double>(times.size())) return std::nullopt;
+  return TimeUnit::kSeconds;
+}
+
+/// Where the sample's times are one value that says nothing, another one further on.
+Result<void> complete_times(TableSample& sample, size_t column) {
+  TableSample::Column& times = sample.columns[column];
+  const auto is_zero = [](double time) { return time == 0; };
+  if (times.is_integer || !sample.find_further || !std::all_of(times.values.begin(), times.values.end(), is_zero)) {
+    return {};
+  }
+  E2LF_ASSIGN_OR_RETURN(const auto other, sample.find_further(column, [](double time) { return time != 0; }));
+  if (other) times.values.assign(1, *other);
+  return {};
+}
+
+struct Unit {
+  TimeUnit unit = TimeUnit::kMicroseconds;
+  Reason reason = Reason::kFile;
+  const char* why = "";
+};
+
+Result<Unit> decide_unit(TableSample& sample, size_t column, const OpenOptions& options, const std::string& location) {
+  constexpr double kLatestUs = 1e17;  // 3,000 years: larger ones are nanoseconds since 1970
+  if (options.time_unit != TimeUnit::kAuto) return Unit{options.time_unit, Reason::kOption};
+  TableSample::Column& times = sample.columns[column];
+  if (times.unit != TimeUnit::kAuto) return Unit{times.unit};
+  if (const TimeUnit named = parse_column_name(times.name).unit; named != TimeUnit::kAuto) return Unit{named};
+  if (sample.usual_unit != TimeUnit::kAuto) return Unit{sample.usual_unit, Reason::kFormat};
+  E2LF_RETURN_IF_ERROR(complete_times(sample, column));
+  size_t set = 0, fractions = 0, large = 0;
+  for (const double time : times.values) {
+    set += time != 0;
+    fractions += time != std::trunc(time);
+    large += std::fabs(time) >= kLatestUs;
+  }
+  // A few may be damaged.
+  if (fractions > 0 && 10 * fractions >= set) {
+    if (const auto unit = unit_of_fractions(times.values)) return Unit{*unit, Reason::kValues, "not whole numbers"};
+    return undecided("the times are not whole numbers and too far apart for seconds; name their unit", location,
+                     Setting::kTimeUnit);
+  }
+  const bool are_ns = 2 * large > times.values.size();
+  return Unit{are_ns ? TimeUnit::kNanoseconds : TimeUnit::kMicroseconds, Reason::kValues,
+              are_ns ? "too large for us" : "whole numbers"};
+}
+
+struct Polarity {
+  PolarityCode code;
+  std::string warning;  ///< what remains doubtful
+};
+
+std::string values_text(const std::vector<double>& values) {
+  std::vector<double> distinct(values);
+  std::sort(distinct.begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  constexpr size_t kMost = 4;
+  std::vector<std::string> texts;
+  for (size_t i = 0; i < std::min(kMost, distinct.size()); ++i) texts.push_back(cat(distinct[i]));
+  return join(texts) + (distinct.size() > kMost ? ", ..." : "");
+}
+
+Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::string& location) {
+  std::vector<double>& values = sample.columns[column].values;
+  PolarityGuess guess = guess_polarity(values);
+  if (10 * guess.explained < 9 * values.size()) {
+    return undecided(cat("the polarities of column ", column + 1, " are ", values_text(values),
+                         "; known are 0/1, -1/1, 1/2, 0/255, true/false, on/off; check which column holds them"),
+                     location, Setting::kColumns);
+  }
+  if (guess.has_off != guess.has_on && sample.find_further) {
+    const double known = guess.has_on ? guess.code.on : guess.code.off;
+    const auto is_other = [known](double value) { return value != known && is_polarity(value); };
+    E2LF_ASSIGN_OR_RETURN(const auto other, sample.find_further(column, is_other));
+    // As many as there are of the one, so that none is an exception.
+    if (other) values.insert(values.end(), values.size(), *other);
+    guess = guess_polarity(values);
+  }
+  Polarity polarity{guess.code, ""};
+  if (guess.has_on && !guess.has_off) polarity.warning = ", and there is no other polarity";
+  return polarity;
+}
+
+std::string columns_text(const TableSample& sample, const ColumnsOfFields& columns) {
+  std::array<std::pair<size_t, std::string>, kNumFields> parts;
+  for (size_t field = 0; field < kNumFields; ++field) {
+    parts[field] = {sample.is_ordered ? columns[field] : field, std::string(1, kFieldLetters[field])};
+  }
+  std::sort(parts.begin(), parts.end());
+  return join({parts[0].second, parts[1].second, parts[2].second, parts[3].second});
+}
+
+}  // namespace
+
+Result<TableLayout> decide_layout(TableSample sample, const OpenOptions& options, const std::string& location,
+                                  RecordingInfo& info) {
+  TableLayout layout;
+  E2LF_ASSIGN_OR_RETURN(const Columns columns, decide_columns(sample, options, info, location));
+  layout.columns = columns.columns;
+  E2LF_ASSIGN_OR_RETURN(const Unit unit, decide_unit(sample, layout.columns[of(Field::kT)], options, location));
+  layout.unit = unit.unit;
+  E2LF_ASSIGN_OR_RETURN(const Polarity polarity, decide_polarity(sample, layout.columns[of(Field::kP)], location));
+  layout.polarity = polarity.code;
+
+  info.table =
+      TableReading{columns_text(sample, layout.columns), time_unit_name(layout.unit), polarity_text(layout.polarity)};
+  const bool is_certain =
+      columns.reason != Reason::kValues && unit.reason != Reason::kValues && polarity.warning.empty();
+  if (is_certain || sample.columns[0].values.empty()) return layout;
+  const std::string why = unit.reason == Reason::kValues ? unit.why : reason_text(unit.reason);
+  info.assumptions.push_back(
+      {cat("the columns were read as ", info.table->columns, " (", reason_text(columns.reason), "), the times as ",
+           info.table->time_unit, " (", why, "), the polarities as ", info.table->polarity, polarity.warning),
+       sample.is_ordered ? Setting::kColumns : Setting::kTimeUnit});
+  return layout;
+}
+
+Result<void> refuse_table_options(const OpenOptions& options, const std::string& format, const std::string& location) {
+  const bool has_unit = options.time_unit != TimeUnit::kAuto;
+  if (!has_unit && options.columns.empty()) return {};
+  return undecided(cat("the format ", format, " fixes ", has_unit ? "the unit of its times" : "what its numbers mean",
+                       "; leave the option out"),
+                   location, has_unit ? Setting::kTimeUnit : Setting::kColumns);
+}
+
+Result<void> require_mostly_events(uint64_t events, uint64_t bad, const RecordingInfo& info,
+                                   const std::string& first_bad, const std::string& location) {
+  if (bad <= events) return {};
+  const std::string columns = info.table ? info.table->columns : "t, x, y, p";
+  return Error{ErrorCode::kFormat,
+               cat(bad, " of ", bad + events, " rows cannot be read as ", columns, " (the first ", first_bad,
+                   "); name the columns or mend the file"),
+               location, Setting::kColumns};
+}
+
+}  // namespace e2lf::recordings::table

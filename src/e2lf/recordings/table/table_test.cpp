@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: MIT
+#include <cstdio>
+#include <functional>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/recordings/recording.h"
+#include "testing/test_streams.h"
+
+/// Tables of events as people write them: which column is what, in which unit, with which polarities.
+namespace e2lf::recordings {
+namespace {
+
+constexpr OpenOptions kPlain = {.policy = DecodePolicy::kSkip};
+
+/// 1,000 events on 64x48 px within 30 ms.
+EventColumns events() {
+  return random_stream({.events = 1000, .width = 64, .height = 48, .begin_us = 1038, .max_gap_us = 60}).events;
+}
+
+std::string text_of(const EventColumns& all, const std::function<std::string(const Event&)>& line) {
+  std::string text;
+  for (size_t i = 0; i < all.size(); ++i) text += line(all[i]) + '\n';
+  return text;
+}
+
+Result<std::unique_ptr<RecordingReader>> open_text(const std::string& text, const OpenOptions& options = kPlain) {
+  return open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()), "a.csv"), options);
+}
+
+Result<EventColumns> read(Result<std::unique_ptr<RecordingReader>> reader) {
+  if (!reader) return reader.error();
+  E2LF_ASSIGN_OR_RETURN(EventBatch batch, read_all(**reader));
+  if ((*reader)->summary().num_violations() > 0) return violation_error((*reader)->summary(), "");
+  return std::move(batch.events);
+}
+
+void expect_events(const std::string& text, const char* what, const OpenOptions& options = kPlain) {
+  const auto found = read(open_text(text, options));
+  ASSERT_TRUE(found.ok()) << what << ": " << found.error().text();
+  EXPECT_TRUE(*found == events()) << what;
+}
+
+std::string xytp(const Event& e) {
+  return cat(e.x, ' ', e.y, ' ', e.t, ' ', int{e.p});
+}
+std::string txyp(const Event& e) {
+  return cat(e.t, ' ', e.x, ' ', e.y, ' ', int{e.p});
+}
+std::string txyp_commas(const Event& e) {
+  return cat(e.t, ',', e.x, ',', e.y, ',', int{e.p});
+}
+
+TEST(TableText, ColumnsAreFoundByTheirValues) {
+  expect_events(text_of(events(), xytp), "x y t p");
+  expect_events(text_of(events(), txyp), "t x y p");
+  expect_events(text_of(events(), txyp_commas), "t,x,y,p");
+  expect_events("# x y t p\n" + text_of(events(), xytp), "named x y t p");
+  expect_events("64 48\n" + text_of(events(), xytp), "x y t p below a size");
+}
+
+TEST(TableText, WholeTimesAreMicrosecondsHoweverTheyAreWritten) {
+  expect_events(text_of(events(), [](const Event& e) { return cat(e.t, ".0 ", e.x, ' ', e.y, ' ', int{e.p}); }), ".0");
+  expect_events(
+      "t x y p\n" + text_of(events(), [](const Event& e) { return cat(e.t, ".0 ", e.x, ' ', e.y, ' ', int{e.p}); }),
+      ".0 with names");
+  expect_events(text_of(events(),
+                        [](const Event& e) {
+                          char line[128];
+                          std::snprintf(line, sizeof line, "%.18e %.18e %.18e %.18e", static_cast<double>(e.t),
+                                        static_cast<double>(e.x), static_cast<double>(e.y), static_cast<double>(e.p));
+                          return std::string(line);
+                        }),
+                "numpy.savetxt");
+}
+
+TEST(TableText, OptionsNameColumnsAndUnit) {
+  const OpenOptions ns = {.policy = DecodePolicy::kSkip, .time_unit = TimeUnit::kNanoseconds, .columns = "xytp"};
+  expect_events(
+      text_of(events(), [](const Event& e) { return cat(e.x, ' ', e.y, ' ', e.t * 1000 + 999, ' ', int{e.p}); }), "ns",
+      ns);
+  const OpenOptions more = {.policy = DecodePolicy::kSkip, .columns = "-txyp"};
+  expect_events(text_of(events(), [](const Event& e) { return "7," + txyp_commas(e); }), "a column more", more);
+  const auto wrong = open_text(text_of(events(), txyp), {.columns = "txy"});
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_EQ(wrong.error().setting, Setting::kColumns);
+}
+
+TEST(TableText, EpochNanosecondsKeepEveryMicrosecond) {
+  constexpr int64_t kEpochUs = 1'600'000'000'000'000;
+  const auto found = read(open_text(text_of(
+      events(), [](const Event& e) { return cat((kEpochUs + e.t) * 1000, ',', e.x, ',', e.y, ',', int{e.p}); })));
+  ASSERT_TRUE(found.ok()) << found.error().text();
+  for (size_t i = 0; i < found->size(); ++i) ASSERT_EQ(found->t[i], kEpochUs + events().t[i]);
+}
+
+TEST(TableText, UnitsInNamesAreHeeded) {
+  for (const char* name : {"t_ns", "t(ns)", "timestamp[ns]", "Timestamp (ns)", "t [ns]", "time_ns"}) {
+    expect_events(
+        cat("#", name, ",x,y,p\n") +
+            text_of(events(), [](const Event& e) { return cat(e.t * 1000, ',', e.x, ',', e.y, ',', int{e.p}); }),
+        name);
+  }
+  expect_events("t_ms x y p\n" + text_of(events(),
+                                         [](const Event& e) {
+                                           char line[64];
+                                           std::snprintf(line, sizeof line, "%.3f %d %d %d",
+                                                         static_cast<double>(e.t) / 1000, e.x, e.y, e.p);
+                                           return std::string(line);
+                                         }),
+                "t_ms");
+}
+
+TEST(TableText, AnyHeaderMarkAndSeparatorWillDo) {
+  for (const char* header : {"#timestamp, x, y, polarity\n", "% t,x,y,p\n", "// t,x,y,p\n", "; t,x,y,p\n",
+                             "Zeit,Spalte,Zeile,Vorzeichen\n", "time,x,y,polarit\xC3\xA9\n", ""}) {
+    for (const char* separator : {",", ";", "\t", " ", ", ", " ; "}) {
+      expect_events(header + text_of(events(),
+                                     [&](const Event& e) {
+                                       return cat(e.t, separator, e.x, separator, e.y, separator, int{e.p});
+                                     }),
+                    cat(header, separator).c_str());
+    }
+  }
+  expect_events(text_of(events(),
+                        [](const Event& e) {
+                          char line[64];
+                          std::snprintf(line, sizeof line, "0,%06d;%d;%d;%d", static_cast<int>(e.t), e.x, e.y, e.p);
+                          return std::string(line);
+                        }),
+                "decimal commas");
+}
+
+TEST(TableText, MarksEndsOfLinesAndJoinedFilesLoseNothing) {
+  const std::string plain = "t,x,y,p\n" + text_of(events(), txyp_commas);
+  const auto replaced = [&](const std::string& end) {
+    std::string text;
+    for (const char c : plain) text += c == '\n' ? end : std::string(1, c);
+    return text;
+  };
+  const OpenOptions strict = {.policy = DecodePolicy::kStrict};
+  expect_events("\xEF\xBB\xBF" + text_of(events(), txyp_commas), "mark of UTF-8", strict);
+  expect_events(replaced("\r\n"), "CRLF", strict);
+  expect_events(replaced("\r"), "CR", strict);
+  expect_events(replaced(",\n"), "separators at the end", strict);
+  const size_t middle = plain.find('\n', plain.size() / 2) + 1;
+  expect_events(plain.substr(0, middle) + "t,x,y,p\n" + plain.substr(middle), "joined", strict);
+  expect_events(
+      text_of(events(),
+              [](const Event& e) { return cat('"', e.t, "\",\"", e.x, "\",\"", e.y, "\",\"", int{e.p}, '"'); }),
+      "quoted", strict);
+}
+
+TEST(TableText, AnOddFirstLineIsJudgedByTheOthers) {
+  EventColumns all = events();
+  all.t[0] = 0;
+  all.y[0] = 1;
+  const auto found = read(open_text(text_of(all, [](const Event& e) {
+    char line[64];
+    if (e.t == 0) return "0 " + cat(e.x, ' ', e.y, ' ', int{e.p});
+    std::snprintf(line, sizeof line, "%.6f %d %d %d", static_cast<double>(e.t) * 1e-6, e.x, e.y, e.p);
+    return std::string(line);
+  })));
+  ASSERT_TRUE(found.ok()) << found.error().text();
+  EXPECT_TRUE(*found == all);
+}
+
+TEST(TableText, PolaritiesOfEveryCodingKeepBothSigns) {
+  using Pair = std::pair<const char*, const char*>;
+  for (const auto& [off, on] : {Pair{"0", "1"},
+                                {"-1", "1"},
+                                {"1", "2"},
+                                {"0", "255"},
+                                {"255", "1"},
+                                {"65535", "1"},
+                                {"4294967295", "1"},
+                                {"18446744073709551615", "1"},
+                                {"False", "True"},
+                                {"OFF", "ON"},
+                                {"0.0", "1.0"},
+                                {"-1", "+1"}}) {
+    expect_events(
+        text_of(events(),
+                [&, o = off, n = on](const Event& e) { return cat(e.t, ' ', e.x, ' ', e.y, ' ', e.p == 1 ? n : o); }),
+        off);
+  }
+}
+
+TEST(TableText, AnotherPolarityFarBehindTellsTheCoding) {
+  EventColumns all = random_stream({.events = 30000, .width = 64, .height = 48}).events;
+  for (size_t i = 0; i < all.size(); ++i) all.p[i] = i > 25000;
+  const auto found =
+      read(open_text(text_of(all, [](const Event& e) { return cat(e.t, ' ', e.x, ' ', e.y, ' ', e.p + 1); })));
+  ASSERT_TRUE(found.ok()) << found.error().text();
+  EXPECT_TRUE(*found == all);
+}
+
+TEST(TableText, WhatIsNoTableIsRefusedWithItsLine) {
+  std::string text;
+  for (int i = 0; i < 1000; ++i) text += i % 30 == 0 ? "1,2,1,5\n" : "one,\x1b[31mtwo,3,four\n";
+  const auto reader = open_text(text, {.format = "csv", .policy = DecodePolicy::kSkip});
+  ASSERT_FALSE(reader.ok());
+  EXPECT_EQ(reader.error().location, "a.csv: line 2");
+  EXPECT_NE(reader.error().message.find("\\x1b[31mtwo"), std::string::npos) << reader.error().message;
+
+  const std::string utf16("t\0,\0x\0,\0y\0,\0p\0\n\0", 16);
+  const auto wide = open_text(utf16, {.format = "csv"});
+  ASSERT_FALSE(wide.ok());
+  EXPECT_NE(wide.error().message.find("UTF-16"), std::string::npos);
+}
+
+TEST(TableText, DamageNamesTheByteOfItsLine) {
+  const std::string text = "t,x,y,p\n" + text_of(events(), txyp_commas);
+  const size_t place = text.find('\n', text.size() / 2) + 1;
+  auto reader = open_text(text.substr(0, place) + "rubbish\n" + text.substr(place));
+  ASSERT_TRUE(reader.ok() && read_all(**reader).ok());
+  EXPECT_EQ((*reader)->summary().of(Violation::kBadRecord), (ViolationCount{1, place}));
+}
+
+TEST(TableText, A32BitClockThatWrapsGoesOn) {
+  const auto found = read(open_text("t,x,y,p\n" + text_of(events(), [](const Event& e) {
+                                      return cat(static_cast<uint32_t>(e.t - 20000), ',', e.x, ',', e.y, ',', int{e.p});
+                                    })));
+  ASSERT_TRUE(found.ok()) << found.error().text();
+  EXPECT_EQ(found->t.back() - found->t.front(), events().t.back() - events().t.front());
+  EXPECT_TRUE(found->x == events().x);
+}
+
+TEST(Tables, FormatsWithAUnitOfTheirOwnRefuseTheOptions) {
+  TestFolder folder;
+  EventBatch batch;
+  batch.events = events();
+  for (const char* name : {"a.raw", "a_cd.dat", "a.hdf5"}) {
+    auto writer = create_recording(folder / name, "", {.format = "", .width = 64, .height = 48, .header = {}}).value();
+    ASSERT_TRUE(writer->write(batch).ok() && writer->finish().ok());
+    EXPECT_EQ(open_recording(folder / name, {.time_unit = TimeUnit::kNanoseconds}).error().setting, Setting::kTimeUnit);
+    EXPECT_EQ(open_recording(folder / name, {.columns = "txyp"}).error().setting, Setting::kColumns);
+  }
+}
+
+template <typename T, typename From>
+NpyArray column(const From& values, const std::function<double(double)>& change = {}) {
+  std::vector<T> converted;
+  for (const auto value : values) {
+    const auto number = static_cast<double>(value);
+    converted.push_back(static_cast<T>(change ? change(number) : number));
+  }
+  return make_npy<T>({converted.size()}, converted);
+}
+
+Result<EventColumns> read_arrays(const NpzArrays& arrays) {
+  return read(open_recording(make_memory_source(encode_npz(arrays), "a.npz"),
+                             {.format = "npz", .policy = DecodePolicy::kSkip}));
+}
+
+TEST(TableArrays, UnitsInNamesAndPolaritiesWithoutASignAreRead) {
+  const EventColumns all = events();
+  NpzArrays arrays;
+  arrays["xs"] = column<int32_t>(all.x);
+  arrays["ys"] = column<double>(all.y);
+  arrays["polarity"] = column<uint8_t>(all.p, [](double p) { return p == 1 ? 1 : 255; });
+  arrays["timestamp_ns"] = column<int64_t>(all.t, [](double t) { return 1000 * t; });
+  const auto found = read_arrays(arrays);
+  ASSERT_TRUE(found.ok()) << found.error().text();
+  EXPECT_TRUE(*found == all);
+}
+
+TEST(TableArrays, ASignedClockThatWrapsGoesOn) {
+  const EventColumns all = events();
+  NpzArrays arrays;
+  arrays["x"] = column<int32_t>(all.x);
+  arrays["y"] = column<int32_t>(all.y);
+  arrays["p"] = column<uint8_t>(all.p);
+  arrays["t"] =
+      column<int32_t>(all.t, [](double t) { return t < 20000 ? 2147483647.0 - 20000 + t : t - 20001 - 2147483647.0; });
+  const auto found = read_arrays(arrays);
+  ASSERT_TRUE(found.ok()) << found.error().text();
+  EXPECT_EQ(found->t.back() - found->t.front(), all.t.back() - all.t.front());
+}
+
+TEST(TableArrays, AFolderOfEvrealIsARecording) {
+  TestFolder folder;
+  const EventColumns all = events();
+  std::vector<int16_t> xy;
+  for (size_t i = 0; i < all.size(); ++i) {
+    xy.push_back(static_cast<int16_t>(all.x[i]));
+    xy.push_back(static_cast<int16_t>(all.y[i]));
+  }
+  std::filesystem::create_directory(folder / "seq");
+  ASSERT_TRUE(write_npy(folder / "seq/events_xy.npy", make_npy<int16_t>({all.size(), 2}, xy)).ok());
+  ASSERT_TRUE(write_npy(folder / "seq/events_p.npy", column<uint8_t>(all.p)).ok());
+  ASSERT_TRUE(write_npy(folder / "seq/events_ts.npy", column<double>(all.t, [](double t) { return t * 1e-6; })).ok());
+  ASSERT_TRUE(write_file(folder / "seq/metadata.json", std::string("{\"sensor_resolution\": [48, 64]}")).ok());
+  auto reader = open_recording(folder / "seq", kPlain);
+  ASSERT_TRUE(reader.ok()) << reader.error().text();
+  EXPECT_EQ((*reader)->info().width, 64u);
+  EXPECT_TRUE(read_all(**reader)->events == all);
+}
+
+}  // namespace
+}  // namespace e2lf::recordings
