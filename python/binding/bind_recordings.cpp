@@ -32,7 +32,7 @@ struct EventSlices : Slices {};
 RecordingPointer open(const fs::path& path, const OpenArguments& arguments) {
   // Slices begin there only where that is a time of the clock that they are in.
   const bool is_absolute = !arguments.relative && !arguments.shift_time;
-  return std::make_shared<Recording>(path.string(), open_reader(path.string(), arguments),
+  return std::make_shared<Recording>(path.string(), open_reader(path.string(), arguments, true),
                                      is_absolute ? arguments.from_us : std::nullopt);
 }
 
@@ -185,6 +185,9 @@ void bind_recording(py::module_& module) {
           py::arg("begin_us"), py::arg("end_us"),
           "The Slice begin_us <= t < end_us, in any order; reading goes on behind it. Not of streams.")
       .def("seek", &Recording::seek, py::arg("t_us"), "Goes to the first event or trigger with t >= t_us.")
+      .def("next_part", &Recording::next_part,
+           "With restart=\"split\", once iterating has ended: goes on to the part behind, whose times are its own. "
+           "Returns whether there is one.")
       .def("close", &Recording::close, "Closes the file; so does leaving a with block.")
       .def("__iter__",
            [](RecordingPointer self) {

@@ -25,8 +25,10 @@ int64_t multiple_below(int64_t t_us, int64_t step) {
 
 }  // namespace
 
-std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name, const OpenArguments& arguments) {
+std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name, const OpenArguments& arguments,
+                                                         bool reads_parts) {
   check_word(arguments.time_unit, {"auto", "s", "ms", "us", "ns"}, "time_unit");
+  check_word(arguments.restart, {"continue", "split", "refuse"}, "restart");
   if (arguments.threads < 0) throw py::value_error("the number of threads cannot be negative; 0 is all cores");
   cli::RecordingFlags flags;
   flags.format = arguments.format;
@@ -35,13 +37,14 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
   flags.stream = arguments.stream;
   flags.columns = arguments.columns;
   flags.time_unit = arguments.time_unit;
+  flags.restart = arguments.restart;
   flags.from_us = arguments.from_us.value_or(flags.from_us);
   flags.to_us = arguments.to_us.value_or(flags.to_us);
   flags.is_relative = arguments.relative;
   flags.is_strict = arguments.strict;
   const StopOnInterrupt interrupt(recordings::is_live_recording(name));
   return without_gil([&]() -> Result<std::unique_ptr<recordings::RecordingReader>> {
-    E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions options, cli::open_options(name, flags));
+    E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions options, cli::open_options(name, flags, reads_parts));
     options.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
     options.threads = arguments.threads;
     E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(name, options));
@@ -54,6 +57,8 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
 
 void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary) {
   const std::vector<recordings::Loss> losses = recordings::losses(summary);
+  const std::string restarts = recordings::restart_text(summary);
+  if (!restarts.empty()) log_warning(cat(name, ": ", restarts));
   if (!losses.empty()) log_warning(cat(name, ": left out ", recordings::loss_text(losses)));
 }
 
@@ -109,6 +114,18 @@ Slice Recording::between(int64_t begin_us, int64_t end_us) {
   slice_begin_us_ = end_us;
   check_signals();
   return slice;
+}
+
+bool Recording::next_part() {
+  const OneAtATime::Use use(use_, kWhat);
+  recordings::RecordingReader& reader = open_reader();
+  const bool more = without_gil([&] { return reader.next_part(); });
+  if (!more) return false;
+  batch_.clear();
+  event_ = trigger_ = 0;
+  has_ended_ = false;
+  slice_begin_us_.reset();
+  return true;
 }
 
 void Recording::seek(int64_t t_us) {

@@ -14,16 +14,18 @@ namespace e2lf::python {
 
 /// How the options of open_recording() are called in Python, and their defaults.
 struct OpenArguments {
-  std::string format, stream, columns, time_unit = "auto";
+  std::string format, stream, columns, time_unit = "auto", restart = "continue";
   size_t width = 0, height = 0;
   std::optional<int64_t> from_us, to_us;
   bool relative = false, shift_time = false, strict = false;
   int threads = 0;
 };
 
-/// Opens a recording by its name, as the verbs do. Says on the log what was assumed.
+/// Opens a recording by its name, as the verbs do. Says on the log what was assumed. `reads_parts`:
+/// as for cli::open_options().
 [[nodiscard]] std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name,
-                                                                       const OpenArguments& arguments);
+                                                                       const OpenArguments& arguments,
+                                                                       bool reads_parts = false);
 
 /// Warns of what was left out of a recording that has been read.
 void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary);
@@ -57,6 +59,9 @@ class Recording {
 
   /// All of begin_us <= t < end_us, wherever the recording stands; it stands behind that then.
   [[nodiscard]] Slice between(int64_t begin_us, int64_t end_us);
+
+  /// Goes on to the part behind, where reading has ended because the clock starts again.
+  [[nodiscard]] bool next_part();
 
   void seek(int64_t t_us);
   [[nodiscard]] recordings::DecodeSummary summary();

@@ -127,6 +127,7 @@ class Recording:
     def events(self, delta_t: Optional[int] = None, n_events: Optional[int] = None) -> EventSlices: ...
     def between(self, begin_us: int, end_us: int) -> Slice: ...
     def seek(self, t_us: int) -> None: ...
+    def next_part(self) -> bool: ...
     def close(self) -> None: ...
     def __iter__(self) -> Iterator[Slice]: ...
     def __enter__(self) -> Recording: ...
@@ -222,6 +223,7 @@ def open_recording(
     shift_time: bool = False,
     strict: bool = False,
     threads: int = 0,
+    restart: str = "continue",
 ) -> Recording: ...
 def read_events(
     path: Path,
@@ -238,6 +240,7 @@ def read_events(
     shift_time: bool = False,
     strict: bool = False,
     threads: int = 0,
+    restart: str = "continue",
 ) -> Tuple[Array, Array]: ...
 def info(
     path: Path,
@@ -279,6 +282,7 @@ def convert(
     shift_time: bool = False,
     strict: bool = False,
     threads: int = 0,
+    restart: str = "continue",
 ) -> Dict[str, Any]: ...
 
 # Patterns, schedules, cycles, event images
@@ -314,6 +318,7 @@ def accumulate(
     shift_time: bool = False,
     strict: bool = False,
     threads: int = 0,
+    restart: str = "continue",
 ) -> Cycles: ...
 def synthesise_recording(
     path: Path,

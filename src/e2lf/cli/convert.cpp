@@ -105,52 +105,107 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   return record.write(output.record_path(), verb);
 }
 
+/// The part of a recording that is written to one file.
+struct ConvertedPart {
+  fs::path named;  ///< its place in the end
+  OutputFile output;
+  recordings::ConvertReport report;
+};
+
+/// NAME_2.raw for the second part of NAME.raw.
+fs::path part_path(const fs::path& output, size_t number) {
+  return number == 1 ? output
+                     : output.parent_path() / cat(output.stem().string(), "_", number, output.extension().string());
+}
+
+Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::RecordingPlace& place,
+                                  size_t number, const CommonOptions& common) {
+  const fs::path named = part_path(arguments.output, number);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, {.inputs = {arguments.input},
+                                                                      .overwrite = common.overwrite,
+                                                                      .streams = place.streams,
+                                                                      .side_file = place.side_file,
+                                                                      .recover = recover_recording(place)}));
+  if (number > 1 && output.is_stream()) {
+    return Error{ErrorCode::kUnsupported, "a stream has room for one part of the recording; name a file",
+                 arguments.output.string()};
+  }
+  return ConvertedPart{named, std::move(output), {}};
+}
+
+/// Converts what the reader gives up to its end, or to where the clock starts again.
+Result<void> convert_part(const ConvertArguments& arguments, recordings::RecordingReader& reader, ConvertedPart& part,
+                          const Verb& verb) {
+  RunRecord record("convert");
+  ProgressBar bar("convert", verb.common().quiet, "events");
+  E2LF_ASSIGN_OR_RETURN(part.report,
+                        recordings::convert_recording(reader, part.output.path(),
+                                                      {.format = arguments.format, .progress = bar.callback()}));
+  hide_progress();
+  record.end_step("convert");
+  return part.output.is_stream() ? Result<void>{} : write_record(record, arguments.input, arguments.light_field.orientation, reader, part.output, verb);
+}
+
+Json part_json(const ConvertedPart& part) {
+  const recordings::ConvertReport& report = part.report;
+  fs::path trigger_file = report.trigger_file;
+  if (!trigger_file.empty()) trigger_file = part.named.parent_path() / trigger_file;
+  return {{"file", part.named.string()},
+          {"events", report.events},
+          {"triggers", report.triggers},
+          {"lost_triggers", report.lost_triggers},
+          {"trigger_file", trigger_file.string()},
+          {"left_out", losses_json(report.summary)},
+          {"restarts", restarts_json(report.summary)},
+          {"sensor_events_in", report.summary.sensor_events_in},
+          {"sensor_events_sent", report.summary.sensor_events_sent},
+          {"sorted", report.summary.out_of_order},
+          {"warnings", report.warnings}};
+}
+
+void say_part(const ConvertedPart& part, std::FILE* to) {
+  std::fprintf(to, "%llu events and %llu triggers in %s%s\n", static_cast<unsigned long long>(part.report.events),
+               static_cast<unsigned long long>(part.report.triggers), part.named.c_str(),
+               sorted_text(part.report.summary).c_str());
+  const std::string sensor = recordings::sensor_text(part.report.summary);
+  if (!sensor.empty()) std::fprintf(to, "the sensor %s; its counts are not in the output\n", sensor.c_str());
+}
+
 Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place,
                         recordings::place_of_recording(arguments.output, arguments.format));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite,
-                                                                                 .streams = place.streams,
-                                                                                 .side_file = place.side_file,
-                                                                                 .recover = recover_recording(place)}));
-  E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording));
+  E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording, true));
+  // Before a stream is opened, which does not come again.
+  std::vector<ConvertedPart> parts;
+  E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, place, 1, common));
+  parts.push_back(std::move(first));
   // What is replayed can be replayed again.
   if (place.is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
     log_warning(cat(arguments.output.string(),
                     ": this format is written at the end of a recording, and a crash leaves ",
                     "nothing of it; record to .raw to be safe"));
   }
-  RunRecord record("convert");
   open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(arguments.input.string(), open));
   say_assumptions(*reader);
-  ProgressBar bar("convert", common.quiet, "events");
-  E2LF_ASSIGN_OR_RETURN(
-      const recordings::ConvertReport report,
-      recordings::convert_recording(*reader, output.path(), {.format = arguments.format, .progress = bar.callback()}));
-  hide_progress();
-  record.end_step("convert");
-  const OrientationFlags& given = arguments.light_field.orientation;
-  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(write_record(record, arguments.input, given, *reader, output, verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
-  fs::path trigger_file = report.trigger_file;
-  if (!trigger_file.empty()) trigger_file = arguments.output.parent_path() / trigger_file;
-  warn_of_losses(arguments.input, report.summary);
-  if (common.json) {
-    const Json json = {{"events", report.events},
-                       {"triggers", report.triggers},
-                       {"lost_triggers", report.lost_triggers},
-                       {"trigger_file", trigger_file.string()},
-                       {"left_out", losses_json(report.summary)},
-                       {"sorted", report.summary.out_of_order},
-                       {"warnings", report.warnings}};
-    std::fprintf(output.text(), "%s", json_text(json).c_str());
-  } else if (!common.quiet) {
-    std::fprintf(output.text(), "%llu events and %llu triggers in %s%s\n",
-                 static_cast<unsigned long long>(report.events), static_cast<unsigned long long>(report.triggers),
-                 arguments.output.c_str(), sorted_text(report.summary).c_str());
+  for (bool more = true; more;) {
+    E2LF_RETURN_IF_ERROR(convert_part(arguments, *reader, parts.back(), verb));
+    E2LF_ASSIGN_OR_RETURN(more, reader->next_part());
+    if (!more) break;
+    E2LF_ASSIGN_OR_RETURN(ConvertedPart next, create_part(arguments, place, parts.size() + 1, common));
+    parts.push_back(std::move(next));
   }
+  Json json;
+  for (ConvertedPart& part : parts) {
+    E2LF_RETURN_IF_ERROR(part.output.commit());
+    warn_of_losses(arguments.input, part.report.summary);
+    if (!common.json && !common.quiet) say_part(part, part.output.text());
+    json["parts"].push_back(part_json(part));
+  }
+  if (!common.json) return {};
+  if (parts.size() == 1) json = part_json(parts.front());
+  std::fprintf(parts.front().output.text(), "%s", json_text(json).c_str());
   return {};
 }
 

@@ -18,7 +18,7 @@ Json assumptions_json(const recordings::RecordingInfo& info) {
 }
 
 Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
-             const RecordingStatistics& statistics) {
+             const RecordingStatistics& statistics, Json parts) {
   Json json = {{"kind", "recording"}, {"format", info.format}, {"width", info.width}, {"height", info.height}};
   Json counts = summary_json(summary);
   const Json left_out = std::move(counts["left_out"]);
@@ -29,6 +29,7 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
   json["assumptions"] = assumptions_json(info);
   json["read_as"] = reading_json(info);
   json["left_out"] = left_out;
+  json["parts"] = std::move(parts);
   Json header = Json::object();
   for (const auto& [key, value] : info.header) header[key] = value;
   json["header"] = std::move(header);
@@ -59,6 +60,12 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
                          " OFF)\n",                                                                              //
                          "triggers:  ", summary.triggers, "\n", statistics.triggers_text(),                      //
                          "time:      ", time_text(summary), "\n");
+  if (const std::string restarts = recordings::restart_text(summary); !restarts.empty()) {
+    text += cat("restarts:  ", restarts, "\n");
+  }
+  if (const std::string sensor = recordings::sensor_text(summary); !sensor.empty()) {
+    text += cat("sensor:    ", sensor, "\n");
+  }
   if (summary.out_of_order > 0) text += cat("sorted:    ", summary.out_of_order, " events were out of order\n");
   text += cat("left out:  ", losses.empty() ? "nothing" : recordings::loss_text(losses), "\n");
   if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " stretches of time are incomplete\n");
@@ -71,6 +78,11 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
   }
   for (const auto& [key, value] : info.header) text += cat("header:    ", key, " = ", value, "\n");
   return text;
+}
+
+/// One part of a recording whose clock starts again, kept apart.
+std::string part_text(size_t number, const recordings::DecodeSummary& part) {
+  return cat("part ", number, ":    ", part.events(), " events, ", part.triggers, " triggers, ", time_text(part), "\n");
 }
 
 }  // namespace
@@ -86,24 +98,41 @@ Json summary_json(const recordings::DecodeSummary& summary) {
           {"time_loops", summary.time_loops},
           {"gaps", summary.num_gaps},
           {"sorted", summary.out_of_order},
+          {"restarts", restarts_json(summary)},
+          {"sensor_events_in", summary.sensor_events_in},
+          {"sensor_events_sent", summary.sensor_events_sent},
           {"left_out", losses_json(summary)}};
 }
 
 Result<Description> describe_recording(const fs::path& path, const DescribeOptions& options) {
-  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(path, options.recording));
+  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(path, options.recording, true));
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(path.string(), open));
   RecordingStatistics statistics;
+  recordings::DecodeSummary summary;
   recordings::EventBatch batch;
-  for (;;) {
+  std::string parts;
+  Json parts_json = Json::array();
+  for (bool more_parts = true; more_parts;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
-    if (!more) break;
-    statistics.add(batch);
-    if (options.on_batch) options.on_batch(batch);
-    if (options.progress) options.progress(reader->summary().events(), 0);
+    if (more) {
+      statistics.add(batch);
+      if (options.on_batch) options.on_batch(batch);
+      if (options.progress) options.progress(summary.events() + reader->summary().events(), 0);
+      continue;
+    }
+    const recordings::DecodeSummary part = reader->summary();
+    summary.append(part);
+    parts += part_text(parts_json.size() + 1, part);
+    parts_json.push_back({{"events", part.events()},
+                          {"triggers", part.triggers},
+                          {"first_t_us", part.first_t_us},
+                          {"last_t_us", part.last_t_us}});
+    E2LF_ASSIGN_OR_RETURN(more_parts, reader->next_part());
   }
-  const recordings::DecodeSummary summary = reader->summary();
-  return Description{
-      printable(to_text(reader->info(), summary, statistics)), to_json(reader->info(), summary, statistics), {}};
+  if (parts_json.size() == 1) parts.clear();
+  return Description{printable(to_text(reader->info(), summary, statistics) + parts),
+                     to_json(reader->info(), summary, statistics, std::move(parts_json)),
+                     {}};
 }
 
 }  // namespace e2lf::cli

@@ -24,6 +24,12 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
                  "numbers and s of others")
       ->check(CLI::IsMember({"auto", "s", "ms", "us", "ns"}))
       ->group(group);
+  app.add_option(
+         "--restart", flags.restart,
+         "where the clock starts again (a restarted camera, joined files): continue moves the later part behind "
+         "the earlier one, split keeps them apart (info, convert), refuse fails")
+      ->check(CLI::IsMember({"continue", "split", "refuse"}))
+      ->group(group);
   add("--from-us", flags.from_us, "recordings: leave out what is before this time of the recording's own clock");
   add("--to-us", flags.to_us, "recordings: leave out what is at or after this time of the recording's own clock");
   app.add_flag("--relative", flags.is_relative,
@@ -43,19 +49,32 @@ recordings::TimeUnit time_unit_of(const std::string& word) {
   return word == "ns" ? recordings::TimeUnit::kNanoseconds : recordings::TimeUnit::kAuto;
 }
 
+recordings::RestartPolicy restart_policy_of(const std::string& word) {
+  if (word == "split") return recordings::RestartPolicy::kSplit;
+  return word == "refuse" ? recordings::RestartPolicy::kRefuse : recordings::RestartPolicy::kContinue;
+}
+
 }  // namespace
 
 bool is_live(const fs::path& input) {
   return recordings::is_live_recording(input.string());
 }
 
-Result<recordings::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags) {
+Result<recordings::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags, bool reads_parts) {
   if (flags.from_us >= flags.to_us) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the range from ", flags.from_us, " to ", flags.to_us, " us is empty; give a later --to-us"),
                  "--from-us"};
   }
   recordings::OpenOptions open;
+  open.restart = restart_policy_of(flags.restart);
+  if (open.restart == recordings::RestartPolicy::kSplit && !reads_parts) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        "split is for `e2lf info`, which lists the parts, and `e2lf convert`, which writes each to a file of its "
+        "own; convert the recording first, or take continue",
+        "--restart"};
+  }
   open.format = flags.format;
   open.width = flags.width;
   open.height = flags.height;
@@ -100,11 +119,27 @@ Json losses_json(const recordings::DecodeSummary& summary) {
 }
 
 void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summary) {
+  if (const std::string restarts = recordings::restart_text(summary); !restarts.empty()) {
+    const bool is_moved = summary.restarts.front().shift_us != 0;
+    log_warning(cat(input.string(), ": ", restarts,
+                    is_moved ? " (--restart continue; split keeps the parts apart, refuse fails there)" : ""));
+  }
   const std::vector<recordings::Loss> losses = recordings::losses(summary);
   if (losses.empty()) return;
   const bool is_outside = summary.of(recordings::Violation::kOutOfRange).count > 0;
   const char* const advice = is_outside ? "; --sensor-width and --sensor-height give the sensor's size" : "";
   log_warning(cat(input.string(), ": left out ", recordings::loss_text(losses), advice));
+}
+
+Json restarts_json(const recordings::DecodeSummary& summary) {
+  Json json = Json::array();
+  for (const recordings::Restart& restart : summary.restarts) {
+    json.push_back({{"byte", restart.byte},
+                    {"before_us", restart.before_us},
+                    {"after_us", restart.after_us},
+                    {"shift_us", restart.shift_us}});
+  }
+  return json;
 }
 
 std::string sorted_text(const recordings::DecodeSummary& summary) {

@@ -20,6 +20,7 @@ struct RecordingFlags {
   int64_t from_us = INT64_MIN, to_us = INT64_MAX;  ///< of the recording's clock
   std::string stream;                              ///< empty = the first
   std::string columns, time_unit = "auto";         ///< of tables
+  std::string restart = "continue";                ///< what to do where the clock starts again
   bool is_relative = false;                        ///< they count from its first event or trigger
   bool is_strict = false;                          ///< what would be left out is an error
 };
@@ -27,17 +28,17 @@ struct RecordingFlags {
 /// The help group of options of recordings, where a verb takes other inputs too.
 inline constexpr const char* kRecordingOptions = "Recordings";
 
-/// Declares --event-format, --sensor-width, --sensor-height, --stream, --columns, --time-unit, --from-us, --to-us,
-/// --relative and
-/// --strict.
+/// Declares --event-format, --sensor-width, --sensor-height, --stream, --columns, --time-unit, --restart, --from-us,
+/// --to-us, --relative and --strict.
 void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group);
 
 /// Whether an input is read as it arrives: "-", a camera, a socket, a named pipe.
 [[nodiscard]] bool is_live(const std::filesystem::path& input);
 
-/// What the flags ask of a reader. Fails with kInvalidValue where they contradict each other.
+/// What the flags ask of a reader. Fails with kInvalidValue where they contradict each other, and for --restart split
+/// where the caller does not call next_part().
 [[nodiscard]] Result<recordings::OpenOptions> open_options(const std::filesystem::path& input,
-                                                           const RecordingFlags& flags);
+                                                           const RecordingFlags& flags, bool reads_parts = false);
 
 /// Says on stderr what the recording does not tell and was taken for granted.
 void say_assumptions(const recordings::RecordingReader& reader);
@@ -51,8 +52,11 @@ void say_assumptions(const recordings::RecordingReader& reader);
 /// What was left out of a recording, by reason: [{"reason", "count", "first_byte"}, ...].
 [[nodiscard]] Json losses_json(const recordings::DecodeSummary& summary);
 
-/// Says on stderr, with --quiet too, what was left out; nothing when nothing was. To be called also before a verb fails
-/// for want of events.
+/// The places where the clock starts again: [{"byte", "before_us", "after_us", "shift_us"}, ...].
+[[nodiscard]] Json restarts_json(const recordings::DecodeSummary& summary);
+
+/// Says on stderr, with --quiet too, what was left out and where the clock started again; nothing when nothing was. To
+/// be called also before a verb fails for want of events.
 void warn_of_losses(const std::filesystem::path& input, const recordings::DecodeSummary& summary);
 
 /// ", 20 of them sorted to their place"; empty when all were in order.

@@ -18,11 +18,18 @@ class EventBlocks {
   /// may come before or after the events of their time; one earlier than the trigger before it is dropped.
   [[nodiscard]] virtual Result<bool> next(EventBatch& block, DecodeSummary& summary) = 0;
 
+  /// Where in the file the block of the last next() begins; 0 = not known.
+  [[nodiscard]] virtual uint64_t block_byte() const { return 0; }
+
+  /// How many bytes an event takes there; 0 = they differ.
+  [[nodiscard]] virtual size_t event_bytes() const { return 0; }
+
   /// Goes to a block that begins before t_us, as near as is cheap, or to the first. Fails with kUnsupported and kIo.
   [[nodiscard]] virtual Result<void> seek_before(int64_t t_us) = 0;
 };
 
-/// A reader over blocks: cuts them to the batches asked for, drops unbelievable events (EventGate), and hands triggers
+/// A reader over blocks: cuts them to the batches asked for, drops unbelievable events (EventGate), begins
+/// a part where the clock starts again, and hands triggers
 /// out beside the events of their time; they come from the blocks or, where they lie apart, from `triggers`.
 [[nodiscard]] std::unique_ptr<RecordingReader> make_block_reader(std::unique_ptr<EventBlocks> blocks,
                                                                  RecordingInfo info, const std::string& name,

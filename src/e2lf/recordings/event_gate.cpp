@@ -2,15 +2,17 @@
 #include "e2lf/recordings/event_gate.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace e2lf::recordings {
 void EventGate::release(EventColumns& events) {
+  num_released_ = waiting_.size();
   events.append(waiting_);
   waiting_.clear();
 }
 
 void EventGate::reset() {
-  last_us_ = -kTimeLimitUs;
+  begin_part();
   waiting_.clear();
 }
 
@@ -25,18 +27,28 @@ bool EventGate::all_believable(const EventColumns& events, size_t begin) const {
   return (outside | backwards) == 0 && in_time;
 }
 
-size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t end, uint64_t byte,
+/// Returns behind which event of those from `begin` on nothing is left; `end` comes down to where the rest has to wait.
+size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t& end, bool is_end, uint64_t byte,
                                       DecodeSummary& summary) {
   const auto time_at = [&](size_t i) { return events.t[i]; };
   size_t kept = begin;
   for (size_t i = begin; i < end; ++i) {
     const bool outside = (width_ != 0 && events.x[i] >= width_) || (height_ != 0 && events.y[i] >= height_);
     const bool backwards = events.t[i] < last_us_;
+    const uint64_t place = byte + (i - begin) * record_bytes_;
+    if (backwards) {
+      const RestartVerdict verdict = judge_restart(i, events.size(), is_end, last_us_, time_at);
+      if (verdict == RestartVerdict::kYes) restart_ = Restart{place, last_us_};
+      if (verdict != RestartVerdict::kNo) {
+        end = i;
+        break;
+      }
+    }
     if (outside || backwards || !is_time(events.t[i]) || is_ahead_of_successors(i, events.size(), last_us_, time_at)) {
       const Violation kind = outside     ? Violation::kOutOfRange
                              : backwards ? Violation::kTimeBackwards
                                          : Violation::kTimeJump;
-      summary.add(kind, byte + (i - begin) * record_bytes_);
+      summary.add(kind, place);
       ++summary.dropped_words;
       continue;
     }
@@ -52,10 +64,11 @@ size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t
 
 void EventGate::filter(EventColumns& events, size_t begin, bool is_end, uint64_t byte, DecodeSummary& summary) {
   const size_t wait = is_end ? 0 : std::min(kTimeLookAhead, events.size() - begin);
-  const size_t judged = events.size() - wait;
+  size_t judged = events.size() - wait;
   size_t kept = judged;
+  byte -= std::exchange(num_released_, 0) * record_bytes_;
   if (!all_believable(events, begin)) {
-    kept = remove_unbelievable(events, begin, judged, byte, summary);
+    kept = remove_unbelievable(events, begin, judged, is_end, byte, summary);
   } else if (judged > begin) {
     last_us_ = events.t[judged - 1];
   }

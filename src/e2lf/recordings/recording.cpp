@@ -11,6 +11,19 @@
 #include "e2lf/recordings/count_on.h"
 
 namespace e2lf::recordings {
+namespace {
+
+/// What comes first in a batch behind so many events and triggers; nothing where nothing does.
+std::optional<int64_t> first_time(const EventBatch& batch, size_t events, size_t triggers) {
+  std::optional<int64_t> first_us;
+  if (events < batch.events.size()) first_us = batch.events.t[events];
+  if (triggers < batch.triggers.size()) {
+    first_us = std::min(first_us.value_or(INT64_MAX), batch.triggers[triggers].t);
+  }
+  return first_us;
+}
+
+}  // namespace
 
 std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   for (const auto& [name, value] : header) {
@@ -19,10 +32,74 @@ std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   return std::nullopt;
 }
 
+/// read_next(), with the times of later parts moved behind those of earlier ones. Ends in front of a later part that is
+/// to be kept apart; that part then begins with the batch.
+Result<bool> RecordingReader::read_one_clock(EventBatch& batch, size_t max_events) {
+  const size_t events = batch.events.size(), triggers = batch.triggers.size(), gaps = summary_.gaps.size();
+  E2LF_ASSIGN_OR_RETURN(const bool more, read_next(batch, max_events));
+  if (const auto first_us = first_time(batch, events, triggers); joint_ && first_us) {
+    E2LF_RETURN_IF_ERROR(join_part(*first_us));
+  }
+  if (part_shift_us_ != 0) {
+    for (size_t i = events; i < batch.events.size(); ++i) batch.events.t[i] += part_shift_us_;
+    for (size_t i = triggers; i < batch.triggers.size(); ++i) batch.triggers[i].t += part_shift_us_;
+    for (size_t i = gaps; i < summary_.gaps.size(); ++i) {
+      summary_.gaps[i].begin_us += part_shift_us_;
+      summary_.gaps[i].end_us += part_shift_us_;
+    }
+  }
+  return more;
+}
+
+/// Decides about a part whose first time is known.
+Result<void> RecordingReader::join_part(int64_t first_us) {
+  Restart restart = *std::exchange(joint_, std::nullopt);
+  if (first_us >= restart.before_us) return {};  // recordings that follow each other by one clock
+  restart.after_us = first_us;
+  switch (options_.restart) {
+    case RestartPolicy::kContinue:
+      part_shift_us_ += restart.before_us + 1 - first_us;
+      restart.shift_us = part_shift_us_;
+      break;
+    case RestartPolicy::kSplit:
+      is_between_parts_ = true;
+      break;
+    case RestartPolicy::kRefuse:
+      return Error{ErrorCode::kFormat,
+                   cat("the clock starts again here, from ", restart.before_us, " back to ", first_us,
+                       " us: the camera was restarted, or files were joined; `continue` moves the later part behind "
+                       "the earlier one, `split` keeps them apart"),
+                   restart.byte == 0 ? name_ : cat(name_, ": byte ", restart.byte)};
+  }
+  summary_.add_restart(restart);
+  if (options_.policy == DecodePolicy::kReport) {
+    DecodeSummary told;
+    told.add_restart(restart);
+    log_warning(cat(name_, ": ", restart_text(told)));
+  }
+  return {};
+}
+
+Result<bool> RecordingReader::next_part() {
+  // What is at or after options_.to_us was not read.
+  for (bool more = has_ended_; more && !is_between_parts_;) {
+    E2LF_ASSIGN_OR_RETURN(more, refill_pending(kDefaultBatch));
+  }
+  if (!std::exchange(is_between_parts_, false)) return false;
+  summary_ = {};
+  known_violations_ = {};
+  shift_us_.reset();
+  range_origin_us_ = 0;
+  has_begun_ = has_ended_ = false;
+  is_first_part_ = false;
+  return true;
+}
+
 Result<bool> RecordingReader::refill_pending(size_t max_events) {
-  E2LF_ASSIGN_OR_RETURN(const bool more, read_next(pending_.refill(), max_events));
+  if (is_between_parts_) return false;
+  E2LF_ASSIGN_OR_RETURN(const bool more, read_one_clock(pending_.refill(), max_events));
   E2LF_RETURN_IF_ERROR(apply_policy());
-  return more || !pending_.empty();
+  return !is_between_parts_ && (more || !pending_.empty());
 }
 
 Result<void> RecordingReader::find_shift() {
@@ -36,10 +113,7 @@ Result<void> RecordingReader::find_shift() {
     E2LF_ASSIGN_OR_RETURN(more, refill_pending(kMinBatch));
   }
   if (pending_.empty()) return {};
-  const EventBatch& first = pending_.batch();
-  const int64_t first_us = first.events.empty()     ? first.triggers.front().t
-                           : first.triggers.empty() ? first.events.t.front()
-                                                    : std::min(first.events.t.front(), first.triggers.front().t);
+  const int64_t first_us = *first_time(pending_.batch(), 0, 0);
   shift_us_ = options_.time == TimeOrigin::kZero ? first_us : 0;
   if (options_.range == TimeOrigin::kZero) range_origin_us_ = first_us;
   return {};
@@ -128,6 +202,7 @@ Result<void> RecordingReader::skip_to(int64_t absolute_us) {
     pending_.skip_to(pending_.first_event(absolute_us), pending_.first_trigger(absolute_us));
     if (!pending_.empty() || !more) return {};
     E2LF_ASSIGN_OR_RETURN(more, refill_pending(kDefaultBatch));
+    if (is_between_parts_) return {};
   }
 }
 
@@ -147,18 +222,25 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   batch.clear();
   // A live source ends by itself, behind what has arrived.
   if (stop_requested() && !arrival()) return false;
+  if (is_between_parts_) return false;
   E2LF_RETURN_IF_ERROR(find_shift());
   if (has_ended_) return false;
   if (!std::exchange(has_begun_, true) && options_.from_us != INT64_MIN) {
-    E2LF_RETURN_IF_ERROR(begin_at(in_range(options_.from_us)));
+    const int64_t from_us = in_range(options_.from_us);
+    E2LF_RETURN_IF_ERROR(is_first_part_ ? begin_at(from_us) : skip_to(from_us));
   }
+  if (is_between_parts_) return false;
   if (!pending_.empty()) {
     pending_.take(batch, max_events);
   } else {
     bool more = true;
     while (more && batch.empty()) {
-      E2LF_ASSIGN_OR_RETURN(more, read_next(batch, max_events));
+      E2LF_ASSIGN_OR_RETURN(more, read_one_clock(batch, max_events));
       E2LF_RETURN_IF_ERROR(apply_policy());
+    }
+    if (is_between_parts_) {
+      std::swap(pending_.refill(), batch);
+      return false;
     }
   }
   if (options_.to_us != INT64_MAX) end_at(in_range(options_.to_us), batch);
@@ -182,8 +264,10 @@ Result<void> RecordingReader::seek(int64_t t_us) {
   summary_ = {};
   known_violations_ = {};
   pending_.refill();
-  has_begun_ = true;
-  has_ended_ = false;
+  has_begun_ = is_first_part_ = true;
+  has_ended_ = is_between_parts_ = false;
+  joint_.reset();
+  part_shift_us_ = 0;
   E2LF_RETURN_IF_ERROR(seek_before(absolute_us));
   return skip_to(absolute_us);
 }

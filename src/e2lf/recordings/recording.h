@@ -18,6 +18,7 @@
 #include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/recordings/io/decode_summary.h"
 #include "e2lf/recordings/pending_batch.h"
+#include "e2lf/recordings/restart.h"
 
 namespace e2lf::recordings {
 
@@ -72,6 +73,7 @@ struct OpenOptions {
   std::string columns = {};  ///< of tables, as "txyp", "-" = to be passed over; empty = found by names and values
   std::string stream = {};   ///< number or name of a stream of events, where there are several
   int threads = 1;           ///< for one read() call; 0 = all cores
+  RestartPolicy restart = RestartPolicy::kContinue;
 
   /// read() hands out from_us <= t < to_us only: times of the sensor's clock, whatever `time` is, or under kZero of
   /// `range` since the first event or trigger of the recording. A file is sought, a stream is skipped.
@@ -105,6 +107,10 @@ class RecordingReader {
   /// Fails with kUnsupported where the source cannot be sought.
   [[nodiscard]] Result<void> seek(int64_t t_us);
 
+  /// Under RestartPolicy::kSplit read() ends where the clock starts again: goes on to the part behind, which has its
+  /// own times, and starts the summary anew. False where the recording itself has ended. Fails as read() does.
+  [[nodiscard]] Result<bool> next_part();
+
   /// When the newest bytes behind what was handed out arrived at this host; nothing for what is not live.
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
@@ -127,7 +133,12 @@ class RecordingReader {
   /// Counts violations in summary_; events and triggers are counted by the caller.
   [[nodiscard]] virtual Result<bool> read_next(EventBatch& batch, size_t max_events) = 0;
 
-  /// Goes to a place at or before the first event with t >= t_us (absolute), as near as is cheap; the start will do.
+  /// For read_next(), with nothing appended yet: what it appends from here on is from a clock that may have started
+  /// again. `byte` is where, `before_us` the last time in front of it.
+  void begin_part(uint64_t byte, int64_t before_us) { joint_ = Restart{byte, before_us}; }
+
+  /// Goes to a place at or before the first event with t >= t_us (absolute), as near as is cheap; the start will do. It
+  /// lies in front of the first restart.
   [[nodiscard]] virtual Result<void> seek_before(int64_t t_us);
 
   OpenOptions options_;
@@ -136,6 +147,8 @@ class RecordingReader {
   std::string name_ = "recording";  ///< of the source, for messages
 
  private:
+  [[nodiscard]] Result<bool> read_one_clock(EventBatch& batch, size_t max_events);
+  [[nodiscard]] Result<void> join_part(int64_t first_us);
   [[nodiscard]] Result<bool> refill_pending(size_t max_events);
   [[nodiscard]] Result<void> find_shift();
   [[nodiscard]] int64_t in_range(int64_t t_us) const;
@@ -149,6 +162,10 @@ class RecordingReader {
   std::shared_ptr<const DecodeSummary> losses_of_source_;
   PendingBatch pending_;                        ///< read but not yet handed out, absolute in time
   bool has_begun_ = false, has_ended_ = false;  ///< options_.from_us and to_us were met
+  std::optional<Restart> joint_;                ///< in front of what comes next, if that is earlier
+  int64_t part_shift_us_ = 0;                   ///< added to what read_next() gives
+  bool is_first_part_ = true;
+  bool is_between_parts_ = false;    ///< what pending_ holds is of the next part
   std::optional<int64_t> shift_us_;  ///< what to subtract; unknown until the first event under TimeOrigin::kZero
   int64_t range_origin_us_ = 0;      ///< what from_us and to_us count from
   std::array<uint64_t, kNumViolations> known_violations_{};

@@ -1,18 +1,32 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/trigger_feed.h"
 
+#include <utility>
+
 #include "e2lf/recordings/event_gate.h"
+#include "e2lf/recordings/restart.h"
 
 namespace e2lf::recordings {
 
 Result<void> TriggerFeed::refill(DecodeSummary& summary) {
-  while (!ended_ && block_.size() - next_ <= kTimeLookAhead) {
+  while (!ended_ && block_.size() - next_ <= kRestartWitnesses) {
     block_.erase(block_.begin(), block_.begin() + static_cast<ptrdiff_t>(next_));
     next_ = 0;
     E2LF_ASSIGN_OR_RETURN(const bool more, source_->next(block_, summary));
     ended_ = !more;
   }
   return {};
+}
+
+/// Triggers are few: one that falls at the end may well be all that the later part has.
+bool TriggerFeed::starts_again() const {
+  const auto time_at = [&](size_t i) { return block_[i].t; };
+  return block_[next_].t < last_us_ && !is_last_part_ &&
+         judge_restart(next_, block_.size(), ended_, last_us_, time_at, 0) == RestartVerdict::kYes;
+}
+
+void TriggerFeed::begin_part() {
+  if (std::exchange(is_at_restart_, false)) last_us_ = -kTimeLimitUs;
 }
 
 bool TriggerFeed::is_believable(DecodeSummary& summary) const {
@@ -30,6 +44,8 @@ Result<bool> TriggerFeed::take(int64_t until_us, size_t max_triggers, std::vecto
   for (size_t taken = 0;; ++next_) {
     E2LF_RETURN_IF_ERROR(refill(summary));
     if (next_ == block_.size()) return false;
+    is_at_restart_ = starts_again();
+    if (is_at_restart_) return true;
     if (!is_believable(summary)) continue;
     const Trigger& trigger = block_[next_];
     if (taken == max_triggers || trigger.t > until_us) return true;
@@ -52,6 +68,7 @@ Result<void> TriggerFeed::rewind() {
   block_.clear();
   next_ = 0;
   last_us_ = -kTimeLimitUs;
+  is_at_restart_ = is_last_part_ = false;
   ended_ = source_ == nullptr;
   return source_ == nullptr ? Result<void>{} : source_->rewind();
 }

@@ -24,8 +24,8 @@ class TriggerSource {
 };
 
 /// Hands the triggers of a source out beside the events they belong to, one block in memory at a time. A trigger whose
-/// time steps back, is ahead of most that follow, or beyond kTimeLimitUs, is dropped and counted in the reader's
-/// summary.
+/// time steps back other than because the clock starts again, is ahead of most that follow, or beyond kTimeLimitUs, is
+/// dropped and counted in the reader's summary.
 class TriggerFeed {
  public:
   TriggerFeed() = default;
@@ -41,17 +41,28 @@ class TriggerFeed {
   [[nodiscard]] Result<bool> take_beside(EventBatch& batch, size_t begin, bool more_events, size_t max_triggers,
                                          DecodeSummary& summary);
 
+  /// Whether the triggers of this part have ended and those of a later one wait, whose clock starts again.
+  [[nodiscard]] bool is_at_restart() const { return is_at_restart_; }
+
+  /// Goes on with those of the later part, where some wait.
+  void begin_part();
+
+  /// There is no later part: times that fall are damage from here on.
+  void end_parts() { is_last_part_ = true; }
+
   /// Starts again from the first trigger.
   [[nodiscard]] Result<void> rewind();
 
  private:
   [[nodiscard]] Result<void> refill(DecodeSummary& summary);
+  [[nodiscard]] bool starts_again() const;
   [[nodiscard]] bool is_believable(DecodeSummary& summary) const;
 
   std::unique_ptr<TriggerSource> source_;
   std::vector<Trigger> block_;
   size_t next_ = 0;
   bool ended_ = true;
+  bool is_at_restart_ = false, is_last_part_ = false;
   int64_t last_us_ = -kTimeLimitUs;
 };
 

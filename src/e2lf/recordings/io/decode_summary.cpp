@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/io/decode_summary.h"
 
+#include <algorithm>
+
 #include "e2lf/base/text.h"
 
 namespace e2lf::recordings {
@@ -49,6 +51,11 @@ void DecodeSummary::add_gap(const TimeGap& gap) {
   ++num_gaps;
 }
 
+void DecodeSummary::add_restart(const Restart& restart) {
+  if (restarts.size() < kMaxGaps) restarts.push_back(restart);
+  ++num_restarts;
+}
+
 void DecodeSummary::append(const DecodeSummary& later) {
   if (later.events() > 0) {
     if (events() == 0) first_t_us = later.first_t_us;
@@ -62,12 +69,17 @@ void DecodeSummary::append(const DecodeSummary& later) {
   out_of_order += later.out_of_order;
   dropped_words += later.dropped_words;
   other_streams += later.other_streams;
+  events_unplaced += later.events_unplaced;
   saturated += later.saturated;
+  sensor_events_in += later.sensor_events_in;
+  sensor_events_sent += later.sensor_events_sent;
   for (size_t kind = 0; kind < kNumViolations; ++kind) {
     add(static_cast<Violation>(kind), later.violations[kind].first_byte, later.violations[kind].count);
   }
   for (const TimeGap& gap : later.gaps) add_gap(gap);
   num_gaps += later.num_gaps - later.gaps.size();
+  for (const Restart& restart : later.restarts) add_restart(restart);
+  num_restarts += later.num_restarts - later.restarts.size();
 }
 
 void DecodeSummary::add_losses(const DecodeSummary& before) {
@@ -89,6 +101,9 @@ std::vector<Loss> losses(const DecodeSummary& summary) {
   if (summary.other_streams > 0) {
     found.push_back({"other_stream", "packets of other streams of events", summary.other_streams, 0});
   }
+  if (summary.events_unplaced > 0) {
+    found.push_back({"unplaced", "events whose time or row was lost with a damaged word", summary.events_unplaced, 0});
+  }
   if (summary.saturated > 0) {
     found.push_back({"saturated", "events of pixels with more than 32,767 in an event image", summary.saturated, 0});
   }
@@ -102,6 +117,29 @@ std::string loss_text(const std::vector<Loss>& losses) {
     parts.push_back(cat(loss.count, " ", loss.text, place));
   }
   return join(parts);
+}
+
+std::string restart_text(const DecodeSummary& summary) {
+  if (summary.num_restarts == 0) return "";
+  std::vector<std::string> places;
+  constexpr size_t kMost = 3;
+  for (const Restart& restart : summary.restarts) {
+    if (places.size() == kMost) break;
+    const std::string place = restart.byte == 0 ? "" : cat("at byte ", restart.byte, " ");
+    const std::string moved =
+        restart.shift_us == 0 ? "" : cat("; the times of the later part were moved by ", restart.shift_us, " us");
+    places.push_back(cat(place, "from ", restart.before_us, " back to ", restart.after_us, " us", moved));
+  }
+  const uint64_t left = summary.num_restarts - places.size();
+  return cat("the clock starts again ", summary.num_restarts == 1 ? "once" : cat(summary.num_restarts, " times"), ": ",
+             join(places), left > 0 ? cat(", and ", left, " more") : "");
+}
+
+std::string sensor_text(const DecodeSummary& summary) {
+  if (summary.sensor_events_in == 0 && summary.sensor_events_sent == 0) return "";
+  const uint64_t dropped = summary.sensor_events_in - std::min(summary.sensor_events_in, summary.sensor_events_sent);
+  return cat("counted ", summary.sensor_events_in, " events and sent ", summary.sensor_events_sent, "; it dropped ",
+             dropped, " itself");
 }
 
 Error saturation_error(uint64_t events, const std::string& name) {

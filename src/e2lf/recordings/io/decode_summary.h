@@ -50,6 +50,15 @@ struct TimeGap {
   bool operator==(const TimeGap&) const = default;
 };
 
+/// A place where the clock of a recording starts again: the camera was restarted, or files were joined.
+struct Restart {
+  uint64_t byte = 0;      ///< of the file, where the later part begins; 0 = not known
+  int64_t before_us = 0;  ///< the last time in front of it, and
+  int64_t after_us = 0;   ///< the first one behind it, each as its part says
+  int64_t shift_us = 0;   ///< what was added to the times of the later part
+  bool operator==(const Restart&) const = default;
+};
+
 /// What a reader met since it was opened or last sought. Times are as handed out (shifted when asked to).
 struct DecodeSummary {
   uint64_t events_on = 0;
@@ -63,10 +72,17 @@ struct DecodeSummary {
   uint64_t out_of_order = 0;        ///< events of a text, npy or npz file that were sorted to their place
   uint64_t dropped_words = 0;       ///< words or records dropped because of a violation
   uint64_t other_streams = 0;       ///< packets or messages of streams of events that nobody chose or left out by name
+  uint64_t events_unplaced = 0;     ///< dropped because damage took the word that gives their time or row
   uint64_t saturated = 0;           ///< events for which an event image had no room: its counts are of 16 bits
   std::array<ViolationCount, kNumViolations> violations{};
   std::vector<TimeGap> gaps;  ///< the first kMaxGaps of num_gaps
   uint64_t num_gaps = 0;
+  std::vector<Restart> restarts;  ///< the first kMaxGaps of num_restarts
+  uint64_t num_restarts = 0;
+
+  /// What the sensor itself counted, where the encoding reports it: events that came in, and those it sent.
+  uint64_t sensor_events_in = 0;
+  uint64_t sensor_events_sent = 0;
 
   static constexpr size_t kMaxGaps = 1000;
 
@@ -78,6 +94,7 @@ struct DecodeSummary {
   /// Counts `count` violations of one kind, the first of them at a byte.
   void add(Violation kind, uint64_t byte, uint64_t count = 1);
   void add_gap(const TimeGap& gap);
+  void add_restart(const Restart& restart);
 
   /// Adds what was left out on the way to this recording, e.g. of the file that is replayed.
   void add_losses(const DecodeSummary& before);
@@ -101,6 +118,12 @@ struct Loss {
 
 /// The same in one line, "318265 events outside the sensor, 2 records that cannot be read (the first at byte 12)".
 [[nodiscard]] std::string loss_text(const std::vector<Loss>& losses);
+
+/// The account of restarts, for people, in one line; empty when there were none.
+[[nodiscard]] std::string restart_text(const DecodeSummary& summary);
+
+/// The account of what the sensor itself left out, for people; empty where it did not count.
+[[nodiscard]] std::string sensor_text(const DecodeSummary& summary);
 
 /// The Error that the strict policy returns for an event image whose counts do not suffice.
 [[nodiscard]] Error saturation_error(uint64_t events, const std::string& name);

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::hdf5_events {
 namespace {
@@ -83,7 +84,8 @@ std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t obje
     if (!attribute.valid()) continue;
     std::array<char, 256> name{};
     if (H5Aget_name(attribute.get(), name.size(), name.data()) <= 0) continue;
-    if (std::string text = text_of_attribute(attribute.get()); !text.empty()) texts.emplace_back(name.data(), text);
+    if (std::string text = text_of_attribute(attribute.get()); !text.empty())
+      texts.emplace_back(name.data(), header_text(text));
   }
   return texts;
 }

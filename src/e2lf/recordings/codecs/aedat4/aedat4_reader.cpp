@@ -10,6 +10,7 @@
 #include "e2lf/recordings/codecs/aedat4/aedat4_header.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_packets.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/restart.h"
 #include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/time_search.h"
 
@@ -17,6 +18,9 @@ namespace e2lf::recordings::aedat4 {
 namespace {
 
 constexpr size_t kPacketHeader = 8;
+
+/// Packets whose times are looked at before they are bisected.
+constexpr size_t kProbes = 64;
 
 /// Packets that are noted for seeking; those behind them are found by reading on.
 constexpr size_t kMaxNoted = size_t{1} << 20;
@@ -81,7 +85,15 @@ class Aedat4Blocks final : public EventBlocks {
       return median_time({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
     };
     uint64_t position = header_.bytes;
-    if (!event_packets_.empty()) {
+    // Where the clock starts again, only the first part could be bisected.
+    bool is_rising = true;
+    int64_t last_us = INT64_MIN;
+    for (size_t i = 0; i < kProbes && is_rising && !event_packets_.empty(); ++i) {
+      E2LF_ASSIGN_OR_RETURN(const int64_t probe_us, time_at(i * (event_packets_.size() - 1) / (kProbes - 1)));
+      is_rising = probe_us >= last_us;
+      if (probe_us != INT64_MAX) last_us = probe_us;
+    }
+    if (is_rising && !event_packets_.empty()) {
       E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(event_packets_.size(), t_us, time_at));
       // The first place stands for the start: packets of triggers may come before it.
       if (place > 0) position = event_packets_[place];
@@ -168,7 +180,9 @@ class Aedat4Blocks final : public EventBlocks {
     // Several trigger streams may overlap in time; one that lies before what was handed out is damaged. Those in front
     // of damage are looked at like all others.
     std::erase_if(block.triggers, [this](const Trigger& trigger) {
-      if (trigger.t < last_trigger_us_ || !is_time(trigger.t)) return true;
+      // One that falls far may be of a clock that has started again, as the events will tell.
+      const bool is_late = trigger.t < last_trigger_us_ && trigger.t > last_trigger_us_ - kMinRestartUs;
+      if (is_late || !is_time(trigger.t)) return true;
       last_trigger_us_ = trigger.t;
       return false;
     });

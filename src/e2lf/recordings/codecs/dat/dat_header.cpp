@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::dat {
 namespace {
@@ -32,7 +33,7 @@ std::optional<Header> parse_header(std::span<const uint8_t> head) {
     if (line == "end") break;
     const size_t space = line.find(' ');
     const std::string_view value = space == std::string_view::npos ? "" : line.substr(space + 1);
-    header.info.header.emplace_back(line.substr(0, space), value);
+    header.info.header.emplace_back(header_text(line.substr(0, space)), header_text(value));
   }
   header.bytes = all - rest.size() + 2;
   if (header.info.header.empty() || rest.size() < 2) return std::nullopt;
@@ -51,7 +52,7 @@ std::optional<Header> parse_header(std::span<const uint8_t> head) {
 std::string make_header(const RecordingInfo& info, uint8_t type) {
   std::string text = cat("% Data file containing ", type == kTypeTrigger ? "external trigger" : "CD", " events.\n");
   text += "% Version 2\n";
-  if (const auto date = info.find("date")) text += cat("% Date ", *date, "\n");
+  if (const auto date = info.find("date")) text += cat("% Date ", header_text(*date), "\n");
   if (info.height != 0) text += cat("% Height ", info.height, "\n");
   if (info.width != 0) text += cat("% Width ", info.width, "\n");
   text += "% end\n";

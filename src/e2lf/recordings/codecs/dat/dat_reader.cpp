@@ -6,6 +6,7 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/codecs/dat/dat_seek.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/event_gate.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 #include "e2lf/recordings/trigger_feed.h"
@@ -85,51 +86,43 @@ class TriggerFile final : public TriggerSource {
   TimeUnwrapper unwrap_;
 };
 
-class DatReader final : public RecordingReader {
+/// The records of a file of events.
+class DatBlocks final : public EventBlocks {
  public:
-  DatReader(std::unique_ptr<ByteSource> source, Header header, TriggerFeed triggers, const OpenOptions& options)
-      : RecordingReader(options),
-        source_(std::move(source)),
-        header_(std::move(header)),
-        triggers_(std::move(triggers)),
-        gate_(header_.info.width, header_.info.height, kRecordBytes) {
-    info_ = header_.info;
-    name_ = source_->name();
+  DatBlocks(std::unique_ptr<ByteSource> source, const Header& header)
+      : source_(std::move(source)), header_bytes_(header.bytes), bits_(header.version == 1 ? kVersion1 : kVersion2) {}
+
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    E2LF_ASSIGN_OR_RETURN(const auto bytes,
+                          source_->fetch(source_->seekable() ? kBlockRecords * kRecordBytes : kRecordBytes));
+    const size_t count = std::min(bytes.size() / kRecordBytes, kBlockRecords);
+    byte_ = source_->position();
+    if (count == 0 && !bytes.empty()) summary.add(Violation::kTruncated, byte_);
+    const size_t bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
+    summary.add(Violation::kBadRecord, byte_, bad);
+    summary.dropped_words += bad;
+    source_->consume(count == 0 ? bytes.size() : count * kRecordBytes);
+    return count > 0;
   }
 
- protected:
-  Result<bool> read_next(EventBatch& batch, size_t max_events) override {
-    const size_t begin = batch.events.size();
-    gate_.release(batch.events);
-    const size_t room = max_events - (batch.events.size() - begin);
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(source_->seekable() ? room * kRecordBytes : kRecordBytes));
-    const size_t count = std::min(bytes.size() / kRecordBytes, room);
-    const bool is_end = count == 0;
-    const uint64_t byte = source_->position();
-    if (is_end && !bytes.empty()) summary_.add(Violation::kTruncated, byte);
-
-    const size_t bad = append_events(bytes.first(count * kRecordBytes), header_.version == 1 ? kVersion1 : kVersion2,
-                                     unwrap_, batch.events);
-    if (bad > 0) summary_.add(Violation::kBadRecord, byte, bad);
-    summary_.dropped_words += bad;
-    gate_.filter(batch.events, begin, is_end, byte, summary_);
-    source_->consume(is_end ? bytes.size() : count * kRecordBytes);
-    return triggers_.take_beside(batch, begin, !is_end, max_events, summary_);
-  }
+  uint64_t block_byte() const override { return byte_; }
+  size_t event_bytes() const override { return kRecordBytes; }
 
   Result<void> seek_before(int64_t t_us) override {
-    E2LF_ASSIGN_OR_RETURN(const Place place, find_place_before(*source_, header_.bytes, t_us));
-    E2LF_RETURN_IF_ERROR(source_->seek(header_.bytes + place.record * kRecordBytes));
+    E2LF_ASSIGN_OR_RETURN(const Place place, find_place_before(*source_, header_bytes_, t_us));
     unwrap_ = place.clock;
-    gate_.reset();
-    return triggers_.rewind();
+    return source_->seek(header_bytes_ + place.record * kRecordBytes);
   }
 
  private:
+  /// Few enough to stay in the cache until they are used.
+  static constexpr size_t kBlockRecords = size_t{1} << 15;
+
   std::unique_ptr<ByteSource> source_;
-  Header header_;
-  TriggerFeed triggers_;
-  EventGate gate_;
+  size_t header_bytes_;
+  PlaceBits bits_;
+  uint64_t byte_ = 0;
   TimeUnwrapper unwrap_;
 };
 
@@ -145,12 +138,19 @@ class DatTriggerReader final : public RecordingReader {
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
-    return triggers_.take(INT64_MAX, max_events, batch.triggers, summary_);
+    if (triggers_.is_at_restart()) {
+      triggers_.begin_part();
+      begin_part(0, last_us_);
+    }
+    E2LF_ASSIGN_OR_RETURN(const bool more, triggers_.take(INT64_MAX, max_events, batch.triggers, summary_));
+    if (!batch.triggers.empty()) last_us_ = batch.triggers.back().t;
+    return more;
   }
   Result<void> seek_before(int64_t) override { return triggers_.rewind(); }
 
  private:
   TriggerFeed triggers_;
+  int64_t last_us_ = INT64_MIN;  ///< of this part
 };
 
 }  // namespace
@@ -175,9 +175,8 @@ bool is_trigger_file(const std::filesystem::path& path) {
 Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(Header header, read_header(*source));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
-  std::unique_ptr<RecordingReader> reader;
   if (header.type == kTypeTrigger) {
-    reader = std::make_unique<DatTriggerReader>(std::move(source), header, options);
+    std::unique_ptr<RecordingReader> reader = std::make_unique<DatTriggerReader>(std::move(source), header, options);
     return reader;
   }
   TriggerFeed triggers;
@@ -191,8 +190,9 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
       triggers = TriggerFeed(std::make_unique<TriggerFile>(std::move(trigger_source), trigger_header.bytes));
     }
   }
-  reader = std::make_unique<DatReader>(std::move(source), std::move(header), std::move(triggers), options);
-  return reader;
+  const std::string name = source->name();
+  auto blocks = std::make_unique<DatBlocks>(std::move(source), header);
+  return make_block_reader(std::move(blocks), std::move(header.info), name, options, std::move(triggers));
 }
 
 }  // namespace e2lf::recordings::dat

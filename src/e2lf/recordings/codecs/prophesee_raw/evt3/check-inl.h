@@ -159,9 +159,10 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
                               hn::ShiftLeft<8>(hn::BitCast(d, hn::TableLookupBytes(limits_high, index))));
     const auto is_heartbeat = hn::Eq(word, time_high);
     const auto is_beyond = hn::Gt(hn::BitCast(di, hn::And(word, coordinate)), hn::BitCast(di, limit));
-    const auto odd = hn::Or(hn::AndNot(is_heartbeat, hn::RebindMask(d, is_beyond)), hn::Eq(word, hn::Zero(d)));
+    auto odd = hn::Or(hn::AndNot(is_heartbeat, hn::RebindMask(d, is_beyond)), hn::Eq(word, hn::Zero(d)));
+    odd = hn::Or(odd, hn::Eq(word, hn::Set(d, kFrameEnd)));  // what follows may be padding
     const auto is_low = hn::Eq(type, hn::Set(d, static_cast<uint16_t>(kTimeLow)));
-    if (!hn::AllFalse(d, odd) || !check_group_lows(words + 2 * i, d, word, is_low, check.low)) {
+    if (check.after_frame || !hn::AllFalse(d, odd) || !check_group_lows(words + 2 * i, d, word, is_low, check.low)) {
       note_heartbeats();
       const size_t good = check_scalar(words + 2 * i, lanes, check, limits);
       time_high = known_time_high();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <optional>
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 
@@ -26,10 +27,17 @@ bool is_outside(uint16_t word, const SensorLimits& limits) {
   return (type == kAddrX || type == kVectBaseX) && coordinate >= limits.width;
 }
 
+/// Whether a word goes on with an OTHERS word.
+bool is_payload(uint16_t word) {
+  return type_of(word) == kContinued4 || type_of(word) == kContinued12;
+}
+
 /// Whether one word is plausible after what the check knows; takes it over if so. A run of zeros is no data.
 bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
+  if (word == 0 && check.after_frame) return false;
   check.num_zeros = word == 0 ? check.num_zeros + 1 : 0;
   if (check.num_zeros > kMaxZeros) return false;
+  check.after_frame = word == kFrameEnd || (check.after_frame && is_payload(word));
   switch (type_of(word)) {
     case kTimeHigh: {
       if (check.time_high == 0xFFFF) return false;
@@ -54,8 +62,14 @@ bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
 Verdict judge_time_high(const uint8_t* words, size_t count, bool ended, const Check& check) {
   const auto word = load_le<uint16_t>(words);
   const bool is_first = check.time_high == 0xFFFF;
-  const bool is_back = !is_first && steps(check.time_high, word) >= kHalfCircle;
-  const bool is_restart = check.num_rejected >= kClockRestart;
+  if (!is_first && steps(check.time_high, word) >= kHalfCircle) {
+    const auto time_at = [words](size_t i) {
+      const auto other = load_le<uint16_t>(words + 2 * i);
+      return type_of(other) == kTimeHigh ? std::optional<uint32_t>(other & kPayloadMask) : std::nullopt;
+    };
+    return judge_step_back(count, ended, check.time_high & kPayloadMask, kPayloadMask, kMinFall, check.num_rejected,
+                           time_at);
+  }
   // A plain step needs one witness, so that live streams do not wait.
   const size_t wanted = !is_first && steps(check.time_high, word) == 1 ? 1 : kJudges;
   const size_t seen = std::min(count, kJudgeWords);
@@ -65,13 +79,10 @@ Verdict judge_time_high(const uint8_t* words, size_t count, bool ended, const Ch
     if (type_of(following) != kTimeHigh) continue;
     const uint32_t from_this = steps(word, following);
     ++judges;
-    const uint32_t limit = is_first     ? (check.after_damage ? kJudges : kHalfCircle)
-                           : is_restart ? kHalfCircle / 2
-                                        : steps(check.time_high, following);
+    const uint32_t limit = is_first ? (check.after_damage ? kJudges : kHalfCircle) : steps(check.time_high, following);
     in_favour += from_this <= limit ? 1 : 0;
   }
   if (judges < wanted && count < kJudgeWords && !ended) return Verdict::kNeedMore;
-  if (is_back && !is_restart) return Verdict::kReject;
   return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
 }
 
@@ -147,6 +158,18 @@ int64_t Codec::step_us(const uint8_t* word, const Check& check) {
   if (type_of(value) != kTimeHigh || check.time_high == 0xFFFF) return 0;
   const uint32_t step = steps(check.time_high, value);
   return step == 1 ? 0 : int64_t{step} << 12;
+}
+
+size_t Codec::num_padding(const uint8_t* words, size_t count, const Check& check) {
+  if (!check.after_frame) return 0;
+  size_t zeros = 0;
+  while (zeros < count && load_le<uint16_t>(words + 2 * zeros) == 0) ++zeros;
+  return zeros;
+}
+
+bool Codec::is_near_zero(const uint8_t* word, const Check& check) {
+  const auto value = load_le<uint16_t>(word);
+  return value < check.time_high && (value & kPayloadMask) < (kWrapRestartUs >> 12);
 }
 
 Verdict Codec::judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {

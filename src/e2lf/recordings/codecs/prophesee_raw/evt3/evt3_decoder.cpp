@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace e2lf::recordings::evt3 {
@@ -8,8 +9,7 @@ namespace {
 
 constexpr uint16_t kNone = 0xFFFF;
 
-/// The state's time after a TIME_HIGH word: another one starts its low part at 0. A step back gets this far only when
-/// the clock was set anew: time goes on by one step.
+/// The state's time after a TIME_HIGH word: another one starts its low part at 0. Steps back do not get this far.
 void take_time_high(uint16_t word, State& state) {
   if (word == state.time_high) return;
   if (state.time_high == kNone) {
@@ -128,9 +128,30 @@ size_t Codec::resynchronise(const uint8_t* words, size_t count, State& state, De
       default:
         break;
     }
-    (state.time_high == kNone ? summary.events_before_time : summary.dropped_words) += dropped;
+    (state.time_high == kNone ? summary.events_before_time : summary.events_unplaced) += dropped;
   }
   return i;
+}
+
+void Codec::count_reports(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
+  constexpr size_t kBlock = 64;
+  for (size_t begin = 0; begin < count; begin += kBlock) {
+    const size_t end = std::min(count, begin + kBlock);
+    uint32_t num_others = 0;
+    for (size_t i = begin; i < end; ++i) num_others += words[2 * i + 1] >> 4 == kOthers ? 1U : 0U;
+    if (num_others == 0 && state.report == 0) continue;
+    for (size_t i = begin; i < end; ++i) {
+      const auto word = load_le<uint16_t>(words + 2 * i);
+      const uint32_t type = word >> 12;
+      const bool is_payload = type == kContinued12 || type == kContinued4;
+      if (!is_payload) state.report = word == kCountIn || word == kCountSent ? word : uint16_t{0};
+      if (!is_payload) state.report_bits = 0;
+      if (!is_payload || state.report == 0 || state.report_bits > 24) continue;
+      const uint64_t part = static_cast<uint64_t>(word & (type == kContinued12 ? 0xFFFU : 0xFU)) << state.report_bits;
+      (state.report == kCountIn ? summary.sensor_events_in : summary.sensor_events_sent) += part;
+      state.report_bits = static_cast<uint8_t>(state.report_bits + 12);
+    }
+  }
 }
 
 void Codec::extrapolate(State& state, const State& before) {

@@ -24,6 +24,8 @@ struct State {
   bool need_time_high = true;  ///< drop events until such a word has come
   bool need_low = false;
   bool need_y = false;
+  uint16_t report = 0;      ///< the OTHERS word whose payload may follow; 0 = none
+  uint8_t report_bits = 0;  ///< of the payload, so far
   bool operator==(const State&) const = default;
 };
 
@@ -35,6 +37,7 @@ struct Check {
   int64_t heartbeat = -4;       ///< repeated TIME_HIGH words less three for each that steps; 0 or more is a heartbeat
   bool after_damage = false;    ///< the next TIME_HIGH may be noise
   uint32_t num_zeros = 0;       ///< words that are all zero, up to here
+  bool after_frame = false;     ///< zeros may fill up the frame that has ended
   bool operator==(const Check&) const = default;
 };
 
@@ -60,10 +63,13 @@ struct Codec {
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check);
   static void accept_time(const uint8_t* word, Check& check);
   static void reject_time(const uint8_t* word, Check& check);
+  static size_t num_padding(const uint8_t* words, size_t count, const Check& check);
+  static bool is_near_zero(const uint8_t* word, const Check& check);
   static int64_t step_us(const uint8_t* word, const Check& check);
   static void forget(State& state, Check& check);
   static void drop_word(const uint8_t* word, State& state);
   static size_t resynchronise(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
+  static void count_reports(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
   static bool is_synchronised(const State& state) { return !state.need_time_high && !state.need_low && !state.need_y; }
   static void extrapolate(State& state, const State& before);
   static int64_t time(const State& state) { return state.high_us | state.low; }

@@ -23,6 +23,14 @@ enum Type : uint32_t {
 /// Some cameras pad their packets with this word.
 inline constexpr uint16_t kPadding = 0x9999;
 
+/// The OTHERS words that begin a count by the sensor: of the events that came in, and of those it sent. The count
+/// follows in CONTINUED words, its low bits first: 12, 12 and 4 bits.
+inline constexpr uint16_t kCountIn = 0xE014;
+inline constexpr uint16_t kCountSent = 0xE016;
+
+/// The OTHERS word at the end of a MIPI frame; frames of one size are filled up with words that are zero.
+inline constexpr uint16_t kFrameEnd = 0xE019;
+
 /// Bit k is set where type k exists.
 inline constexpr uint32_t kKnownTypes = (1u << kAddrY) | (1u << kAddrX) | (1u << kVectBaseX) | (1u << kVect12) |
                                         (1u << kVect8) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kTimeHigh) |
@@ -30,6 +38,7 @@ inline constexpr uint32_t kKnownTypes = (1u << kAddrY) | (1u << kAddrX) | (1u <<
 
 inline constexpr uint32_t kCoordinateMask = 0x7FF;
 inline constexpr uint32_t kPayloadMask = 0xFFF;
+inline constexpr uint32_t kMinFall = 2;        ///< steps back of TIME_HIGH that may be a clock that starts again
 inline constexpr uint32_t kHalfCircle = 2048;  ///< a TIME_HIGH this far ahead or more is a step back
 inline constexpr int64_t kLoopUs = int64_t{1} << 24;
 

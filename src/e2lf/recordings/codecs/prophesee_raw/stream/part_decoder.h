@@ -29,6 +29,7 @@ class PartDecoder {
 
     Stream guess;  ///< in front of the part
     bool is_guessed = false;
+    bool restarts = false;  ///< the clock starts again where this ends
     bool is_whole = false;  ///< the next one begins where this ends
   };
 
@@ -49,7 +50,7 @@ class PartDecoder {
     raise(parts_[0], latest_us);
     size_t good = 1;
     while (good < count && joins(parts_[good - 1], parts_[good])) ++good;
-    if (parts_[0].end == 0) return 0;
+    if (parts_[0].end == 0 && !parts_[0].restarts) return 0;
     adapt(good);
     return good;
   }
@@ -72,13 +73,14 @@ class PartDecoder {
     const size_t begin = i * part_bytes_;
     part.guess = stream;
     part.is_guessed = i == 0 || StreamGuess<Codec>::at(bytes, begin, limits_, stream, sink, part.guess);
-    part.is_whole = false;
+    part.is_whole = part.restarts = false;
     if (part.is_guessed) {
       part.stream = part.guess;
       const auto progress =
           part.stream.process(bytes.subspan(begin), false, first_byte + begin, sink, part.summary, part_bytes_);
       part.end = begin + progress.used;
-      part.is_whole = progress.used == part_bytes_;
+      part.restarts = progress.restarts;
+      part.is_whole = progress.used == part_bytes_ && !part.restarts;
       part.latest_us = sink.latest();
     }
     batch.events.resize(sink.count);

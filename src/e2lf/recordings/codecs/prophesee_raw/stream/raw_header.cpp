@@ -8,6 +8,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -29,12 +30,26 @@ struct Size {
   bool operator==(const Size&) const = default;
 };
 
+bool is_beyond_ascii(char c) {
+  return static_cast<uint8_t>(c) >= 0x80;
+}
+
 bool is_key_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
 }
 
+/// ASCII, or a letter beyond it.
 bool is_printable(char c) {
-  return (c >= ' ' && c <= '~') || c == '\t';
+  return (c >= ' ' && c <= '~') || c == '\t' || is_beyond_ascii(c);
+}
+
+/// Whether the text of a line may be that of a header. Beyond ASCII nearly everything is a letter in some encoding:
+/// then the key at least must look like one, so that event words are none.
+bool is_header_line(std::string_view line) {
+  if (!std::all_of(line.begin(), line.end(), is_printable)) return false;
+  if (std::none_of(line.begin(), line.end(), is_beyond_ascii)) return true;
+  const std::string_view key = line.substr(0, line.find_first_of(" \t"));
+  return key.size() < line.size() && std::all_of(key.begin(), key.end(), is_key_character);
 }
 
 enum class Line { kHeader, kData, kIncomplete };
@@ -50,7 +65,7 @@ Line next_line(std::string_view text, bool ended, std::string_view& line, size_t
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   line.remove_prefix(kStart.size());
   if (!line.empty() && !is_key_character(line.front())) return Line::kData;
-  if (!std::all_of(line.begin(), line.end(), is_printable)) return Line::kData;
+  if (!is_header_line(line)) return Line::kData;
   if (newline == std::string_view::npos) return ended || text.size() >= kMaxLine ? Line::kData : Line::kIncomplete;
   length = newline + 1;
   return Line::kHeader;
@@ -179,7 +194,7 @@ Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, c
     header.num_bytes += length;
     const std::string key = trimmed(line.substr(0, line.find_first_of(" \t")));
     more = key != "end";
-    if (more && !key.empty()) header.info.header.emplace_back(key, trimmed(line.substr(key.size())));
+    if (more && !key.empty()) header.info.header.emplace_back(key, header_text(trimmed(line.substr(key.size()))));
   }
   E2LF_RETURN_IF_ERROR(interpret(header, name));
   return header;
@@ -219,6 +234,12 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
   return header;
 }
 
+HeaderPlace find_raw_header(std::span<const uint8_t> bytes, bool ended) {
+  const auto header = parse_raw_header(bytes, ended, "");
+  if (!header && header.error().code == ErrorCode::kTruncated) return HeaderPlace::kIncomplete;
+  return is_raw_header(bytes) ? HeaderPlace::kHere : HeaderPlace::kNone;
+}
+
 bool is_raw_header(std::span<const uint8_t> head) {
   const auto header = parse_raw_header(head, /*ended=*/true, "");
   if (!header) return header.error().code == ErrorCode::kFormat || header.error().code == ErrorCode::kUnsupported;
@@ -244,9 +265,8 @@ std::string raw_header_text(const RecordingInfo& info) {
     if (!info.find(key)) add(key, value);
   }
   for (const auto& [key, value] : info.header) {
-    const bool plain = !key.empty() && std::all_of(key.begin(), key.end(), is_key_character) &&
-                       std::all_of(value.begin(), value.end(), is_printable);
-    if (plain && !is_rewritten_key(key)) add(key, value);
+    const bool is_plain = !key.empty() && std::all_of(key.begin(), key.end(), is_key_character);
+    if (is_plain && !is_rewritten_key(key)) add(key, header_text(value));
   }
   const bool is_evt21 = info.format == "evt2.1";
   const std::string endianness = info.find("endianness") == "legacy" ? "legacy" : "little";

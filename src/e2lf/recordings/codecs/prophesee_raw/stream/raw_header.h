@@ -31,6 +31,12 @@ struct RawHeader {
 /// when the options contradict the header.
 [[nodiscard]] Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options);
 
+enum class HeaderPlace { kNone, kIncomplete, kHere };
+
+/// Whether a header that says how its events are encoded begins at the front of `bytes`, among event words. `ended` =
+/// there is nothing behind them; otherwise kIncomplete asks for more.
+[[nodiscard]] HeaderPlace find_raw_header(std::span<const uint8_t> bytes, bool ended);
+
 /// Whether `head` begins with the header of a RAW recording (and not of a DAT file).
 [[nodiscard]] bool is_raw_header(std::span<const uint8_t> head);
 

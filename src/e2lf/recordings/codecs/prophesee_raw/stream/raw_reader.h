@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/part_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
@@ -36,12 +37,13 @@ class RawReader final : public RecordingReader {
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
+    if (next_part_ == num_parts_ && restart_) E2LF_RETURN_IF_ERROR(begin_again());
     if (next_part_ == num_parts_) E2LF_RETURN_IF_ERROR(decode_parts());
     if (next_part_ == num_parts_) return read_directly(batch, max_events);
     auto& part = parts_->part(next_part_);
     // Noted once, with the first of its events.
     summary_.append(std::exchange(part.summary, {}));
-    summary_.time_loops = part.stream.time_loops();
+    summary_.time_loops = loops_before_ + part.stream.time_loops();
     part.batch.take(batch, max_events);
     if (part.batch.empty()) ++next_part_;
     return true;
@@ -55,6 +57,8 @@ class RawReader final : public RecordingReader {
     latest_us_ = checkpoint->latest_us;
     wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
     next_part_ = num_parts_ = 0;
+    has_restarted_ = restart_ = false;
+    loops_before_ = 0;
     return {};
   }
 
@@ -76,6 +80,30 @@ class RawReader final : public RecordingReader {
     return limits;
   }
 
+  /// Goes on with a stream of its own where the clock starts again, behind the header of another file if there is one.
+  Result<void> begin_again() {
+    restart_ = false;
+    const uint64_t byte = source_->position();
+    begin_part(byte, latest_us_);
+    OpenOptions options = options_;
+    options.format = info_.format;
+    options.width = info_.width;
+    options.height = info_.height;
+    const auto header = read_raw_header(*source_, options);
+    if (!header) {
+      return Error{header.error().code,
+                   cat("another recording begins here that does not fit to the one in front of it (",
+                       header.error().message, "); cut the file into its parts here"),
+                   cat(name_, ": byte ", byte)};
+    }
+    loops_before_ += stream_.time_loops();
+    stream_ = RawStream<Codec>(limits_of(info_));
+    latest_us_ = INT64_MIN;
+    has_restarted_ = true;
+    wanted_ = 1;
+    return {};
+  }
+
   /// Decodes the next parts on several threads, where that can be done.
   Result<void> decode_parts() {
     next_part_ = num_parts_ = 0;
@@ -91,6 +119,7 @@ class RawReader final : public RecordingReader {
     }
     if (num_parts_ == 0) return {};
     source_->consume(parts_->part(num_parts_ - 1).end);
+    restart_ = parts_->part(num_parts_ - 1).restarts;
     wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
     return {};
   }
@@ -103,7 +132,7 @@ class RawReader final : public RecordingReader {
     sink.set_latest(latest_us_);
     Result<bool> more = true;
     bool full = false;
-    while (more && *more && !full && (source_->seekable() || sink.count == 0)) more = step(sink, full);
+    while (more && *more && !full && !restart_ && (source_->seekable() || sink.count == 0)) more = step(sink, full);
     events.resize(known + sink.count);
     latest_us_ = sink.latest();
     return more;
@@ -115,7 +144,9 @@ class RawReader final : public RecordingReader {
     const bool ended = bytes.size() < wanted_;
     const auto progress = stream_.process(bytes, ended, source_->position(), sink, summary_);
     source_->consume(progress.used);
-    summary_.time_loops = stream_.time_loops();
+    summary_.time_loops = loops_before_ + stream_.time_loops();
+    restart_ = progress.restarts;
+    if (restart_) return true;
     full = progress.wanted == 0 && !(ended && progress.used == bytes.size());
     wanted_ = std::max<size_t>({progress.wanted, stream_.num_seen_bytes(), 1});
     add_checkpoint(source_->position(), sink.latest());
@@ -124,7 +155,7 @@ class RawReader final : public RecordingReader {
 
   /// Notes that stream_ is at that byte.
   void add_checkpoint(uint64_t byte, int64_t latest_us) {
-    if (!source_->seekable() || byte < checkpoints_.back().byte + kCheckpointBytes) return;
+    if (!source_->seekable() || has_restarted_ || byte < checkpoints_.back().byte + kCheckpointBytes) return;
     const int64_t time_us = std::max(stream_.time_us(), latest_us);
     if (time_us > checkpoints_.back().time_us) checkpoints_.push_back({time_us, byte, stream_, latest_us});
   }
@@ -138,6 +169,10 @@ class RawReader final : public RecordingReader {
   std::optional<PartDecoder<Codec>> parts_;
   size_t num_parts_ = 0;  ///< of these are decoded, the first next_part_ of them handed out
   size_t next_part_ = 0;
+
+  bool restart_ = false;        ///< where what was decoded ends, the clock starts again
+  bool has_restarted_ = false;  ///< it did before
+  uint64_t loops_before_ = 0;   ///< of the clock, in front of that
 };
 
 }  // namespace e2lf::recordings

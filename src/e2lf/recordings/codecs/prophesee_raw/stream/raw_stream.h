@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 #include "e2lf/recordings/io/decode_summary.h"
@@ -24,8 +25,9 @@ class RawStream {
   explicit RawStream(const SensorLimits& limits) : limits_(limits) {}
 
   struct Progress {
-    size_t used = 0;    ///< bytes that are done with
-    size_t wanted = 0;  ///< bytes needed from there to go on; 0 when the sink stopped
+    size_t used = 0;        ///< bytes that are done with
+    size_t wanted = 0;      ///< bytes needed from there to go on; 0 when the sink stopped
+    bool restarts = false;  ///< the clock starts again there, or another header: what follows is another stream
   };
 
   static constexpr size_t kNoStop = SIZE_MAX;
@@ -47,6 +49,7 @@ class RawStream {
         const Step step = next_step(input);
         if (step == Step::kNeedMore) return need_more(input);
         if (step == Step::kEnd) return end(input);
+        if (step == Step::kRestart) return {input.position, 0, true};
         continue;
       }
       ready = std::min({ready, kBlockWords, input.num_words_to_stop()});
@@ -70,9 +73,7 @@ class RawStream {
   }
 
   /// Whether decoding goes on here as it does within undamaged data.
-  [[nodiscard]] bool is_steady() const {
-    return started_ && !lost_ && problem_ != Problem::kBreak && Codec::is_synchronised(state_);
-  }
+  [[nodiscard]] bool is_steady() const { return started_ && !lost_ && !has_jump() && Codec::is_synchronised(state_); }
 
   /// Makes a stream that has come up to some place from shortly before it a guess at what `before`, which is further
   /// back, will be there: clock, counts and what else has not shown are taken from it.
@@ -117,8 +118,8 @@ class RawStream {
     int64_t highest_no = INT64_MIN / 2;
   };
 
-  enum class Problem { kNone, kUnresolved, kSkipWord, kBreak };
-  enum class Step { kGoOn, kNeedMore, kEnd };
+  enum class Problem { kNone, kUnresolved, kSkipWord, kBreak, kPadding, kRestart };
+  enum class Step { kGoOn, kNeedMore, kEnd, kRestart };
 
   Progress need_more(const Input& input) const { return {input.position, input.num_bytes() + 1}; }
 
@@ -150,7 +151,7 @@ class RawStream {
   /// How many words may be decoded now.
   [[nodiscard]] size_t num_ready(const Input& input) const {
     if (problem_ == Problem::kSkipWord) return checked_;
-    if (problem_ == Problem::kBreak) return keep_;
+    if (has_jump()) return keep_;
     if (problem_ == Problem::kNone && input.ended && checked_ == input.num_words()) return checked_;
     return checked_ > kHoldWords ? checked_ - kHoldWords : 0;
   }
@@ -161,6 +162,9 @@ class RawStream {
     const size_t used = Codec::decode(input.data(), count, state_, limits_, sink);
     if (const uint64_t outside = std::exchange(state_.num_outside, 0); outside > 0) {
       input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
+    }
+    if constexpr (requires { Codec::count_reports(input.data(), used, state_, *input.summary); }) {
+      Codec::count_reports(input.data(), used, state_, *input.summary);
     }
     advance(input, used);
     return used;
@@ -199,7 +203,7 @@ class RawStream {
   void advance(Input& input, size_t words) {
     input.position += words * kWordBytes;
     checked_ -= words;
-    if (problem_ == Problem::kBreak) {
+    if (has_jump()) {
       keep_ -= words;
       jump_ -= words * kWordBytes;
     }
@@ -221,6 +225,14 @@ class RawStream {
         checked_ = keep_ = jump_ = 0;
         Codec::forget(state_, check_);
         break;
+      case Problem::kPadding:
+        input.position += jump_;
+        checked_ = keep_ = jump_ = 0;
+        break;
+      case Problem::kRestart:
+        if (jump_ > 0) input.summary->add(Violation::kTruncated, input.byte(0));
+        input.position += jump_;
+        return Step::kRestart;
     }
     problem_ = Problem::kNone;
     return Step::kGoOn;
@@ -231,6 +243,11 @@ class RawStream {
     const uint8_t* word = input.data() + checked_ * kWordBytes;
     const size_t behind = input.num_words() - checked_ - 1;
     if (behind < kWindowWords && !input.ended) return Step::kNeedMore;
+    bool is_header = false;
+    if (const auto step = find_header(input, is_header); is_header) return step;
+    if (const size_t padding = Codec::num_padding(word, behind + 1, check_); padding > 0) {
+      return jump(Problem::kPadding, (checked_ + padding) * kWordBytes);
+    }
     const size_t window = std::min(behind, kWindowWords);
     const size_t bad = Codec::count_bad(word + kWordBytes, window, kWindowBad + 1);
     if (bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1)) {
@@ -240,10 +257,8 @@ class RawStream {
     if (classify == WordFault::kTimeBack || classify == WordFault::kTimeAhead) {
       const Verdict verdict = Codec::judge_time(word, behind + 1, input.ended, check_);
       if (verdict == Verdict::kNeedMore) return Step::kNeedMore;
-      if (verdict == Verdict::kAccept) {
-        accept_time(input, word);
-        return Step::kGoOn;
-      }
+      if (verdict == Verdict::kRestart) return jump(Problem::kRestart, checked_ * kWordBytes);
+      if (verdict == Verdict::kAccept) return accept_time(input, word);
       Codec::reject_time(word, check_);
     }
     constexpr Violation kKinds[] = {Violation::kUnknownWord, Violation::kOutOfRange, Violation::kTimeBackwards,
@@ -254,10 +269,38 @@ class RawStream {
     return Step::kGoOn;
   }
 
-  /// A jump in a stream that repeats its time all along means that data is missing.
-  void accept_time(Input& input, const uint8_t* word) {
+  /// What was checked is decoded, and decoding goes on at that byte from the position on.
+  Step jump(Problem problem, size_t byte) {
+    keep_ = std::min(checked_, byte / kWordBytes);
+    jump_ = byte;
+    problem_ = problem;
+    return Step::kGoOn;
+  }
+
+  /// Whether keep_ and jump_ say where to go on.
+  [[nodiscard]] bool has_jump() const { return problem_ >= Problem::kBreak; }
+
+  /// Another file's header begins in what is held back, or at the word in question: text is no plausible sequence of
+  /// words for long.
+  Step find_header(const Input& input, bool& found) {
+    const std::string_view text(reinterpret_cast<const char*>(input.data()), input.num_bytes());
+    const std::string_view held = text.substr(0, (checked_ + 1) * kWordBytes + 1);
+    for (size_t at = held.find("% "); at != std::string_view::npos; at = held.find("% ", at + 1)) {
+      const HeaderPlace place = find_raw_header(input.bytes.subspan(input.position + at), input.ended);
+      if (place == HeaderPlace::kNone) continue;
+      found = true;
+      return place == HeaderPlace::kIncomplete ? Step::kNeedMore : jump(Problem::kRestart, at);
+    }
+    return Step::kGoOn;
+  }
+
+  /// A jump in a stream that repeats its time all along means that data is missing, or that the clock starts again.
+  Step accept_time(Input& input, const uint8_t* word) {
     const int64_t step_us = Codec::step_us(word, check_);
     if (step_us > 0 && has_heartbeat()) {
+      if (step_us > kWrapRestartUs && Codec::is_near_zero(word, check_)) {
+        return jump(Problem::kRestart, checked_ * kWordBytes);
+      }
       const uint64_t byte = input.byte(checked_ * kWordBytes);
       input.summary->add(Violation::kTimeJump, byte);
       input.summary->add_gap({time_us(), time_us() + step_us, byte});
@@ -265,6 +308,7 @@ class RawStream {
     Codec::accept_time(word, check_);
     ++checked_;
     problem_ = Problem::kNone;
+    return Step::kGoOn;
   }
 
   bool has_heartbeat() {

@@ -22,9 +22,12 @@ namespace e2lf::recordings {
 ///   count:
 ///                    headers are known to be wrong about it
 ///   classify         what is odd about the word that check() stopped at
-///   judge_time       whether a time word that steps unexpectedly is right, from the words behind it
+///   judge_time       whether a time word that steps unexpectedly is right, from the words behind it; kRestart where
+///                    it steps back and most of them go on from it
+///   num_padding      how many of the words from the one that check() stopped at on fill a frame up, and mean nothing
 ///   accept_time, reject_time  moves the check past such a word
 ///   step_us          how far a coarse time word jumps from the last one; 0 for other words and for the next step
+///   is_near_zero     whether a coarse time word lies behind a wrap of the clock, in its first kWrapRestartUs
 ///   drop_word        the state when a word is left out
 ///   forget           the state when an unknown number of words is missing
 ///   extrapolate      makes the state that a stretch of words has brought about a guess at the one after `before` and
@@ -32,6 +35,7 @@ namespace e2lf::recordings {
 ///   resynchronise    goes over words without giving out events until the state is complete again
 ///   is_synchronised  whether the state is complete
 ///   decode           checked words to events; returns how many words were used
+///   count_reports    (optional) counts what the sensor reports of itself in decoded words
 ///   time, time_loops the state's time in us, and how often the clock has run round
 template <typename C>
 concept WordCodec = requires(const uint8_t* words, size_t count, typename C::State& state,
@@ -46,8 +50,10 @@ concept WordCodec = requires(const uint8_t* words, size_t count, typename C::Sta
   { C::count_bad(words, count, count) } -> std::same_as<size_t>;
   { C::classify(words, checked, limits) } -> std::same_as<WordFault>;
   { C::judge_time(words, count, true, checked) } -> std::same_as<Verdict>;
+  { C::num_padding(words, count, checked) } -> std::same_as<size_t>;
   C::accept_time(words, check);
   C::reject_time(words, check);
+  { C::is_near_zero(words, checked) } -> std::same_as<bool>;
   { C::step_us(words, checked) } -> std::same_as<int64_t>;
   C::drop_word(words, state);
   C::forget(state, check);

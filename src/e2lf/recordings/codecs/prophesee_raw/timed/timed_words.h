@@ -31,6 +31,7 @@ inline constexpr uint32_t kTimeHighMask = 0xFFFFFFF;
 inline constexpr uint32_t kHalfCircle = 1u << 27;
 inline constexpr uint32_t kBackOne = kTimeHighMask;  ///< one step back on the 28-bit circle: jitter
 inline constexpr uint32_t kNearSteps = 64;           ///< 4 ms
+inline constexpr uint32_t kMinFall = kMinRestartUs >> 6;
 inline constexpr int kLoopBits = 34;
 inline constexpr uint32_t kNoTime = 0xFFFFFFFF;
 
@@ -69,8 +70,7 @@ struct Check {
   bool operator==(const Check&) const = default;
 };
 
-/// The state's time after a TIME_HIGH word. A step back by more than jitter gets this far only when the clock was set
-/// anew: time goes on by one step.
+/// The state's time after a TIME_HIGH word. Steps back by more than jitter do not get this far.
 inline void take_time_high(uint32_t time_high, State& state) {
   if (state.time_high == kNoTime) {
     state.high_us = static_cast<int64_t>(time_high) << 6;
@@ -152,8 +152,13 @@ struct Words {
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
     const uint32_t head = Layout::head(words);
     const bool is_first = check.time_high == kNoTime;
-    const bool is_back = !is_first && steps(check.time_high, head) >= kHalfCircle;
-    const bool is_restart = check.num_rejected >= kClockRestart;
+    if (!is_first && steps(check.time_high, head) >= kHalfCircle) {
+      const auto time_at = [words](size_t i) {
+        const uint32_t other = Layout::head(words + i * kWordBytes);
+        return type_of(other) == kTimeHigh ? std::optional(other & kTimeHighMask) : std::nullopt;
+      };
+      return judge_step_back(count, ended, check.time_high, kTimeHighMask, kMinFall, check.num_rejected, time_at);
+    }
     const size_t seen = std::min(count, kJudgeWords);
     size_t judges = 0, in_favour = 0;
     for (size_t i = 1; i < seen && judges < kJudges; ++i) {
@@ -161,13 +166,11 @@ struct Words {
       if (type_of(following) != kTimeHigh) continue;
       const uint32_t from_this = steps(head, following);
       ++judges;
-      const uint32_t limit = is_first     ? (check.after_damage ? kNearSteps : kHalfCircle)
-                             : is_restart ? kHalfCircle / 2
-                                          : steps(check.time_high, following);
+      const uint32_t limit =
+          is_first ? (check.after_damage ? kNearSteps : kHalfCircle) : steps(check.time_high, following);
       in_favour += from_this <= limit ? 1 : 0;
     }
     if (judges < kJudges && count < kJudgeWords && !ended) return Verdict::kNeedMore;
-    if (is_back && !is_restart) return Verdict::kReject;
     return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
   }
 
@@ -179,6 +182,14 @@ struct Words {
     --check.heartbeat;
   }
   static void reject_time(const uint8_t*, Check& check) { ++check.num_rejected; }
+
+  /// Padding is a type of its own in these encodings.
+  static size_t num_padding(const uint8_t*, size_t, const Check&) { return 0; }
+
+  static bool is_near_zero(const uint8_t* word, const Check& check) {
+    const uint32_t time_high = Layout::head(word) & kTimeHighMask;
+    return time_high < check.time_high && time_high < (kWrapRestartUs >> 6);
+  }
 
   static int64_t step_us(const uint8_t* word, const Check& check) {
     return check.time_high == kNoTime ? 0 : static_cast<int64_t>(steps(check.time_high, Layout::head(word))) << 6;
@@ -203,7 +214,7 @@ struct Words {
         state.need_time_high = false;
       } else if (type_of(head) <= kOn || type_of(head) == kTrigger) {
         const int dropped = type_of(head) <= kOn ? std::popcount(Layout::mask(word)) : 1;
-        (state.time_high == kNoTime ? summary.events_before_time : summary.dropped_words) +=
+        (state.time_high == kNoTime ? summary.events_before_time : summary.events_unplaced) +=
             static_cast<uint64_t>(dropped);
       }
     }

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/io/header_text.h"
+
+#include <gtest/gtest.h>
+
+#include "e2lf/recordings/recording.h"
+#include "testing/test_streams.h"
+
+namespace e2lf::recordings {
+namespace {
+
+TEST(HeaderText, IsUtf8WhateverTheBytesAre) {
+  EXPECT_EQ(header_text("M\u00fcller \u4e16 \U0001F4F7"), "M\u00fcller \u4e16 \U0001F4F7");
+  EXPECT_EQ(header_text("M\xfcller"), "M\u00fcller");
+  EXPECT_EQ(header_text("two\nlines\t\x7f"), "two lines  ");
+  for (const char* bytes : {"\xc0\x80", "\xed\xa0\x80", "\xf5\x80\x80\x80", "\xe2\x82", "\x80"}) {
+    EXPECT_FALSE(is_utf8(bytes));
+    EXPECT_TRUE(is_utf8(header_text(bytes)));
+  }
+}
+
+/// A header line between those that name the encoding, the size and the end.
+EventBatch read_with_line(const std::string& line, RecordingInfo& info, std::vector<uint8_t>& bytes) {
+  const EventBatch batch = random_stream({.events = 500, .width = 64, .height = 48, .trigger_every = 50});
+  RecordingInfo written;
+  written.width = 64;
+  written.height = 48;
+  bytes.clear();
+  auto writer = create_recording(make_memory_sink(bytes), "evt3", written).value();
+  writer->write(batch).value();
+  writer->finish().value();
+  bytes.insert(bytes.begin(), line.begin(), line.end());
+  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes))).value();
+  info = reader->info();
+  EXPECT_EQ(read_all(*reader).value(), batch);
+  EXPECT_EQ(reader->summary().num_violations(), 0U);
+  return batch;
+}
+
+TEST(RawHeaders, LettersBeyondAsciiDoNotEndTheHeader) {
+  RecordingInfo info;
+  std::vector<uint8_t> bytes;
+  for (const std::string name : {"M\xc3\xbcller", "M\xfcller"}) {
+    const EventBatch batch = read_with_line("% camera_owner " + name + "\n", info, bytes);
+    EXPECT_EQ(info.width, 64U);
+    EXPECT_EQ(info.find("camera_owner"), "M\u00fcller");
+    // The writers keep it.
+    for (const char* format : {"evt2", "evt2.1", "evt3"}) {
+      std::vector<uint8_t> copy;
+      auto writer = create_recording(make_memory_sink(copy), format, info).value();
+      writer->write(batch).value();
+      writer->finish().value();
+      auto again = open_recording(make_memory_source(std::span<const uint8_t>(copy))).value();
+      EXPECT_EQ(again->info().find("camera_owner"), "M\u00fcller") << format;
+    }
+  }
+}
+
+TEST(DatHeaders, LettersBeyondAsciiBecomeUtf8) {
+  const std::string text = std::string("% owner M\xfcller\n% Version 2\n% Width 64\n% Height 48\n% end\n\x0c\x08", 59);
+  auto reader = open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()))).value();
+  EXPECT_EQ(reader->info().format, "dat");
+  EXPECT_EQ(reader->info().width, 64U);
+  EXPECT_EQ(reader->info().find("owner"), "M\u00fcller");
+}
+
+}  // namespace
+}  // namespace e2lf::recordings
