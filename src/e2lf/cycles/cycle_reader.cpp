@@ -204,9 +204,12 @@ class CycleReader::Impl {
     if (batch_.empty()) return;
     if (!next_start_us_) {
       const int64_t first_us = batch_.events.empty() ? batch_.triggers.front().t : batch_.events.t.front();
-      const int64_t period_us = options_.schedule.cycle_us(), since_us = first_us - options_.origin_us;
+      next_pattern_ = options_.schedule.first_of_cycle();
+      int64_t begin_us = options_.origin_us;  // of a cycle
+      for (size_t i = 0; i < next_pattern_; ++i) begin_us += options_.schedule.patterns[i].interval_us();
+      const int64_t period_us = options_.schedule.cycle_us(), since_us = first_us - begin_us;
       const int64_t cycles = since_us / period_us + (since_us % period_us > 0);
-      next_start_us_ = options_.origin_us + cycles * period_us;
+      next_start_us_ = begin_us + cycles * period_us;
     }
     while (*next_start_us_ <= last_us_) {
       assembler_.add_start({*next_start_us_, next_pattern_, PatternStart::Kind::kSeen, 1.0F});
