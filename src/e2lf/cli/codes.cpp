@@ -33,8 +33,7 @@ void print_codes(const capture::Codes& codes) {
 }
 
 int run_codes_show(const std::vector<std::string>& arguments) {
-  Verb verb("codes show", "Show the aperture patterns of a model or a file of codes.",
-            "e2lf codes show -m e2lf-n4");
+  Verb verb("codes show", "Show the aperture patterns of a model or a file of codes.", "e2lf codes show -m e2lf-n4");
   CodesSource source;
   std::filesystem::path output;
   add_codes_options(verb.app(), source);

@@ -143,7 +143,9 @@ Result<void> convert_part(const ConvertArguments& arguments, recordings::Recordi
                                                       {.format = arguments.format, .progress = bar.callback()}));
   hide_progress();
   record.end_step("convert");
-  return part.output.is_stream() ? Result<void>{} : write_record(record, arguments.input, arguments.light_field.orientation, reader, part.output, verb);
+  return part.output.is_stream()
+             ? Result<void>{}
+             : write_record(record, arguments.input, arguments.light_field.orientation, reader, part.output, verb);
 }
 
 Json part_json(const ConvertedPart& part) {

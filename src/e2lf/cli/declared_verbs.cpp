@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/declared_verbs.h"
 
 #include <sstream>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/bundled_files.h"
 #include "e2lf/cli/option_types.h"
 
 namespace e2lf::cli {

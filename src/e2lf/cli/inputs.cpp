@@ -17,9 +17,10 @@ namespace fs = std::filesystem;
 void add_codes_options(CLI::App& app, CodesSource& source) {
   add_model_option(app, "-m,--model", source.model,
                    "model file, or the name of a bundled model: its patterns and sensor constants");
-  add_codes_option(app, source.codes,
-                   "aperture patterns (.json, .npy, .npz, or those of a model); default: those of the events' file, the "
-                   "model's, those of e2lf-n4");
+  add_codes_option(
+      app, source.codes,
+      "aperture patterns (.json, .npy, .npz, or those of a model); default: those of the events' file, the "
+      "model's, those of e2lf-n4");
 }
 
 Result<capture::Codes> read_patterns(const fs::path& path) {

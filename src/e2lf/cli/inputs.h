@@ -51,8 +51,8 @@ void add_codes_options(CLI::App& app, CodesSource& source);
                                                            const std::optional<capture::Codes>& of_events,
                                                            RunRecord& record);
 
-/// The patterns of a file of them or of a model file. Fails as read_codes() and read_model(), and with kNotFound where the
-/// model holds none.
+/// The patterns of a file of them or of a model file. Fails as read_codes() and read_model(), and with kNotFound where
+/// the model holds none.
 [[nodiscard]] Result<capture::Codes> read_patterns(const std::filesystem::path& path);
 
 /// Reads the patterns: those of --codes, else those of the model. Where neither is given, takes those of the bundled

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // e2lf model info | import | store | export
-#include "e2lf/cli/model_option.h"
 #include "e2lf/model/model.h"
 
 #include <cstdio>
 
 #include "e2lf/base/text.h"
 #include "e2lf/cli/camera_option.h"
+#include "e2lf/cli/model_option.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"

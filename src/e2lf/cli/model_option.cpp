@@ -35,9 +35,7 @@ CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::vect
     for (const std::string& name : names) models.push_back(find(kBundledModels, name));
     return true;
   };
-  return app.add_option(flags, take, help)
-      ->type_name(kModelType)
-      ->expected(1, CLI::detail::expected_max_vector_size);
+  return app.add_option(flags, take, help)->type_name(kModelType)->expected(1, CLI::detail::expected_max_vector_size);
 }
 
 CLI::Option* add_codes_option(CLI::App& app, fs::path& codes, const std::string& help) {

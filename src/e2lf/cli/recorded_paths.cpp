@@ -47,9 +47,10 @@ bool holds_path(const CLI::Option* option, const std::string& value, const fs::p
 Error missing(const std::string& recorded, const std::string& flag, const fs::path& folder) {
   std::error_code error;
   const bool is_absolute = fs::path(recorded).is_absolute();
-  const std::string tried = is_absolute ? "there is no such file or folder any more"
-                                        : cat("it is neither in ", folder.string(), ", where the run was started, nor in ",
-                                              fs::current_path(error).string(), ", the current folder");
+  const std::string tried = is_absolute
+                                ? "there is no such file or folder any more"
+                                : cat("it is neither in ", folder.string(), ", where the run was started, nor in ",
+                                      fs::current_path(error).string(), ", the current folder");
   return {ErrorCode::kNotFound, cat("an input of the earlier run is missing: ", tried, "; name it with ", flag),
           recorded};
 }

@@ -16,10 +16,10 @@ struct MissingInput {
   Error error;
 };
 
-/// Makes paths of a run's record mean what they meant in that run, from whatever folder it is made again: a relative one
-/// is taken from the folder where the run was started ("folder" of the record), and where nothing of this name is there
-/// any more, from the current one. Changes the options of `record` that are paths by what `app` declares or by what the
-/// record lists as inputs, and those inputs. Returns the inputs that are in neither folder.
+/// Makes paths of a run's record mean what they meant in that run, from whatever folder it is made again: a relative
+/// one is taken from the folder where the run was started ("folder" of the record), and where nothing of this name is
+/// there any more, from the current one. Changes the options of `record` that are paths by what `app` declares or by
+/// what the record lists as inputs, and those inputs. Returns the inputs that are in neither folder.
 [[nodiscard]] std::vector<MissingInput> find_recorded_paths(Json& record, const CLI::App& app);
 
 }  // namespace e2lf::cli

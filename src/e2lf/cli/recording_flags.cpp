@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/option_types.h"
 #include "e2lf/cli/recording_flags.h"
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/option_types.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/option_types.h"
 #include "e2lf/cli/report_output.h"
 
 #include <fstream>
@@ -7,6 +6,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/cli/next_step.h"
+#include "e2lf/cli/option_types.h"
 #include "e2lf/film/draw_svg.h"
 #include "e2lf/lightfield/contact_sheet.h"
 #include "e2lf/report/axis.h"

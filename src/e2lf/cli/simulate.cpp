@@ -356,8 +356,8 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
   return {};
 }
 
-/// What makes light fields of these events. e2lf-n4 and its like are found by patterns and camera; where others were given,
-/// the closed form works.
+/// What makes light fields of these events. e2lf-n4 and its like are found by patterns and camera; where others were
+/// given, the closed form works.
 std::string network_flags(const SimulateArguments& arguments, const Setup& setup) {
   const fs::path& model = arguments.codes.model;
   if (!model.empty() && model == bundled_model()) return "";

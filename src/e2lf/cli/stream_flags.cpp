@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/option_types.h"
 #include "e2lf/cli/stream_flags.h"
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/number_check.h"
+#include "e2lf/cli/option_types.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/turntable_scene.h"
 #include "e2lf/streams/camera_stream.h"

@@ -71,8 +71,7 @@ TEST(Config, TheDocumentedTableIsThatOfTheFields) {
   const auto bytes = read_file(std::filesystem::path(E2LF_SOURCE_TREE) / "docs" / "training.md");
   ASSERT_TRUE(bytes);
   const std::string text(bytes->begin(), bytes->end());
-  EXPECT_NE(text.find(config_table()), std::string::npos) << "docs/training.md should hold:\n"
-                                                          << config_table();
+  EXPECT_NE(text.find(config_table()), std::string::npos) << "docs/training.md should hold:\n" << config_table();
 }
 
 /// The configurations of the paper's methods, with what each measures.

@@ -76,10 +76,10 @@ struct ReadOptions {
 };
 
 /// Reads a light field of any kind; samples are divided by options.white. Says on the log which views it took, where
-/// more are stored, and warns of values and extents that are hardly those of a light field, see plausible_field.h. Views
-/// that the folder's record calls turned or flipped change places (see stored_orientation()), which the log says, too.
-/// View images are decoded in parallel. Fails with kNotFound (the path, or a view: named), kShape (fewer views than
-/// wanted, views of different sizes, an array of another shape), kInvalidValue (NaN, range), kFormat, kTruncated,
+/// more are stored, and warns of values and extents that are hardly those of a light field, see plausible_field.h.
+/// Views that the folder's record calls turned or flipped change places (see stored_orientation()), which the log says,
+/// too. View images are decoded in parallel. Fails with kNotFound (the path, or a view: named), kShape (fewer views
+/// than wanted, views of different sizes, an array of another shape), kInvalidValue (NaN, range), kFormat, kTruncated,
 /// kUnsupported (also beyond max_bytes); the location is the file.
 [[nodiscard]] Result<LightField> read_light_field(const std::filesystem::path& path, const ReadOptions& options = {},
                                                   const ProgressFn& progress = {});

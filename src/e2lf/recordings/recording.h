@@ -42,7 +42,7 @@ struct RecordingInfo {
   size_t height = 0;
   std::vector<std::pair<std::string, std::string>> header;  ///< keys and values in the file's order
   std::vector<Assumption> assumptions = {};
-  std::vector<std::string> streams = {};  ///< of events, where the format may hold several: "0 (events of DAVIS346)"
+  std::vector<std::string> streams = {};   ///< of events, where the format may hold several: "0 (events of DAVIS346)"
   std::optional<TableReading> table = {};  ///< of tables only
 
   /// The value of a header key, or nothing.
