@@ -94,6 +94,7 @@ std::optional<MatrixHead> take_head(std::span<const uint8_t>& rest) {
   const uint32_t word = load32(flags->data);
   head.array.array_class = static_cast<uint8_t>(word & 0xFF);
   head.array.complex = (word & 0x800) != 0;
+  head.array.logical = (word & 0x200) != 0;
   const auto extents = take_element(rest);
   if (!is_whole(extents) || extents->size % 4 != 0) return std::nullopt;
   for (size_t i = 0; i < extents->size; i += 4) head.array.extents.push_back(load32(extents->data.subspan(i)));

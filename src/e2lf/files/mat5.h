@@ -40,6 +40,7 @@ enum class MatClass : uint8_t {
 struct MatArray {
   uint8_t array_class = 0;  ///< a MatClass, or another that is not handled here
   bool complex = false;
+  bool logical = false;  ///< a uint8 to MATLAB's file, true (1) or false (0) to MATLAB
   std::vector<size_t> extents;
   uint32_t storage = 0;           ///< a MatStorage
   std::span<const uint8_t> data;  ///< little-endian; in `inflated`, or in the bytes of the file

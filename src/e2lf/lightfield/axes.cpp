@@ -5,16 +5,16 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/plausible_field.h"
 
 namespace e2lf::lightfield {
 namespace {
-
-constexpr float kRangeTolerance = 1e-3F;
 
 Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const char* axis, const std::string& location) {
   E2LF_REQUIRE(wanted.step >= 1, "the step between views is at least 1");
@@ -29,23 +29,6 @@ Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const ch
   }
   if (wanted.count > 0 && !wanted.first) chosen.first = (stored - ((wanted.count - 1) * wanted.step + 1)) / 2;
   return chosen;
-}
-
-/// The stored number that is 1.
-template <typename T>
-float white_of(const ReadOptions& options) {
-  if (options.white > 0.0F) return options.white;
-  return std::is_integral_v<T> ? static_cast<float>(std::numeric_limits<T>::max()) : 1.0F;
-}
-
-/// False for NaN, infinity, and what the policy refuses; brings the rest where the policy wants it.
-bool settle(float& value, RangePolicy policy) {
-  if (policy == RangePolicy::kKeep) return std::fabs(value) <= kMostKept;
-  const float clamped = std::clamp(value, 0.0F, 1.0F);
-  const bool good =
-      policy == RangePolicy::kClamp ? std::fabs(value) <= kMostKept : std::fabs(value - clamped) <= kRangeTolerance;
-  value = clamped;
-  return good;
 }
 
 /// Which views of a larger grid were taken.
@@ -67,8 +50,8 @@ class Gather {
       : array_(array),
         grid_(grid),
         range_(options.range),
-        white_(white_of<T>(options)),
-        may_be_outside_(!std::is_integral_v<T> || options.white > 0.0F),
+        white_(white_of(array, options)),
+        may_be_outside_(!std::is_integral_v<T> || white_ < static_cast<float>(std::numeric_limits<T>::max())),
         out_(out) {}
 
   /// True when every sample was good.
@@ -82,8 +65,9 @@ class Gather {
     return good;
   }
 
-  /// Names the first bad sample; called only after run() found one.
-  [[nodiscard]] std::string first_bad() const {
+  /// What is wrong with the samples, with the first bad one; called only after run() found one.
+  [[nodiscard]] BadSamples bad_samples() const {
+    BadSamples bad;
     const Shape& shape = out_.shape();
     const size_t channels = source_channels();
     for (size_t i = 0; i < shape.num_views() * shape.height * shape.width * channels; ++i) {
@@ -92,12 +76,13 @@ class Gather {
       const size_t view = i / channels / shape.width / shape.height;
       const size_t view_y = grid_.y[view / shape.views_x], view_x = grid_.x[view % shape.views_x];
       float value = sample(view_offset(view_y, view_x) + y * array_.strides.y + x * array_.strides.x, channel);
-      const float stored = value;
-      if (!settle(value, range_)) {
-        return cat(stored, " at view row ", view_y, ", view column ", view_x, ", y ", y, ", x ", x);
+      const float stored = value * white_;
+      bad.add(stored);
+      if (!settle(value, range_) && bad.first.empty()) {
+        bad.first = cat(stored, " at view row ", view_y, ", view column ", view_x, ", y ", y, ", x ", x);
       }
     }
-    return "a value";
+    return bad;
   }
 
  private:
@@ -160,11 +145,7 @@ template <typename T>
 Result<void> gather(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options, LightField& out,
                     const std::string& location) {
   Gather<T> job(array, grid, options, out);
-  if (job.run()) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("a light field holds finite values in [0, 1], not ", job.first_bad(),
-                   "; name the number that is white, as 255"),
-               location, Setting::kWhite};
+  return job.run() ? Result<void>() : Result<void>(job.bad_samples().error(location));
 }
 
 }  // namespace
@@ -208,6 +189,13 @@ size_t sample_bytes(SampleType type) {
   return 8;
 }
 
+float white_of(const StoredArray& array, const ReadOptions& options) {
+  if (options.white > 0.0F) return options.white;
+  if (array.white > 0.0F) return array.white;
+  if (array.type == SampleType::kUint8) return 255.0F;
+  return array.type == SampleType::kUint16 ? 65535.0F : 1.0F;
+}
+
 Result<ChosenGrid> choose_views(size_t stored_y, size_t stored_x, const ReadOptions& options,
                                 const std::string& location) {
   ChosenGrid grid;
@@ -234,6 +222,7 @@ Result<void> check_memory(const Shape& shape, size_t bytes_each, const ReadOptio
 
 Result<LightField> from_stored(const StoredArray& array, const ReadOptions& options, const std::string& location) {
   E2LF_REQUIRE(array.bytes.size() == array.shape.size() * sample_bytes(array.type), "the samples must fill the shape");
+  E2LF_RETURN_IF_ERROR(check_axes(array.shape, location));
   E2LF_ASSIGN_OR_RETURN(const ChosenGrid grid,
                         choose_views(array.shape.views_y, array.shape.views_x, options, location));
   const Shape shape{grid.y.count, grid.x.count, array.shape.height, array.shape.width,
@@ -256,6 +245,8 @@ Result<LightField> from_stored(const StoredArray& array, const ReadOptions& opti
       break;
   }
   if (!status) return status.error();
+  const float assumed_white = options.white > 0.0F ? 0.0F : white_of(array, options);
+  E2LF_RETURN_IF_ERROR(check_values(out, assumed_white, location));
   return out;
 }
 

@@ -39,7 +39,12 @@ struct StoredArray {
   AxisStrides strides;
   SampleType type = SampleType::kFloat32;
   std::span<const uint8_t> bytes;
+  float white =
+      0.0F;  ///< the number that is 1 where ReadOptions names none; 0 = the largest of an integer type, else 1
 };
+
+/// The number that is 1: what options name, else what the array says.
+[[nodiscard]] float white_of(const StoredArray& array, const ReadOptions& options);
 
 /// The views taken along one axis.
 struct ChosenViews {

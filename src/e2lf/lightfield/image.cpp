@@ -44,20 +44,6 @@ void quantise16(std::span<const float> values, uint8_t* out) {
   }
 }
 
-Image to_float(const RawImage& raw) {
-  Image image(raw.width, raw.height, raw.channels);
-  if (raw.sample_bytes == 1) {
-    for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<float>(raw.samples[i]) / 255.0F;
-    return image;
-  }
-  for (size_t i = 0; i < image.pixels.size(); ++i) {
-    uint16_t sample = 0;
-    std::memcpy(&sample, raw.samples.data() + 2 * i, 2);
-    image.pixels[i] = static_cast<float>(sample) / 65535.0F;
-  }
-  return image;
-}
-
 }  // namespace
 
 Result<void> check_image_size(const RawImage& image, double least_bytes, size_t file_bytes, const std::string& name) {
@@ -73,6 +59,30 @@ Result<void> check_image_size(const RawImage& image, double least_bytes, size_t 
   return Error{ErrorCode::kUnsupported,
                cat("the image has ", image.width, "x", image.height, " pixels; only 2^28 are read, cut it in parts"),
                name};
+}
+
+Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::string& name) {
+  if (is_png(bytes)) return decode_png(bytes, name);
+  if (is_jpeg(bytes)) return decode_jpeg(bytes, name);
+  return Error{ErrorCode::kFormat, "neither a PNG nor a JPEG image; convert it to PNG", name};
+}
+
+float largest_sample(const RawImage& image) {
+  return image.sample_bytes == 1 ? 255.0F : 65535.0F;
+}
+
+Image to_float(const RawImage& raw, float white) {
+  Image image(raw.width, raw.height, raw.channels);
+  if (raw.sample_bytes == 1) {
+    for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<float>(raw.samples[i]) / white;
+    return image;
+  }
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    uint16_t sample = 0;
+    std::memcpy(&sample, raw.samples.data() + 2 * i, 2);
+    image.pixels[i] = static_cast<float>(sample) / white;
+  }
+  return image;
 }
 
 Image to_grey(Image image) {
@@ -92,15 +102,8 @@ ByteImage to_bytes(const Image& image) {
 }
 
 Result<Image> decode_image(std::span<const uint8_t> bytes, const std::string& name) {
-  if (is_png(bytes)) {
-    E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_png(bytes, name));
-    return to_float(raw);
-  }
-  if (is_jpeg(bytes)) {
-    E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_jpeg(bytes, name));
-    return to_float(raw);
-  }
-  return Error{ErrorCode::kFormat, "neither a PNG nor a JPEG image; convert it to PNG", name};
+  E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_raw_image(bytes, name));
+  return to_float(raw, largest_sample(raw));
 }
 
 Result<Image> read_image(const std::filesystem::path& path) {

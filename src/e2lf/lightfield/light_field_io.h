@@ -16,7 +16,7 @@ namespace e2lf::lightfield {
 /// How a light field is stored.
 enum class LightFieldKind {
   kViewFolder,      ///< folder of VV_UU.png or .jpg: row_column, any zero padding
-  kHciFolder,       ///< folder of input_Cam000.png ...: number = 9 * row + column
+  kHciFolder,       ///< folder of input_Cam000.png ...: numbered row by row, see ReadOptions::view_columns
   kStanfordFolder,  ///< folder of out_RR_CC_-y_-x.png or .jpg, 17x17
   kArrayFolder,     ///< folder with lightfield.npy, as `e2lf reconstruct --format npy` writes it
   kMat,             ///< MATLAB file before version 7.3 with `LF` (U,V,H,W) or (U,V,H,W,3 or more)
@@ -66,17 +66,18 @@ struct ReadOptions {
   bool colour = false;        ///< keep colour; otherwise grey, see grey_of
   RangePolicy range = RangePolicy::kRefuse;
   float white =
-      0.0F;  ///< the stored number that is 1; 0 = the largest of an unsigned type of 8 or 16 bits, 1 of a float
+      0.0F;  ///< the stored number that is 1; 0 = the largest of an unsigned type of 8 or 16 bits, 1 of others
+  size_t view_columns = 0;                 ///< of the grid of a kHciFolder; 0 = found, see find_flat_grid()
   size_t lenslet_views = 0;                ///< views per microlens and axis of a lenslet mosaic; 0 = as it says
   size_t patch_views = 8;                  ///< views per axis of an `Hr_SAI_y` patch
   uint64_t max_bytes = uint64_t{8} << 30;  ///< the most that the stored array or the result may take in memory
 };
 
 /// Reads a light field of any kind; samples are divided by options.white. Says on the log which views it took, where
-/// more are stored. View images are
-/// decoded in parallel. Fails with kNotFound (the path, or a view: named), kShape (fewer views than wanted, views of
-/// different sizes, an array of another shape), kInvalidValue (NaN, range), kFormat, kTruncated, kUnsupported (also
-/// beyond max_bytes); the location is the file.
+/// more are stored, and warns of values and extents that are hardly those of a light field, see value_range.h. View
+/// images are decoded in parallel. Fails with kNotFound (the path, or a view: named), kShape (fewer views than wanted,
+/// views of different sizes, an array of another shape), kInvalidValue (NaN, range), kFormat, kTruncated, kUnsupported
+/// (also beyond max_bytes); the location is the file.
 [[nodiscard]] Result<LightField> read_light_field(const std::filesystem::path& path, const ReadOptions& options = {},
                                                   const ProgressFn& progress = {});
 

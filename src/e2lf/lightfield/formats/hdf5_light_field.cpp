@@ -77,12 +77,24 @@ StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
   return array;
 }
 
+/// Whether the numbers are true (1) and false (0): MATLAB says so, and numpy's are names of a type of numbers.
+bool is_logical(hid_t set) {
+  const Handle type(H5Dget_type(set), H5Tclose);
+  if (type.valid() && H5Tget_class(type.get()) == H5T_ENUM && H5Tget_nmembers(type.get()) == 2) return true;
+  if (H5Aexists(set, "MATLAB_class") <= 0) return false;
+  const Handle attribute(H5Aopen(set, "MATLAB_class", H5P_DEFAULT), H5Aclose);
+  const Handle text(attribute.valid() ? H5Aget_type(attribute.get()) : -1, H5Tclose);
+  if (!text.valid() || H5Tget_class(text.get()) != H5T_STRING || H5Tis_variable_str(text.get()) > 0) return false;
+  std::string name(H5Tget_size(text.get()), '\0');
+  return name.size() < 64 && H5Aread(attribute.get(), text.get(), name.data()) >= 0 && name.starts_with("logical");
+}
+
 /// The type to read the samples as: bytes and words as they are, floats of any width and, where their white is named,
 /// other integers as float32.
 std::optional<SampleType> sample_type(hid_t set, const ReadOptions& options) {
   const Handle type(H5Dget_type(set), H5Tclose);
   if (!type.valid()) return std::nullopt;
-  if (H5Tget_class(type.get()) == H5T_FLOAT) return SampleType::kFloat32;
+  if (H5Tget_class(type.get()) == H5T_FLOAT || is_logical(set)) return SampleType::kFloat32;
   if (H5Tget_class(type.get()) != H5T_INTEGER) return std::nullopt;
   const bool is_unsigned = H5Tget_sign(type.get()) == H5T_SGN_NONE;
   if (is_unsigned && H5Tget_size(type.get()) == 1) return SampleType::kUint8;
@@ -142,6 +154,7 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
                  location, Setting::kWhite};
   }
   array.type = *type;
+  if (is_logical(opened.set.get())) array.white = 1.0F;
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));
 
   if (!holds_samples(opened.set.get(), opened.storage)) {

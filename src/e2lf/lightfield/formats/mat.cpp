@@ -11,15 +11,32 @@
 namespace e2lf::lightfield {
 namespace {
 
-std::optional<SampleType> type_of_class(uint8_t array_class) {
-  switch (static_cast<MatClass>(array_class)) {
+/// The number of a class that is white; 0 where the class does not say one.
+float white_of_class(const MatArray& variable) {
+  if (variable.logical) return 1.0F;
+  switch (static_cast<MatClass>(variable.array_class)) {
     case MatClass::kUint8:
-      return SampleType::kUint8;
+      return 255.0F;
     case MatClass::kUint16:
-      return SampleType::kUint16;
+      return 65535.0F;
     case MatClass::kSingle:
-      return SampleType::kFloat32;
     case MatClass::kDouble:
+      return 1.0F;
+    default:
+      return 0.0F;
+  }
+}
+
+/// The type of the samples as they are stored, where from_stored() reads it.
+std::optional<SampleType> type_of_storage(uint32_t storage) {
+  switch (static_cast<MatStorage>(storage)) {
+    case MatStorage::kUint8:
+      return SampleType::kUint8;
+    case MatStorage::kUint16:
+      return SampleType::kUint16;
+    case MatStorage::kSingle:
+      return SampleType::kFloat32;
+    case MatStorage::kDouble:
       return SampleType::kFloat64;
     default:
       return std::nullopt;
@@ -27,50 +44,30 @@ std::optional<SampleType> type_of_class(uint8_t array_class) {
 }
 
 template <typename Stored>
-std::vector<float> divide(std::span<const uint8_t> data, float divisor) {
+std::vector<float> widen(std::span<const uint8_t> data) {
   std::vector<float> out(data.size() / sizeof(Stored));
   for (size_t i = 0; i < out.size(); ++i) {
     Stored value;
     std::memcpy(&value, data.data() + i * sizeof(Stored), sizeof(Stored));
-    out[i] = static_cast<float>(value) / divisor;
+    out[i] = static_cast<float>(value);
   }
   return out;
 }
 
-/// Samples that are not stored as their class's own type: MATLAB takes a smaller one where all values fit. Empty where
-/// the type is none of these.
-std::vector<float> from_smaller(const MatArray& variable, SampleType type) {
-  const float divisor = type == SampleType::kUint8 ? 255.0F : type == SampleType::kUint16 ? 65535.0F : 1.0F;
+/// Samples of the other types as float. Empty where there is no such type.
+std::vector<float> widened_samples(const MatArray& variable) {
   switch (static_cast<MatStorage>(variable.storage)) {
-    case MatStorage::kUint8:
-      return divide<uint8_t>(variable.data, divisor);
     case MatStorage::kInt8:
-      return divide<int8_t>(variable.data, divisor);
+      return widen<int8_t>(variable.data);
     case MatStorage::kInt16:
-      return divide<int16_t>(variable.data, divisor);
-    case MatStorage::kUint16:
-      return divide<uint16_t>(variable.data, divisor);
+      return widen<int16_t>(variable.data);
     case MatStorage::kInt32:
-      return divide<int32_t>(variable.data, divisor);
+      return widen<int32_t>(variable.data);
     case MatStorage::kUint32:
-      return divide<uint32_t>(variable.data, divisor);
+      return widen<uint32_t>(variable.data);
     default:
       return {};
   }
-}
-
-MatStorage own_storage(SampleType type) {
-  switch (type) {
-    case SampleType::kUint8:
-      return MatStorage::kUint8;
-    case SampleType::kUint16:
-      return MatStorage::kUint16;
-    case SampleType::kFloat32:
-      return MatStorage::kSingle;
-    case SampleType::kFloat64:
-      return MatStorage::kDouble;
-  }
-  return MatStorage::kDouble;
 }
 
 }  // namespace
@@ -79,9 +76,16 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   const std::string location = path.string() + ": LF";
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> file, read_file(path));
   E2LF_ASSIGN_OR_RETURN(const MatArray variable, find_mat_array(file, "LF", options.max_bytes, location));
-  const auto type = type_of_class(variable.array_class);
-  if (!type || variable.complex) {
-    return Error{ErrorCode::kUnsupported, "not of class double, single, uint8 or uint16; convert it", location};
+  const bool is_number = variable.array_class >= static_cast<uint8_t>(MatClass::kDouble) &&
+                         variable.array_class <= static_cast<uint8_t>(MatClass::kUint32);
+  if (!is_number || variable.complex) {
+    return Error{ErrorCode::kUnsupported,
+                 "not of class double, single, logical or integers of 8 to 32 bits, or complex; convert it", location};
+  }
+  const float white = white_of_class(variable);
+  if (white == 0.0F && options.white == 0.0F) {
+    return Error{ErrorCode::kUnsupported, "integers of this class do not say which number is white; name it, as 255",
+                 location, Setting::kWhite};
   }
   const std::vector<size_t>& extents = variable.extents;
   if (extents.size() != 4 && extents.size() != 5) {
@@ -91,14 +95,15 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   StoredArray array;
   array.shape = {extents[0], extents[1], extents[2], extents[3], extents.size() == 5 ? extents[4] : 1};
   array.strides = matlab_uvhwc_strides(array.shape);
-  array.type = *type;
-  E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));
+  array.white = white;
+  // MATLAB stores numbers as a smaller type than that of their class where all fit.
+  array.type = type_of_storage(variable.storage).value_or(SampleType::kFloat32);
+  E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(array.type), options, location));
 
   std::vector<float> widened;
   array.bytes = variable.data;
-  if (variable.storage != static_cast<uint32_t>(own_storage(*type))) {
-    widened = from_smaller(variable, *type);
-    array.type = SampleType::kFloat32;
+  if (!type_of_storage(variable.storage)) {
+    widened = widened_samples(variable);
     array.bytes = {reinterpret_cast<const uint8_t*>(widened.data()), widened.size() * sizeof(float)};
   }
   if (array.bytes.size() != array.shape.size() * sample_bytes(array.type)) {

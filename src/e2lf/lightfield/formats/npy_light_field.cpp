@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/readers.h"
@@ -11,7 +12,7 @@ std::optional<SampleType> sample_type(const std::string& code) {
   if (code == "u1") return SampleType::kUint8;
   if (code == "u2") return SampleType::kUint16;
   if (code == "f8") return SampleType::kFloat64;
-  for (const char* other : {"f4", "f2", "u4", "u8", "i4", "i8"}) {
+  for (const char* other : {"f4", "f2", "b1", "u4", "u8", "i4", "i8"}) {
     if (code == other) return SampleType::kFloat32;
   }
   return std::nullopt;  // i1 and i2 are event counts
@@ -19,7 +20,7 @@ std::optional<SampleType> sample_type(const std::string& code) {
 
 /// Whether the type says which number is white.
 bool has_white(const std::string& code) {
-  return code == "u1" || code == "u2" || code[0] == 'f';
+  return code == "u1" || code == "u2" || code == "b1" || code[0] == 'f';
 }
 
 }  // namespace
@@ -52,8 +53,13 @@ Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options, c
   if (!shape) {
     return Error{ErrorCode::kShape,
                  cat("an array ", shape_text(array.shape), " of type ", array.type.empty() ? "record" : array.type,
-                     " is no light field; store float32 or uint8 [view_y, view_x, y, x] or [view, y, x]"),
+                     " is no light field; store float32 or uint8 [view_y, view_x, y, x] or [view, y, x], colour last"),
                  location};
+  }
+  const bool may_have_channels = shape->views_x == 3 || shape->views_x == 1;
+  if (may_have_channels && shape->views_y > 3 && views_per_axis(shape->views_y) > 0) {
+    log_warning(cat(location, ": read as ", shape->views_y, "x", shape->views_x,
+                    " views; if the axes are [view, channel, y, x], put the channel last"));
   }
   if (!has_white(array.type) && options.white == 0.0F) {
     return Error{ErrorCode::kUnsupported,

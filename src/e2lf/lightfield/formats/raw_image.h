@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/lightfield/image.h"
 
 namespace e2lf::lightfield {
 
@@ -33,6 +34,15 @@ struct RawImage {
 /// What decode_image does for one kind, without the conversion to float.
 [[nodiscard]] Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& name);
 [[nodiscard]] Result<RawImage> decode_jpeg(std::span<const uint8_t> bytes, const std::string& name);
+
+/// Either of them, by the first bytes. Fails with kFormat where it is neither.
+[[nodiscard]] Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::string& name);
+
+/// The largest sample: 255 or 65535.
+[[nodiscard]] float largest_sample(const RawImage& image);
+
+/// The samples divided by `white`.
+[[nodiscard]] Image to_float(const RawImage& image, float white);
 
 /// Compresses the rows of `image`, which are in PNG's byte order (16 bits: high byte first).
 [[nodiscard]] Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image);

@@ -15,10 +15,12 @@
 // One reader for each kind of storage; read_light_field says how they fail.
 namespace e2lf::lightfield {
 
-/// The view images of a folder by (row, column) as their names number them; `kind` is the naming most of them follow.
+/// The view images of a folder by (row, column) as their names number them, see NumberedView; `kind` is the naming most
+/// of them follow.
 struct ViewFiles {
   LightFieldKind kind = LightFieldKind::kViewFolder;
   std::map<std::pair<size_t, size_t>, std::filesystem::path> files;
+  size_t others = 0;  ///< images that follow another naming, left out
 };
 
 /// Lists the images in `folder` whose names number a view; `files` is empty where there are none. Fails with kIo, and

@@ -1,42 +1,112 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <mutex>
+#include <numeric>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/files/file.h"
 #include "e2lf/lightfield/axes.h"
+#include "e2lf/lightfield/formats/flat_grid.h"
+#include "e2lf/lightfield/formats/raw_image.h"
 #include "e2lf/lightfield/formats/readers.h"
 #include "e2lf/lightfield/formats/view_names.h"
 #include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/plausible_field.h"
 
 namespace e2lf::lightfield {
 namespace fs = std::filesystem;
 namespace {
 
+/// Numbers of rows or columns from the first to the last one, `step` apart: every second view may be what was kept.
+struct Numbers {
+  size_t first = SIZE_MAX, last = 0, step = 0;
+
+  void add(size_t number) {
+    if (last >= first) step = std::gcd(step, number > last ? number - last : last - number);
+    first = std::min(first, number);
+    last = std::max(last, number);
+  }
+  [[nodiscard]] size_t count() const { return step == 0 ? 1 : (last - first) / step + 1; }
+};
+
+/// The files of a grid of views by (row, column), and which rows and columns there are.
+struct ViewGrid {
+  std::map<std::pair<size_t, size_t>, fs::path> files;
+  Numbers rows, columns;
+  FlatGrid flat;  ///< of views that are numbered one by one
+};
+
+/// Puts views that are numbered one by one where they stand.
+Result<void> place_in_rows(const ViewFiles& views, size_t columns, const fs::path& folder, ViewGrid& grid) {
+  std::vector<size_t> numbers;
+  for (const auto& [number, file] : views.files) numbers.push_back(number.second);
+  E2LF_ASSIGN_OR_RETURN(grid.flat, find_flat_grid(numbers, columns, folder));
+  for (const auto& [number, file] : views.files) {
+    const size_t at = number.second - grid.flat.first;
+    grid.files[{at / grid.flat.columns, at % grid.flat.columns}] = file;
+  }
+  grid.rows.step = grid.columns.step = 1;
+  if (grid.flat.rows == 0) return {};
+  grid.rows.add(0);
+  grid.rows.add(grid.flat.rows - 1);
+  grid.columns.add(0);
+  grid.columns.add(grid.flat.columns - 1);
+  return {};
+}
+
+Result<ViewGrid> grid_of(const ViewFiles& views, const ReadOptions& options, const fs::path& folder) {
+  ViewGrid grid;
+  if (views.kind == LightFieldKind::kHciFolder) {
+    E2LF_RETURN_IF_ERROR(place_in_rows(views, options.view_columns, folder, grid));
+  } else {
+    grid.files = views.files;
+  }
+  for (const auto& [number, file] : grid.files) {
+    grid.rows.add(number.first);
+    grid.columns.add(number.second);
+  }
+  if (std::max(grid.rows.step, grid.columns.step) > 1) {
+    log_info(cat(folder.string(), ": the numbers of the views go in steps of ", std::max<size_t>(grid.rows.step, 1),
+                 " rows and ", std::max<size_t>(grid.columns.step, 1), " columns"));
+  }
+  return grid;
+}
+
+/// The name of a missing view.
+std::string missing_name(const ViewFiles& views, const ViewGrid& grid, size_t row, size_t column) {
+  if (views.kind != LightFieldKind::kHciFolder) return view_name(views.kind, row, column);
+  return numbered_view_name(grid.files.begin()->second, grid.flat.first + grid.flat.columns * row + column);
+}
+
 /// The chosen views' files, row by row.
 Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOptions& options, const fs::path& folder,
-                                           ChosenGrid& grid) {
-  size_t row_begin = SIZE_MAX, column_begin = SIZE_MAX, row_end = 0, column_end = 0;
-  for (const auto& [number, file] : views.files) {
-    row_begin = std::min(row_begin, number.first);
-    row_end = std::max(row_end, number.first + 1);
-    column_begin = std::min(column_begin, number.second);
-    column_end = std::max(column_end, number.second + 1);
-  }
-  E2LF_ASSIGN_OR_RETURN(grid, choose_views(row_end - row_begin, column_end - column_begin, options, folder.string()));
+                                           ChosenGrid& chosen) {
+  E2LF_ASSIGN_OR_RETURN(const ViewGrid grid, grid_of(views, options, folder));
+  E2LF_ASSIGN_OR_RETURN(chosen, choose_views(grid.rows.count(), grid.columns.count(), options, folder.string()));
   std::vector<fs::path> files;
-  for (size_t view_y = 0; view_y < grid.y.count; ++view_y) {
-    for (size_t view_x = 0; view_x < grid.x.count; ++view_x) {
-      const size_t row = row_begin + grid.y[view_y], column = column_begin + grid.x[view_x];
-      const auto found = views.files.find({row, column});
-      if (found == views.files.end()) {
+  for (size_t view_y = 0; view_y < chosen.y.count; ++view_y) {
+    for (size_t view_x = 0; view_x < chosen.x.count; ++view_x) {
+      const size_t row = grid.rows.first + grid.rows.step * chosen.y[view_y];
+      const size_t column = grid.columns.first + grid.columns.step * chosen.x[view_x];
+      const auto found = grid.files.find({row, column});
+      if (found == grid.files.end()) {
         return Error{ErrorCode::kNotFound, "the view is missing; copy the folder again",
-                     (folder / view_name(views.kind, row, column)).string()};
+                     (folder / missing_name(views, grid, row, column)).string()};
       }
       files.push_back(found->second);
     }
   }
   return files;
+}
+
+/// A view's samples, divided by `white`; 0 = the largest of their type, which `largest` becomes.
+Result<Image> read_view(const fs::path& file, float white, float& largest) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(file));
+  E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_raw_image(bytes, file.string()));
+  largest = largest_sample(raw);
+  return to_float(raw, white > 0.0F ? white : largest);
 }
 
 /// Puts one decoded view in its place.
@@ -54,14 +124,33 @@ Result<void> store_view(Image image, size_t view, const fs::path& file, const fs
   return {};
 }
 
+/// Applies the range to samples that were divided by a white which is not the largest of their type.
+Result<void> settle_views(const std::vector<fs::path>& files, const ReadOptions& options, LightField& out) {
+  const Shape& shape = out.shape();
+  for (size_t view = 0; view < files.size(); ++view) {
+    BadSamples bad;
+    const std::span<float> values = out.view(view / shape.views_x, view % shape.views_x);
+    for (size_t i = 0; i < values.size(); ++i) {
+      const float stored = values[i] * options.white;
+      bad.add(stored);
+      if (settle(values[i], options.range) || !bad.first.empty()) continue;
+      const size_t pixel = i / shape.channels;
+      bad.first = cat(stored, " at y ", pixel / shape.width, ", x ", pixel % shape.width);
+    }
+    if (!bad.first.empty()) return bad.error(files[view].string());
+  }
+  return {};
+}
+
 /// Decodes files[1..] in parallel; of several errors the one of the first view is returned.
-Result<void> read_rest(const std::vector<fs::path>& files, const ProgressFn& progress, LightField& out) {
+Result<void> read_rest(const std::vector<fs::path>& files, float white, const ProgressFn& progress, LightField& out) {
   std::vector<std::optional<Error>> errors(files.size());
   std::mutex mutex;
   size_t done = 1;
   parallel_for(files.size() - 1, 1, [&](size_t begin, size_t end) {
     for (size_t view = begin + 1; view < end + 1; ++view) {
-      Result<Image> image = read_image(files[view]);
+      float largest = 0;
+      Result<Image> image = read_view(files[view], white, largest);
       const Result<void> stored =
           image.ok() ? store_view(std::move(image).value(), view, files[view], files[0], out) : image.error();
       if (!stored.ok()) errors[view] = stored.error();
@@ -97,9 +186,12 @@ Result<ViewFiles> list_views(const fs::path& folder) {
   if (error)
     return Error{ErrorCode::kIo, cat("cannot list the folder (", error.message(), "); check it"), folder.string()};
   ViewFiles most;
+  size_t all = 0;
   for (auto& [kind, views] : kinds) {
+    all += views.files.size();
     if (views.files.size() > most.files.size()) most = std::move(views);
   }
+  most.others = all - most.files.size();
   return most;
 }
 
@@ -108,16 +200,24 @@ Result<LightField> read_view_folder(const fs::path& folder, const ReadOptions& o
   if (views.files.empty()) {
     return Error{ErrorCode::kNotFound, "the folder holds no views; give one with 00_00.png ...", folder.string()};
   }
+  if (views.others > 0) {
+    log_warning(cat(folder.string(), ": took the ", views.files.size(), " views that are named as ",
+                    views.files.begin()->second.filename().string(), "; left out ", views.others,
+                    " of another naming, give each light field a folder of its own"));
+  }
   ChosenGrid grid;
   E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> files, choose_files(views, options, folder, grid));
 
   // The first view says how large the light field is.
-  E2LF_ASSIGN_OR_RETURN(Image first, read_image(files[0]));
+  float largest = 0;
+  E2LF_ASSIGN_OR_RETURN(Image first, read_view(files[0], options.white, largest));
   const Shape shape{grid.y.count, grid.x.count, first.height, first.width, options.colour ? first.channels : 1};
   E2LF_RETURN_IF_ERROR(check_memory(shape, sizeof(float), options, folder.string()));
   LightField out(shape);
   E2LF_RETURN_IF_ERROR(store_view(std::move(first), 0, files[0], files[0], out));
-  if (files.size() > 1) E2LF_RETURN_IF_ERROR(read_rest(files, progress, out));
+  if (files.size() > 1) E2LF_RETURN_IF_ERROR(read_rest(files, options.white, progress, out));
+  if (options.white > 0.0F) E2LF_RETURN_IF_ERROR(settle_views(files, options, out));
+  E2LF_RETURN_IF_ERROR(check_values(out, options.white > 0.0F ? 0.0F : largest, folder.string()));
   return out;
 }
 

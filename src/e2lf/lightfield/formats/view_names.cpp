@@ -12,9 +12,13 @@ namespace {
 
 constexpr size_t kMaxNumber = 9999;
 
+std::string lower_case(std::string text) {
+  for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return text;
+}
+
 bool is_image_name(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  const std::string extension = lower_case(file.extension().string());
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
@@ -41,12 +45,12 @@ std::string padded(size_t number, size_t digits) {
 
 std::optional<NumberedView> parse_view_name(const std::filesystem::path& file) {
   if (!is_image_name(file)) return std::nullopt;
-  const std::string stem = file.stem().string();
+  const std::string stem = lower_case(file.stem().string());
   std::string_view rest = stem;
-  if (take_prefix(rest, "input_Cam")) {
+  if (take_prefix(rest, "input_cam")) {
     size_t number = 0;
     if (!take_number(rest, number) || !rest.empty()) return std::nullopt;
-    return NumberedView{LightFieldKind::kHciFolder, number / kHciColumns, number % kHciColumns};
+    return NumberedView{LightFieldKind::kHciFolder, 0, number};
   }
   const LightFieldKind kind = take_prefix(rest, "out_") ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
   size_t row = 0, column = 0;
@@ -60,6 +64,12 @@ std::string view_name(LightFieldKind kind, size_t row, size_t column) {
   if (kind == LightFieldKind::kHciFolder) return cat("input_Cam", padded(kHciColumns * row + column, 3), ".png");
   if (kind == LightFieldKind::kStanfordFolder) return cat("out_", padded(row, 2), "_", padded(column, 2), "_*.png");
   return cat(padded(row, 2), "_", padded(column, 2), ".png");
+}
+
+std::string numbered_view_name(const std::filesystem::path& like, size_t number) {
+  const std::string stem = like.stem().string();
+  const size_t digits = stem.size() - std::string_view("input_Cam").size();
+  return cat(stem.substr(0, stem.size() - digits), padded(number, digits), like.extension().string());
 }
 
 std::string written_view_name(LightFieldKind kind, size_t row, size_t column) {
