@@ -12,6 +12,7 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/image.h"
 #include "testing/test_files.h"
+#include "testing/test_log.h"
 #include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {
@@ -166,6 +167,56 @@ TEST(RealData, EverySceneHasItsSize) {
     ASSERT_TRUE(read.ok()) << read.error().text();
     EXPECT_EQ(read->shape(), (Shape{8, 8, size.second, size.first, 1})) << name;
   }
+}
+
+TEST(Npy, A13BooleansAreBlackAndWhite) {
+  const TestFolder folder;
+  NpyArray array = make_npy<uint8_t>({2, 2, 2, 3}, std::vector<uint8_t>(24, 1));
+  array.type = "b1";
+  ASSERT_TRUE(write_npy(folder / "mask.npy", array));
+  ReadOptions all;
+  all.views_y.count = all.views_x.count = 0;
+  const auto read = read_light_field(folder / "mask.npy", all);
+  ASSERT_TRUE(read) << read.error().text();
+  EXPECT_EQ(read->at(1, 1, 1, 2), 1.0F);
+  array.type = "u1";
+  ASSERT_TRUE(write_npy(folder / "bytes.npy", array));
+  const Error error = read_light_field(folder / "bytes.npy", all).error();
+  EXPECT_EQ(error.setting, Setting::kWhite);
+  all.white = 1;
+  EXPECT_EQ(read_light_field(folder / "bytes.npy", all)->at(0, 0, 0, 0), 1.0F);
+}
+
+TEST(Npy, A13A15WhatIsNotInTheRangeIsNamedWithIt) {
+  const TestFolder folder;
+  const auto error_of = [&](std::vector<float> values) {
+    EXPECT_TRUE(write_npy(folder / "a.npy", make_npy<float>({1, 2, 1, 3, 1}, values)));
+    ReadOptions all;
+    all.views_y.count = all.views_x.count = 0;
+    return read_light_field(folder / "a.npy", all).error();
+  };
+  const Error negative = error_of({-1, 0, 1, 0.5F, 0, 0});
+  EXPECT_THAT(negative.text(), testing::AllOf(testing::HasSubstr("-1..1"), testing::HasSubstr("(x + 1) / 2")));
+  EXPECT_EQ(negative.setting, Setting::kNone);
+  const Error words = error_of({0, 900, 1000, 0, 0, 0});
+  EXPECT_THAT(words.text(), testing::AllOf(testing::HasSubstr("0..1000"), testing::HasSubstr("as 1023")));
+  EXPECT_EQ(words.setting, Setting::kWhite);
+  const Error nan = error_of({0, 0.5F, 1, 0, std::nanf(""), 0});
+  EXPECT_THAT(nan.text(), testing::AllOf(testing::HasSubstr("NaN"), testing::HasSubstr("view column 1, y 0, x 1")));
+  EXPECT_EQ(nan.setting, Setting::kNone);
+}
+
+TEST(Npy, A13ValuesBelowBlackAndTransposedAxesAreSaid) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_npy(folder / "a.npy", make_npy<float>({1, 1, 1, 3}, std::vector<float>{-1, 0, 1})));
+  ReadOptions keep;
+  keep.views_y.count = keep.views_x.count = 0;
+  keep.range = RangePolicy::kKeep;
+  const TestLog log;
+  EXPECT_TRUE(read_light_field(folder / "a.npy", keep));
+  EXPECT_THAT(log.text(), testing::HasSubstr("the values lie in -1..1"));
+  ASSERT_TRUE(write_npy(folder / "t.npy", make_npy<uint8_t>({48, 64, 9, 9}, std::vector<uint8_t>(48 * 64 * 81, 9))));
+  EXPECT_EQ(read_light_field(folder / "t.npy", keep).error().code, ErrorCode::kShape);
 }
 
 }  // namespace

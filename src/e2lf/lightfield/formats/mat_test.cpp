@@ -176,6 +176,24 @@ TEST(Mat5, WidensValuesThatAreStoredAsASmallerType) {
   EXPECT_THAT(read->data(), testing::ElementsAre(0.0F, 1.0F));
 }
 
+TEST_P(MatFile, A13LogicalIsBlackAndWhite) {
+  std::vector<size_t> dims = {2, 2, 3, 4};
+  std::vector<uint8_t> values(48);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = i % 3 == 0 ? 1 : 0;
+  mat_t* file = Mat_CreateVer(path_.c_str(), nullptr, GetParam());
+  matvar_t* variable = Mat_VarCreate("LF", MAT_C_UINT8, MAT_T_UINT8, static_cast<int>(dims.size()), dims.data(),
+                                     values.data(), MAT_F_LOGICAL);
+  ASSERT_EQ(Mat_VarWrite(file, variable, MAT_COMPRESSION_NONE), 0);
+  Mat_VarFree(variable);
+  Mat_Close(file);
+  ReadOptions all;
+  all.views_y.count = all.views_x.count = 0;
+  const auto read = read_light_field(path_, all);
+  ASSERT_TRUE(read) << read.error().text();
+  EXPECT_EQ(read->at(0, 0, 0, 0), 1.0F);
+  EXPECT_EQ(read->at(1, 0, 0, 0), 0.0F);
+}
+
 INSTANTIATE_TEST_SUITE_P(Versions, MatFile, testing::Values(MAT_FT_MAT5, MAT_FT_MAT73),
                          [](const auto& version) { return version.param == MAT_FT_MAT5 ? "v5" : "v73"; });
 

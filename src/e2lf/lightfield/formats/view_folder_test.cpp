@@ -10,6 +10,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "testing/test_files.h"
 #include "testing/test_jpeg.h"
+#include "testing/test_log.h"
 
 namespace e2lf::lightfield {
 namespace {
@@ -143,6 +144,84 @@ TEST(ViewFolder, TooFewViewsOrTooMuchMemoryIsAnError) {
   EXPECT_EQ(read_light_field(folder.path(), options).value().shape(), (Shape{5, 8, 2, 3, 1}));
   options.max_bytes = 5 * 8 * 6 * 4 - 1;
   EXPECT_EQ(read_light_field(folder.path(), options).error().code, ErrorCode::kUnsupported);
+}
+
+/// Writes flatly numbered views of a grid; `first` is the number of its first view.
+void write_flat(const TestFolder& folder, size_t rows, size_t columns, size_t first, size_t per_row) {
+  write_grid(folder, rows, columns,
+             [=](size_t row, size_t column) { return cat("input_Cam", first + per_row * row + column, ".png"); });
+}
+
+Result<LightField> read_all(const TestFolder& folder, size_t view_columns = 0) {
+  ReadOptions options;
+  options.views_y.count = options.views_x.count = 0;
+  options.view_columns = view_columns;
+  return read_light_field(folder.path(), options);
+}
+
+TEST(HciFolder, A12SquareGridsOfAnySizeAreFoundFromAnyNumber) {
+  for (const size_t side : {1U, 2U, 3U, 5U, 6U, 8U, 11U, 15U}) {
+    for (const size_t first : {0U, 1U, 7U}) {
+      const TestFolder folder;
+      write_flat(folder, side, side, first, side);
+      const auto read = read_all(folder);
+      ASSERT_TRUE(read) << read.error().text();
+      EXPECT_EQ(read->shape(), (Shape{side, side, 2, 3, 1})) << first;
+      EXPECT_EQ(read->at(side - 1, 0, 0, 0), label(side - 1, 0));
+    }
+  }
+}
+
+TEST(HciFolder, A12PartsOfAGridKeepTheirNumbers) {
+  const TestFolder folder;
+  write_flat(folder, 8, 8, 0, 9);
+  EXPECT_EQ(read_all(folder)->shape(), (Shape{8, 8, 2, 3, 1}));
+  EXPECT_EQ(read_all(folder)->at(7, 3, 0, 0), label(7, 3));
+}
+
+TEST(HciFolder, A12OtherGridsAskForTheirColumnsOrTheirConfiguration) {
+  const TestFolder folder;
+  write_flat(folder, 3, 5, 0, 5);
+  EXPECT_THAT(read_all(folder).error().text(), testing::AllOf(HasSubstr("15 views"), HasSubstr("--view-columns")));
+  EXPECT_EQ(read_all(folder, 5)->shape(), (Shape{3, 5, 2, 3, 1}));
+  ASSERT_TRUE(write_file(folder / "parameters.cfg", std::string("[extrinsics]\n num_cams_x = 5\nnum_cams_y=3\n")).ok());
+  EXPECT_EQ(read_all(folder)->shape(), (Shape{3, 5, 2, 3, 1}));
+  EXPECT_EQ(read_all(folder)->at(2, 4, 0, 0), label(2, 4));
+  fs::remove(folder / "input_Cam0.png");
+  EXPECT_THAT(read_all(folder).error().text(), HasSubstr("input_Cam0.png"));
+  ASSERT_TRUE(write_file(folder / "parameters.cfg", std::string("num_cams_x = 2\nnum_cams_y = 2\n")).ok());
+  EXPECT_EQ(read_all(folder).error().code, ErrorCode::kShape);
+}
+
+TEST(HciFolder, A12OneMissingViewInTheMiddleIsNamed) {
+  const TestFolder folder;
+  write_flat(folder, 9, 9, 0, 9);
+  fs::remove(folder / "input_Cam40.png");
+  EXPECT_THAT(read_all(folder).error().text(), HasSubstr("input_Cam40.png"));
+}
+
+TEST(ViewFolder, A12EverySecondViewIsAGrid) {
+  const TestFolder folder;
+  write_grid(folder, 4, 3, [](size_t row, size_t column) { return cat(2 * row, "_", 3 * column + 1, ".png"); });
+  EXPECT_EQ(read_all(folder)->shape(), (Shape{4, 3, 2, 3, 1}));
+  EXPECT_EQ(read_all(folder)->at(3, 2, 0, 0), label(3, 2));
+}
+
+TEST(ViewFolder, A13WhiteAppliesToViews) {
+  const TestFolder folder;
+  Image image(1, 2, 1);
+  image.pixels = {4095.0F / 65535.0F, 1024.0F / 65535.0F};
+  for (size_t view = 0; view < 64; ++view) {
+    ASSERT_TRUE(write_png(folder / view_folder_name(view / 8, view % 8), image, PngDepth::k16).ok());
+  }
+  const TestLog log;
+  ASSERT_TRUE(read_all(folder));
+  EXPECT_THAT(log.text(), HasSubstr("1024..4095"));
+  ReadOptions options;
+  options.white = 4095;
+  EXPECT_FLOAT_EQ(read_light_field(folder.path(), options)->at(0, 0, 0, 0), 1.0F);
+  options.white = 2000;
+  EXPECT_THAT(read_light_field(folder.path(), options).error().text(), HasSubstr("4095 at y 0, x 0"));
 }
 
 TEST(HciFolder, TakesViewsZeroToSevenOfNine) {
