@@ -7,7 +7,7 @@
 The true camera is drawn around `evk4-lcos` within its stated uncertainties (draw 0 is `evk4-lcos` itself). It records
 five cycles of the scene; `e2lf calibrate` starts from `evk4-lcos`. The first cycle is reconstructed with the starting,
 the found and the true camera. Prints a line for each: PSNR in dB as computed, and with the gain that suits each result
-best. Needs python3-numpy.
+best. A scene that cannot be calibrated has a line with the reason. Needs python3-numpy.
 """
 
 import argparse
@@ -71,7 +71,12 @@ def main() -> None:
                 events = folder / "events.npz"
                 e2lf("simulate", folder / "truth.npy", "--codes", arguments.codes, "--camera", folder / "true.json",
                      "--cycles", 5, "--seed", 1 + number, "-o", events, "--quiet")
-                e2lf("calibrate", events, "--camera", folder / "start.json", "-o", folder / "found.json", "--json")
+                try:
+                    e2lf("calibrate", events, "--camera", folder / "start.json", "-m", arguments.model,
+                         "-o", folder / "found.json", "--quiet")
+                except subprocess.CalledProcessError as error:
+                    print(f"{scene.name:20} {number:4} no camera: {error.stderr.strip()}", flush=True)
+                    continue
                 plain, scaled = [], []
                 with np.load(events) as file:
                     np.savez(folder / "one.npz", events=file["events"][:1], codes=file["codes"])
