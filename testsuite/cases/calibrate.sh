@@ -15,7 +15,9 @@ camera["constants"]["threshold_off"]["value"] *= 0.9
 json.dump(camera, open("guess.json", "w"))
 PY
 "$E2LF" calibrate events.npz --even --camera guess.json --hold receptor_rate_hz,leak -o mine.json --threshold-map map.npy \
-  --bad-pixels bad.npy --json >report.json
+  --bad-pixels bad.npy --json >report.json 2>messages.txt
+# A constant that leaves the uncertainty of the starting camera is warned of by its name.
+grep -q 'threshold_on went from' messages.txt || fail "no warning: $(cat messages.txt)"
 cat >compare.py <<PY
 import json, re
 import numpy as np

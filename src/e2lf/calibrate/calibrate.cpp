@@ -14,7 +14,10 @@ namespace e2lf::calibrate {
 namespace {
 
 constexpr double kDetermined = 0.5;  // standard deviation over spread below which the data determine a constant
-constexpr double kQuantile = 1.96;   // of a normal distribution, for 95 %
+// Areas that a search found have errors of their own (what was chosen by its noise, textures, parallax): more pixels of
+// a row tell no more.
+constexpr double kFoundRowSamples = 400.0;
+constexpr double kNearBound = 1e-3;
 constexpr size_t kGroups = 8;
 constexpr double kShareOfOwnError = 0.1;  // of a row's misfit that the model's own error may make
 constexpr float kMostUncertainty = 0.95F;
@@ -81,6 +84,18 @@ Eigen::VectorXd deviations(const Eigen::MatrixXd& information, const Eigen::Vect
   return inverse.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
+/// The keys of what the data do not determine while nothing else is known either.
+std::vector<std::string> undetermined_beside_others(const std::vector<Parameter>& parameters,
+                                                    const Eigen::MatrixXd& information) {
+  std::vector<std::string> keys;
+  const Eigen::VectorXd spreads = spreads_of(parameters);
+  const Eigen::VectorXd ratios = deviations(information, spreads).cwiseQuotient(spreads);
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    if (ratios[static_cast<Eigen::Index>(i)] > kDetermined) keys.push_back(parameters[i].key);
+  }
+  return keys;
+}
+
 /// The keys of what the data do not determine: the worst is taken out, one after the other, until the rest is
 /// determined.
 std::vector<std::string> undetermined(std::vector<Parameter> parameters, Eigen::MatrixXd information) {
@@ -138,9 +153,8 @@ class Calibrator {
   /// The first guess, with the brightness of each area that fits it.
   [[nodiscard]] Model first_model() const { return {start_, fit_brightness(start_, shares_, areas_)}; }
 
-  [[nodiscard]] Fit fit(const std::vector<Parameter>& parameters, const Model& from, double most_row_samples,
+  [[nodiscard]] Fit fit(const std::vector<Parameter>& parameters, const Model& from, FitOptions fit_options,
                         size_t part) const {
-    FitOptions fit_options{.most_row_samples = most_row_samples};
     if (options_.progress) {
       fit_options.progress = [this, part](size_t done, size_t total) {
         options_.progress(100 * part + 100 * done / total, kParts * 100);
@@ -152,7 +166,7 @@ class Calibrator {
   /// How far the parameters move when parts of the picture are left out, as a standard deviation: a jackknife of one
   /// step, as far as the equations at the result tell.
   [[nodiscard]] Eigen::VectorXd deviations_over_picture(const std::vector<Parameter>& parameters, const Model& whole,
-                                                        double most_row_samples) const {
+                                                        const FitOptions& fit_options) const {
     std::map<AreaKey, double> brightness;
     for (size_t a = 0; a < areas_.size(); ++a) brightness[key_of(areas_[a])] = whole.brightness[a];
     std::vector<Eigen::VectorXd> moves;
@@ -163,7 +177,7 @@ class Calibrator {
       if (areas.empty()) continue;
       Model model{whole.camera, {}};
       for (const Area& area : areas) model.brightness.push_back(brightness.at(key_of(area)));
-      moves.push_back(next_move(parameters, shares_, areas, start_, model, most_row_samples));
+      moves.push_back(next_move(parameters, shares_, areas, start_, model, fit_options));
     }
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters.size())), squares = mean;
     for (const auto& each : moves) mean += each / static_cast<double>(moves.size());
@@ -189,18 +203,18 @@ struct Solution {
   Eigen::VectorXd deviation;  ///< of each of those
 };
 
-/// Fits all parameters; again with more weight for many samples where the model is so good that they tell more; and
-/// again without those that are not determined.
-Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all) {
+/// Fits all parameters; again with the deviance divided by the misfit found, and more weight for many samples where
+/// areas are even and the model is so good that they tell more; and again without those that are not determined.
+Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, bool is_even) {
   const Model first = calibrator.first_model();
-  double most_row_samples = kRowSamples;
-  Fit fit = calibrator.fit(all, first, most_row_samples, 0);
+  FitOptions options{.most_row_samples = is_even ? kRowSamples : kFoundRowSamples};
+  Fit fit = calibrator.fit(all, first, options, 0);
   const double trusted = kShareOfOwnError * fit.misfit.row_samples;
-  if (trusted > most_row_samples) {
-    most_row_samples = trusted;
-    fit = calibrator.fit(all, fit.model, most_row_samples, 1);
-  }
-  const std::vector<std::string> open = undetermined(all, fit.information);
+  if (is_even && trusted > options.most_row_samples) options.most_row_samples = trusted;
+  options.misfit = fit.misfit.weighted;
+  fit = calibrator.fit(all, fit.model, options, 1);
+  const std::vector<std::string> open =
+      is_even ? undetermined(all, fit.information) : undetermined_beside_others(all, fit.information);
   std::vector<Parameter> determined;
   for (const Parameter& each : all) {
     if (std::find(open.begin(), open.end(), each.key) == open.end()) {
@@ -209,10 +223,9 @@ Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all) 
       each.set(fit.model.camera, each.get(first.camera));
     }
   }
-  if (!open.empty()) fit = calibrator.fit(determined, fit.model, most_row_samples, 2);
-  const Eigen::VectorXd deviation =
-      deviations(fit.information, spreads_of(determined))
-          .cwiseMax(calibrator.deviations_over_picture(determined, fit.model, most_row_samples));
+  if (!open.empty()) fit = calibrator.fit(determined, fit.model, options, 2);
+  const Eigen::VectorXd deviation = deviations(fit.information, spreads_of(determined))
+                                        .cwiseMax(calibrator.deviations_over_picture(determined, fit.model, options));
   return {fit.model.camera, std::move(determined), deviation};
 }
 
@@ -223,6 +236,33 @@ Estimate estimate_of(const Parameter& parameter, const capture::Camera& camera, 
   result.low = parameter.is_logarithm ? result.value * std::exp(-width) : result.value - width;
   result.high = parameter.is_logarithm ? result.value * std::exp(width) : result.value + width;
   return result;
+}
+
+/// What is suspicious about constants that were fitted: a jump out of what was known before, or an end at a bound.
+std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, const capture::Camera& start,
+                                     const capture::Camera& found) {
+  std::vector<std::string> warnings;
+  const Eigen::VectorXd before = to_vector(parameters, start), after = to_vector(parameters, found);
+  const std::vector<Bound> bounds = fit_bounds();
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const Parameter& each = parameters[i];
+    const double value = each.get(found);
+    const double spreads =
+        std::abs(after[static_cast<Eigen::Index>(i)] - before[static_cast<Eigen::Index>(i)]) / each.spread;
+    if (spreads > kQuantile) {
+      warnings.push_back(
+          cat(each.key, " went from ", static_cast<float>(each.get(start)), " to ", static_cast<float>(value),
+              ", which is out of the starting camera's uncertainty; check the input, or hold it with --hold"));
+    }
+    for (const Bound& bound : bounds) {
+      if (each.kind != Parameter::Kind::kConstant || each.index != static_cast<size_t>(bound.constant)) continue;
+      const bool is_low = each.is_logarithm ? value < kNearBound * each.get(start) : value <= bound.low;
+      if (!is_low && value < bound.high) continue;
+      warnings.push_back(cat(each.key, " ends at the bound ", is_low ? bound.low : bound.high,
+                             ": the input contradicts the model; hold it with --hold"));
+    }
+  }
+  return warnings;
 }
 
 /// Keeps how far constants may be off in the camera itself.
@@ -246,7 +286,7 @@ void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::Vec
 Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const capture::Codes& codes,
                               const capture::Camera& start, const CalibrationOptions& options) {
   E2LF_RETURN_IF_ERROR(check(scenes, codes, start));
-  E2LF_ASSIGN_OR_RETURN(const std::vector<Parameter> all, fit_parameters(codes.num_patterns - 1, options.held));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<Parameter> all, fit_parameters(codes.num_patterns - 1, start, options.held));
   Calibration result;
   result.states = find_bad_pixels(scenes);
   const FlatScene scene(scenes, result.states, options.is_even);
@@ -259,7 +299,7 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
                      " flat pixels; scene a scene with larger even areas of several brightnesses"),
                  ""};
   }
-  const Solution solution = solve(calibrator, all);
+  const Solution solution = solve(calibrator, all, options.is_even);
   result.camera = solution.camera;
   for (const Parameter& each : all) {
     const auto& determined = solution.determined;
@@ -269,6 +309,7 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
     const double deviation = is_determined ? solution.deviation[place - determined.begin()] : each.spread;
     result.estimates.push_back(estimate_of(each, result.camera, deviation, is_determined));
   }
+  result.warnings = warnings_of(solution.determined, start, result.camera);
   note_uncertainty(solution.determined, solution.deviation, result.camera);
   const auto compared = scene.areas([&](size_t y, size_t x) { return !options.keep_out || !is_fitted(true, y, x); });
   result.agreement = compare(result.camera, shares, compared);

@@ -35,13 +35,15 @@ struct Calibration {
   AgreementReport agreement;        ///< of the result
   AgreementReport first_agreement;  ///< of the first guess
   size_t flat_pixels = 0;
+  std::vector<std::string> warnings;  ///< constants at a bound, or out of the first guess's uncertainty, by name
 };
 
 /// Finds the constants of a camera of the model "pixel" from scenes that stood still, coded by known
 /// patterns. `start` is the first guess: what the data do not determine stays there. A constant is determined where its
-/// standard deviation is at most half of its plausible spread. Where several trade against each other, the least
-/// determined one is held, until the rest is. Deviations are the larger of two: that of the curvature, widened by the
-/// misfit, and that over eight parts of the picture left out in turn.
+/// standard deviation is at most half of what the first guess states as its uncertainty, or of a plausible spread where
+/// it states none. Where several trade against each other in even areas, the least determined one is held, until the
+/// rest is. In areas that were searched for none of them counts as determined. Deviations are the larger of two: that
+/// of the curvature, widened by the misfit, and that over eight parts of the picture left out in turn.
 ///
 /// Fails with kShape (scenes that do not fit each other or the patterns, see check_scenes), and kInvalidValue (a
 /// start of another event model, patterns that do not begin with black, unknown keys, too few flat areas).

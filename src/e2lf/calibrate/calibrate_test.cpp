@@ -115,6 +115,47 @@ TEST(Calibrate, HoldsWhatItIsToldAndRefusesUnknownKeys) {
   EXPECT_EQ(calibrate({black}, capture::Codes(3, 8, 8), guess, {}).error().code, ErrorCode::kShape);
 }
 
+/// Keys of all constants but one, to hold.
+std::vector<std::string> all_but(const capture::Camera& camera, const std::string& key) {
+  std::vector<std::string> keys;
+  for (const Parameter& each : fit_parameters(3, camera, {}).value()) {
+    if (each.key != key) keys.push_back(each.key);
+  }
+  return keys;
+}
+
+TEST(Calibrate, MovesAConstantThatIsDeterminedToTheTruthAndWarnsOfTheJumpByName) {
+  const auto truth = plain_camera();
+  auto guess = truth;
+  guess.pixel[kNoise] *= 1.5F;
+  guess.uncertainty[kNoise] = 0.1F;
+  const StillScene scene = simulate(truth, patches(0.1F, 2.0F), 1);
+  const CalibrationOptions options{.held = all_but(guess, "noise"), .is_even = true};
+  const auto found = calibrate({scene}, capture::default_codes(), guess, options);
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_NEAR(found->camera.pixel[kNoise] / truth.pixel[kNoise], 1.0, 0.1);
+  ASSERT_EQ(found->warnings.size(), 1U);
+  EXPECT_EQ(found->warnings[0].find("noise went from"), 0U) << found->warnings[0];
+
+  const auto from_truth = calibrate({scene}, capture::default_codes(), truth, options);
+  ASSERT_TRUE(from_truth);
+  EXPECT_TRUE(from_truth->warnings.empty());
+}
+
+TEST(FitParameters, SpreadAsTheStartingCameraStatesOrAsPlausible) {
+  auto camera = plain_camera();
+  camera.uncertainty[kThresholdOn] = 0.196F;
+  camera.uncertainty[kResetSpan] = 0.392F;  // of a value of 1, fitted as it is
+  camera.transmission_uncertainty = 0.098F;
+  std::map<std::string, double> spreads;
+  for (const Parameter& each : fit_parameters(3, camera, {}).value()) spreads[each.key] = each.spread;
+  EXPECT_NEAR(spreads.at("threshold_on"), 0.1, 1e-6);
+  EXPECT_NEAR(spreads.at("reset_span"), 0.2 * camera.pixel[kResetSpan], 1e-6);
+  EXPECT_NEAR(spreads.at("transmission[1]"), 0.05, 1e-6);
+  EXPECT_NEAR(spreads.at("transmission.slope_x[2]"), 0.05, 1e-6);
+  EXPECT_EQ(spreads.at("threshold_off"), 0.2);
+}
+
 TEST(ThresholdMap, TellsPixelsOfHighAndLowThresholdsApart) {
   auto truth = plain_camera();
   truth.pixel[kMismatch] = truth.pixel[kMismatchEach] = 0.0F;

@@ -117,16 +117,18 @@ Pearson pearson_of(const Shares& measured, const Shares& model, double samples) 
 class Fitter {
  public:
   Fitter(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-         const std::vector<Area>& areas, const capture::Camera& start, double most_row_samples)
+         const std::vector<Area>& areas, const capture::Camera& start, const FitOptions& options)
       : parameters_(parameters),
         open_shares_(open_shares),
         areas_(areas),
         start_(to_vector(parameters, start)),
         spread_(start_.size()),
-        weights_(weights_of(areas, most_row_samples)),
+        misfit_(options.misfit),
+        weights_(weights_of(areas, options.most_row_samples)),
         measured_(areas.size()) {
     for (Eigen::Index i = 0; i < spread_.size(); ++i) spread_[i] = parameters[static_cast<size_t>(i)].spread;
     for (size_t a = 0; a < areas.size(); ++a) measured_[a] = shares_of_area(areas[a]);
+    for (double& weight : weights_) weight /= misfit_;
   }
 
   /// The equations at a place: normal matrix and right side without the brightnesses, and what gives those back.
@@ -223,7 +225,7 @@ class Fitter {
     for (size_t a = 0; a < areas_.size(); ++a) {
       const Pearson pearson = pearson_of(
           measured_[a], plain_shares(model.camera, open_shares_, areas_[a], model.brightness[a]), areas_[a].samples);
-      weighted += weights_[a] * pearson.distance;
+      weighted += misfit_ * weights_[a] * pearson.distance;
       full += areas_[a].samples * pearson.distance;
       freedom += pearson.freedom;
       samples += areas_[a].samples;
@@ -255,25 +257,28 @@ class Fitter {
 
   /// What camera files refuse, a fit does not reach.
   static void keep_in_range(capture::Camera& camera) {
-    using enum capture::PixelConstant;
-    for (const auto constant : {kMismatch, kMismatchEach}) {
-      camera.pixel[constant] = std::min(camera.pixel[constant], 0.5F);
+    for (const Bound& bound : fit_bounds()) {
+      float& value = camera.pixel[bound.constant];
+      value = std::clamp(value, bound.low, bound.high);
     }
-    for (const auto constant : {kLeak, kDarkOff, kDarkOn}) {
-      camera.pixel[constant] = std::min(camera.pixel[constant], 0.4F);
-    }
-    camera.pixel[kResetSpan] = std::clamp(camera.pixel[kResetSpan], 0.0F, 2.0F);
   }
 
   const std::vector<Parameter>& parameters_;
   const std::vector<float>& open_shares_;
   const std::vector<Area>& areas_;
   Eigen::VectorXd start_, spread_;
+  double misfit_;
   std::vector<double> weights_;
   std::vector<Shares> measured_;
 };
 
 }  // namespace
+
+std::vector<Bound> fit_bounds() {
+  using enum capture::PixelConstant;
+  return {{kMismatch, 0.0F, 0.5F}, {kMismatchEach, 0.0F, 0.5F}, {kLeak, 0.0F, 0.4F},
+          {kDarkOff, 0.0F, 0.4F},  {kDarkOn, 0.0F, 0.4F},       {kResetSpan, 0.0F, 2.0F}};
+}
 
 std::vector<float> open_shares(const capture::Codes& codes) {
   return capture::light_efficiency(codes);
@@ -320,15 +325,15 @@ std::vector<double> fit_brightness(const capture::Camera& camera, const std::vec
 
 Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
                           const std::vector<Area>& areas, const capture::Camera& start, const Model& model,
-                          double most_row_samples) {
-  const Fitter fitter(parameters, open_shares, areas, start, most_row_samples);
+                          const FitOptions& options) {
+  const Fitter fitter(parameters, open_shares, areas, start, options);
   return fitter.move_of(model, fitter.equations(model), 0.0);
 }
 
 Fit fit_camera(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
                const std::vector<Area>& areas, const capture::Camera& start, const Model& first,
                const FitOptions& options) {
-  const Fitter fitter(parameters, open_shares, areas, start, options.most_row_samples);
+  const Fitter fitter(parameters, open_shares, areas, start, options);
   const auto cost = [&](const Model& model) { return fitter.misfit(model) + fitter.strain(fitter.values_of(model)); };
   Fit fit{first, {}, {}};
   double least = cost(fit.model), damping = 1e-2;
@@ -348,7 +353,7 @@ Fit fit_camera(const std::vector<Parameter>& parameters, const std::vector<float
     if (before - least < 1e-4 * before) break;
   }
   fit.misfit = fitter.misfit_beyond_chance(fit.model);
-  fit.information = fitter.equations(fit.model).normal / fit.misfit.weighted;
+  fit.information = fitter.equations(fit.model).normal * options.misfit / fit.misfit.weighted;
   return fit;
 }
 

@@ -35,8 +35,16 @@ inline constexpr double kRowSamples = 4000.0;
 struct FitOptions {
   int most_iterations = 30;
   double most_row_samples = kRowSamples;  ///< as which a row of brightness counts at most
+  double misfit = 1.0;                    ///< by which the deviance is divided, beside what is known before
   ProgressFn progress = {};
 };
+
+/// Between which a fit keeps a constant.
+struct Bound {
+  capture::PixelConstant constant;
+  float low, high;
+};
+[[nodiscard]] std::vector<Bound> fit_bounds();
 
 /// How far the best model is off, in units of what chance alone makes.
 struct Misfit {
@@ -52,10 +60,11 @@ struct Fit {
 };
 
 /// The most likely camera and brightness of each area, given how often each combination of counts occurs there. What is
-/// least is the deviance plus the squared distance of each parameter from `start` in units of its spread. A share of
-/// 0.0001 of the samples is taken for something else, so that no rare count decides. Likelihood, since most
-/// combinations are rare: the distance of roots (Hellinger) is biased for these. A row of brightness counts as
-/// most_row_samples at most: beyond that it is the model that is off, not chance, and no row shall hide the others.
+/// least is the deviance, divided by FitOptions::misfit, plus the squared distance of each parameter from `start` in
+/// units of its spread. A share of 0.0001 of the samples is taken for something else, so that no rare count decides.
+/// Likelihood, since most combinations are rare: the distance of roots (Hellinger) is biased for these. A row of
+/// brightness counts as most_row_samples at most: beyond that it is the model that is off, not chance, and no row shall
+/// hide the others.
 ///
 /// Fisher scoring with Levenberg's damping, with differences for derivatives. The brightness of each area is taken out
 /// of the equations (variable projection), since it touches one area alone. Deterministic; the same for any number of
@@ -67,6 +76,6 @@ struct Fit {
 /// The change of the parameters by which one step of fit_camera() would leave `model`, without damping.
 [[nodiscard]] Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
                                         const std::vector<Area>& areas, const capture::Camera& start,
-                                        const Model& model, double most_row_samples);
+                                        const Model& model, const FitOptions& options);
 
 }  // namespace e2lf::calibrate

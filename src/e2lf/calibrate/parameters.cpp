@@ -13,6 +13,7 @@ using enum capture::PixelConstant;
 using Kind = Parameter::Kind;
 
 constexpr double kLeastValue = 1e-6;  // of a number that is fitted as a logarithm
+constexpr double kLeastSpread = 1e-4;
 
 struct Spread {
   capture::PixelConstant constant;
@@ -34,16 +35,26 @@ std::vector<float>& list_of(Kind kind, capture::Camera& camera) {
                                      : camera.transmission_slope_y;
 }
 
-std::vector<Parameter> all_parameters(size_t num_lit) {
+/// The standard deviation of a constant whose 95 % range a camera states, relative to its value.
+double spread_of(const Spread& each, const capture::Camera& start) {
+  const auto relative = static_cast<double>(start.uncertainty[each.constant]);
+  if (relative <= 0.0) return each.spread;
+  return relative / kQuantile * (each.is_logarithm ? 1.0 : std::abs(start.pixel[each.constant]));
+}
+
+std::vector<Parameter> all_parameters(size_t num_lit, const capture::Camera& start) {
   std::vector<Parameter> parameters;
   for (const Spread& each : kSpreads) {
-    parameters.push_back({Kind::kConstant, static_cast<size_t>(each.constant), each.is_logarithm, each.spread,
+    const double spread = std::max(spread_of(each, start), kLeastSpread);
+    parameters.push_back({Kind::kConstant, static_cast<size_t>(each.constant), each.is_logarithm, spread,
                           capture::pixel_constant_key(each.constant)});
   }
+  const double stated = start.transmission_uncertainty / kQuantile;
+  const double transmission = stated > 0.0 ? stated : kTransmissionSpread, slope = stated > 0.0 ? stated : kSlopeSpread;
   for (size_t n = 1; n < num_lit; ++n) {
-    parameters.push_back({Kind::kTransmission, n, true, kTransmissionSpread, cat("transmission[", n, "]")});
-    parameters.push_back({Kind::kSlopeX, n, false, kSlopeSpread, cat("transmission.slope_x[", n, "]")});
-    parameters.push_back({Kind::kSlopeY, n, false, kSlopeSpread, cat("transmission.slope_y[", n, "]")});
+    parameters.push_back({Kind::kTransmission, n, true, transmission, cat("transmission[", n, "]")});
+    parameters.push_back({Kind::kSlopeX, n, false, slope, cat("transmission.slope_x[", n, "]")});
+    parameters.push_back({Kind::kSlopeY, n, false, slope, cat("transmission.slope_y[", n, "]")});
   }
   return parameters;
 }
@@ -67,8 +78,9 @@ void Parameter::set(capture::Camera& camera, double value) const {
   list[index] = static_cast<float>(value);
 }
 
-Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const std::vector<std::string>& held) {
-  std::vector<Parameter> parameters = all_parameters(num_lit);
+Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const capture::Camera& start,
+                                              const std::vector<std::string>& held) {
+  std::vector<Parameter> parameters = all_parameters(num_lit, start);
   std::vector<std::string> keys;
   for (const Parameter& each : parameters) keys.push_back(each.key);
   for (const std::string& key : held) {

@@ -10,6 +10,8 @@
 
 namespace e2lf::calibrate {
 
+inline constexpr double kQuantile = 1.96;  ///< of a normal distribution, for 95 %
+
 /// A number of a camera that a fit may change.
 struct Parameter {
   enum class Kind : uint8_t { kConstant, kTransmission, kSlopeX, kSlopeY };
@@ -26,8 +28,10 @@ struct Parameter {
 
 /// What a fit of so many lit patterns changes: all constants of the pixels but eps (the unit of brightness) and the
 /// times, and the transmission of each lit pattern relative to the first with its slopes. Those whose key is in `held`
-/// are left out. Fails with kInvalidValue when `held` has an unknown key, naming the nearest.
-[[nodiscard]] Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const std::vector<std::string>& held);
+/// are left out. Spreads are those that `start` states as its uncertainty, and plausible ones where it states none.
+/// Fails with kInvalidValue when `held` has an unknown key, naming the nearest.
+[[nodiscard]] Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const capture::Camera& start,
+                                                            const std::vector<std::string>& held);
 
 /// The values of parameters in the form in which they are fitted, and back.
 [[nodiscard]] Eigen::VectorXd to_vector(const std::vector<Parameter>& parameters, const capture::Camera& camera);

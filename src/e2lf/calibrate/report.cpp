@@ -114,6 +114,7 @@ Json report_json(const Calibration& calibration) {
                          {"is_determined", each.is_determined}});
   }
   return {{"constants", constants},
+          {"warnings", calibration.warnings},
           {"pixels",
            {{"flat", calibration.flat_pixels},
             {"hot", count(calibration, PixelState::kHot)},

@@ -12,7 +12,8 @@ namespace e2lf::calibrate {
 /// brightness. `with_places` adds a table by field position.
 [[nodiscard]] std::string report_text(const Calibration& calibration, bool with_places);
 
-/// The same for programs: {"constants": [..], "pixels": {..}, "rows": [..], "places": [..], "first_guess": {..}}.
+/// The same for programs: {"constants": [..], "warnings": [..], "pixels": {..}, "rows": [..], "places": [..],
+/// "first_guess": {..}}.
 [[nodiscard]] Json report_json(const Calibration& calibration);
 
 /// The camera file of a calibration: to_json() of the camera, with where each constant comes from.

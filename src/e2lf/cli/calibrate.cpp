@@ -3,20 +3,26 @@
 #include "e2lf/calibrate/calibrate.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/calibrate/report.h"
 #include "e2lf/cli/camera_option.h"
 #include "e2lf/cli/cycle_input.h"
 #include "e2lf/cli/inputs.h"
+#include "e2lf/cli/network_choice.h"
 #include "e2lf/cli/output.h"
 #include "e2lf/cli/recorded_setup.h"
 #include "e2lf/cli/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/model/model.h"
+#include "e2lf/recon/event_check.h"
+#include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -122,6 +128,51 @@ Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<Out
   return {};
 }
 
+/// How far the light field that a network makes of some events, told a camera, is from explaining them.
+Result<double> error_told(model::Model model, const capture::Camera& camera, const capture::Codes& codes,
+                          const capture::EventImages& events) {
+  model.camera = camera;
+  E2LF_ASSIGN_OR_RETURN(const recon::Reconstructor reconstructor, recon::Reconstructor::create(std::move(model)));
+  E2LF_ASSIGN_OR_RETURN(const auto light_field, reconstructor.reconstruct(capture::Measurement(events)));
+  const recon::EventCheck check{codes, {}, sensor::EventModel::kReferenceAware, camera};
+  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
+  return error.least;
+}
+
+/// Compares both cameras with the events of the first cycle, by the named network or a bundled one: {"start", "found",
+/// "better"}. Null where no network is told the camera and fits these patterns.
+Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture::Codes& codes,
+                             const capture::Camera& start, const capture::Camera& found,
+                             const capture::EventImages& events) {
+  RunRecord unused("calibrate");
+  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, unused));
+  if (!model) {
+    E2LF_ASSIGN_OR_RETURN(model, bundled_network(codes, start, unused));
+  }
+  if (!model || !model::is_told_the_camera(*model) || model->num_patterns != codes.num_patterns ||
+      model->measurement() != capture::MeasurementKind::kEventImages || (model->codes && *model->codes != codes)) {
+    return Json();
+  }
+  E2LF_ASSIGN_OR_RETURN(const double before, error_told(*model, start, codes, events));
+  E2LF_ASSIGN_OR_RETURN(const double after, error_told(std::move(*model), found, codes, events));
+  constexpr double kAlike = 0.01;  // of the error: a smaller difference says nothing
+  const char* better = after > (1.0 + kAlike) * before   ? "start"
+                       : before > (1.0 + kAlike) * after ? "found"
+                                                         : "neither";
+  return Json{{"start", before}, {"found", after}, {"better", better}};
+}
+
+std::string comparison_text(const Json& comparison) {
+  const std::string better = comparison["better"];
+  std::array<char, 128> figures;
+  std::snprintf(figures.data(), figures.size(),
+                "results differ from the events by %.3f with the starting camera, by %.3f with this one: ",
+                comparison["start"].get<double>(), comparison["found"].get<double>());
+  return cat(figures.data(), better == "start"   ? "the starting camera is better; keep it"
+                             : better == "found" ? "this one is better; use it"
+                                                 : "neither is better; either will do");
+}
+
 Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   OutputRules rules{.inputs = arguments.inputs, .overwrite = common.overwrite};
@@ -152,8 +203,13 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
                                                                                         .keep_out = arguments.keep_out,
                                                                                         .progress = bar.callback()}));
   record.end_step("calibrate");
+  for (const std::string& warning : calibration.warnings) log_warning(warning);
   E2LF_RETURN_IF_ERROR(write_maps(thresholds, bad, scenes, codes, calibration, arguments.is_even));
-  const Json report = calibrate::report_json(calibration);
+  Json report = calibrate::report_json(calibration);
+  E2LF_ASSIGN_OR_RETURN(report["event_check"],
+                        compare_cameras(arguments, codes, start, calibration.camera, scenes.front().cycles.front()));
+  const bool is_worse = report["event_check"].is_object() && report["event_check"]["better"] == "start";
+  if (is_worse) log_warning(comparison_text(report["event_check"]));
   record.note("report", report);
   E2LF_RETURN_IF_ERROR(write_file(output.path(), calibrate::camera_json(calibration).dump(2) + "\n"));
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
@@ -165,6 +221,9 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
     std::printf("%s\n", report.dump(2).c_str());
   } else if (!common.quiet) {
     std::printf("%s", calibrate::report_text(calibration, arguments.places).c_str());
+    if (report["event_check"].is_object() && !is_worse) {
+      std::printf("%s\n", comparison_text(report["event_check"]).c_str());
+    }
   }
   return {};
 }
