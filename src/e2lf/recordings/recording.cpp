@@ -56,6 +56,7 @@ Result<void> RecordingReader::join_part(int64_t first_us) {
   Restart restart = *std::exchange(joint_, std::nullopt);
   if (first_us >= restart.before_us) return {};  // recordings that follow each other by one clock
   restart.after_us = first_us;
+  has_restarted_ = true;
   switch (options_.restart) {
     case RestartPolicy::kContinue:
       part_shift_us_ += restart.before_us + 1 - first_us;
@@ -258,7 +259,7 @@ Result<void> RecordingReader::seek(int64_t t_us) {
   has_ended_ = is_between_parts_ = false;
   joint_.reset();
   part_shift_us_ = 0;
-  E2LF_RETURN_IF_ERROR(seek_before(absolute_us));
+  E2LF_RETURN_IF_ERROR(seek_before(has_restarted_ ? -kTimeLimitUs : absolute_us));
   return skip_to(absolute_us);
 }
 

@@ -147,6 +147,7 @@ class RecordingReader {
   std::optional<Restart> joint_;                ///< in front of what comes next, if that is earlier
   int64_t part_shift_us_ = 0;                   ///< added to what read_next() gives
   bool is_first_part_ = true;
+  bool has_restarted_ = false;       ///< so that times behind that are sought from the start
   bool is_between_parts_ = false;    ///< what pending_ holds is of the next part
   std::optional<int64_t> shift_us_;  ///< what to subtract; unknown until the first event under TimeOrigin::kZero
   int64_t range_origin_us_ = 0;      ///< what from_us and to_us count from

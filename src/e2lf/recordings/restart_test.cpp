@@ -348,8 +348,11 @@ TEST(Evt3Reports, CountsOfTheSensorAreSummed) {
 }
 
 TEST(Evt3Frames, PaddingBehindTheEndOfAMipiFrameChangesNothing) {
-  // TIME_HIGH 1, TIME_LOW 2, Y 5, X 3; end of frame with a payload, 1,000 zeros; TIME_HIGH 1, TIME_LOW 3, X 4.
-  Bytes bytes = {0x01, 0x80, 0x02, 0x60, 0x05, 0x00, 0x03, 0x20, 0x19, 0xe0, 0x42, 0xfc, 0x00, 0xf0};
+  // TIME_HIGH 1, TIME_LOW 2, Y 5, a hundred times X 3; end of frame with a payload, 1,000 zeros; TIME_HIGH 1, TIME_LOW
+  // 3, X 4.
+  Bytes bytes = {0x01, 0x80, 0x02, 0x60, 0x05, 0x00};
+  for (int i = 0; i < 100; ++i) bytes.insert(bytes.end(), {0x03, 0x20});
+  bytes.insert(bytes.end(), {0x19, 0xe0, 0x42, 0xfc, 0x00, 0xf0});
   bytes.resize(bytes.size() + 2000);
   bytes.insert(bytes.end(), {0x01, 0x80, 0x03, 0x60, 0x04, 0x20});
   OpenOptions options;
@@ -359,8 +362,8 @@ TEST(Evt3Frames, PaddingBehindTheEndOfAMipiFrameChangesNothing) {
     auto reader = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), options).value();
     const auto all = read_all(*reader);
     ASSERT_TRUE(all) << all.error().text();
-    ASSERT_EQ(all->events.size(), 2U);
-    EXPECT_EQ(all->events[1], (Event{4, 5, 0, 0x1003}));
+    ASSERT_EQ(all->events.size(), 101U);
+    EXPECT_EQ(all->events[100], (Event{4, 5, 0, 0x1003}));
   }
 }
 

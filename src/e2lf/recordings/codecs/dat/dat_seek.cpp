@@ -30,7 +30,7 @@ class Search {
     E2LF_ASSIGN_OR_RETURN(const int64_t first_us, low_at(0));
     Probe low{0, first_us};
     if (first_us >= t_us) return Place();
-    const uint64_t stride = std::max(kMinStride, num_records_ / kMaxProbes);
+    const uint64_t stride = std::max(kMinStride / 16, num_records_ / kMaxProbes);
     // All of them, as the times in front of the place alone do not show that they are to be believed.
     Probe last = low, high{num_records_, INT64_MAX};
     while (last.record + stride < num_records_) {

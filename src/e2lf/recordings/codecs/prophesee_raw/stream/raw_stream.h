@@ -240,11 +240,24 @@ class RawStream {
 
   /// Decides about the word that the check stopped at.
   Step resolve(Input& input) {
-    const uint8_t* word = input.data() + checked_ * kWordBytes;
     const size_t behind = input.num_words() - checked_ - 1;
     if (behind < kWindowWords && !input.ended) return Step::kNeedMore;
-    bool is_header = false;
-    if (const auto step = find_header(input, is_header); is_header) return step;
+    const size_t word = checked_ * kWordBytes;
+    bool is_whole = false;
+    const size_t header = find_header(input, word + kWindowWords * kWordBytes, is_whole);
+    if (header == kNoStop) return resolve_word(input);
+    if (!is_whole) return Step::kNeedMore;
+    if (header <= word + kWordBytes - 1) return jump(Problem::kRestart, header);
+    // The words in front of the header are judged without it.
+    Input in_front = input;
+    in_front.bytes = input.bytes.first(input.position + header);
+    in_front.ended = true;
+    return resolve_word(in_front);
+  }
+
+  Step resolve_word(Input& input) {
+    const uint8_t* word = input.data() + checked_ * kWordBytes;
+    const size_t behind = input.num_words() - checked_ - 1;
     if (const size_t padding = Codec::num_padding(word, behind + 1, check_); padding > 0) {
       return jump(Problem::kPadding, (checked_ + padding) * kWordBytes);
     }
@@ -280,18 +293,16 @@ class RawStream {
   /// Whether keep_ and jump_ say where to go on.
   [[nodiscard]] bool has_jump() const { return problem_ >= Problem::kBreak; }
 
-  /// Another file's header begins in what is held back, or at the word in question: text is no plausible sequence of
-  /// words for long.
-  Step find_header(const Input& input, bool& found) {
-    const std::string_view text(reinterpret_cast<const char*>(input.data()), input.num_bytes());
-    const std::string_view held = text.substr(0, (checked_ + 1) * kWordBytes + 1);
-    for (size_t at = held.find("% "); at != std::string_view::npos; at = held.find("% ", at + 1)) {
+  /// Where in the first `end` bytes from the position on another file's header begins; kNoStop = nowhere. Text is no
+  /// plausible sequence of words for long, so that no other place is looked at. `is_whole` = all of it is there.
+  size_t find_header(const Input& input, size_t end, bool& is_whole) const {
+    const std::string_view text(reinterpret_cast<const char*>(input.data()), std::min(end, input.num_bytes()));
+    for (size_t at = text.find("% "); at != std::string_view::npos; at = text.find("% ", at + 1)) {
       const HeaderPlace place = find_raw_header(input.bytes.subspan(input.position + at), input.ended);
-      if (place == HeaderPlace::kNone) continue;
-      found = true;
-      return place == HeaderPlace::kIncomplete ? Step::kNeedMore : jump(Problem::kRestart, at);
+      is_whole = place == HeaderPlace::kHere;
+      if (place != HeaderPlace::kNone) return at;
     }
-    return Step::kGoOn;
+    return kNoStop;
   }
 
   /// A jump in a stream that repeats its time all along means that data is missing, or that the clock starts again.
@@ -390,6 +401,15 @@ class RawStream {
     bool found = false;
     size_t skipped = next_alignment(input, 0, input.num_bytes(), found);
     if (!found && input.ended) skipped = input.num_bytes();
+    bool is_whole = false;
+    if (const size_t header = find_header(input, skipped + 1, is_whole); header != kNoStop) {
+      if (!is_whole) return false;
+      lost_ = false;
+      input.position += header;
+      count_dropped(input, header);
+      jump(Problem::kRestart, 0);
+      return true;
+    }
     input.position += skipped;
     count_dropped(input, skipped);
     lost_ = !found && !input.ended;
