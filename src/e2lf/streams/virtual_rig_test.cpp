@@ -202,7 +202,9 @@ void expect_counts_of_closed_form(const capture::Camera& camera, const capture::
       }
       EXPECT_NEAR(a.mean, b.mean, kMeanTolerance) << "level " << level << ", image " << k;
       EXPECT_NEAR(a.deviation, b.deviation, kDeviationTolerance) << "level " << level << ", image " << k;
-      EXPECT_LE(variation, kMostVariation) << "level " << level << ", image " << k;
+      // The OFF events on the way to black come one by one, where the closed form compares once.
+      const double most = k + 1 == 2 * test_codes().num_patterns ? 2 * kMostVariation : kMostVariation;
+      EXPECT_LE(variation, most) << "level " << level << ", image " << k;
     }
   }
 }
