@@ -32,8 +32,8 @@ void check_index(size_t index, size_t size, const char* axis) {
 }
 
 py::array read(const fs::path& path, size_t views, size_t step, bool colour, bool reverse_rows,
-               const std::string& range, float white, size_t lenslet_views, E2LF_ORIENTATION_PARAMETERS,
-               const ProgressArgument& progress) {
+               const std::string& range, float white, size_t view_columns, size_t lenslet_views,
+               E2LF_ORIENTATION_PARAMETERS, const ProgressArgument& progress) {
   lightfield::ReadOptions options;
   for (lightfield::AxisViews* axis : {&options.views_y, &options.views_x}) {
     axis->count = views;
@@ -42,6 +42,7 @@ py::array read(const fs::path& path, size_t views, size_t step, bool colour, boo
   options.colour = colour;
   options.reverse_rows = reverse_rows;
   options.white = white;
+  options.view_columns = view_columns;
   options.lenslet_views = lenslet_views;
   options.orientation = E2LF_ORIENTATION_VALUE;
   check_word(range, {"refuse", "clamp", "keep"}, "range");
@@ -210,8 +211,8 @@ void bind_scenes(py::module_& module) {
 void bind_lightfield(py::module_& module) {
   module.def("read_light_field", &read, py::arg("path"), py::kw_only(), py::arg("views") = 8, py::arg("step") = 1,
              py::arg("colour") = false, py::arg("reverse_rows") = false, py::arg("range") = "refuse",
-             py::arg("white") = 0.0F, py::arg("lenslet_views") = 0, E2LF_ORIENTATION_ARGUMENTS,
-             py::arg("progress") = py::none(),
+             py::arg("white") = 0.0F, py::arg("view_columns") = 0, py::arg("lenslet_views") = 0,
+             E2LF_ORIENTATION_ARGUMENTS, py::arg("progress") = py::none(),
              "Reads a light field of any format: float32 [view_y, view_x, y, x] in [0, 1], with [channel] of 3 at the "
              "end where colour is asked for and there. Views change places as the run.json in its folder says.\n\n"
              "views: so many per axis, the central ones; 0 = all.\n"
@@ -219,6 +220,7 @@ void bind_lightfield(py::module_& module) {
              "reverse_rows: view rows are stored bottom to top.\n"
              "range: what becomes of values outside [0, 1]: \"refuse\", \"clamp\" or \"keep\" (of reconstructions).\n"
              "white: the stored number that is 1; 0 = as the type says.\n"
+             "view_columns: in a row of views that are numbered one by one; 0 = found.\n"
              "lenslet_views: per axis of a lenslet mosaic; 0 = as it says.\n" E2LF_ORIENTATION_DOC
              "progress: called with (views done, views).");
   module.def(

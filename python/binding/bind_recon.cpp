@@ -47,11 +47,16 @@ class Network {
   Network(const model::Model& model, const std::string& precision, const capture::Camera* camera)
       : reconstructor_(make(model, precision, camera)) {}
 
-  py::array reconstruct(const py::array& images, const GainArgument& gain, size_t passes, size_t cycles,
+  py::array reconstruct(py::array images, const GainArgument& gain, size_t passes, size_t cycles,
                         const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS,
                         const ProgressArgument& progress) {
     check_gain(gain);
     if (passes < 1 || cycles < 1) throw py::value_error("passes and cycles are at least 1");
+    if (images.ndim() == 4 && images.shape(0) > 0) {
+      if (cycles != 1) throw py::value_error("images of several cycles say how many these are; leave cycles out");
+      cycles = static_cast<size_t>(images.shape(0));
+      images = images.attr("sum")(0);
+    }
     if (cycles > 1 && !model::is_told_the_camera(reconstructor_.model())) {
       throw ResultError({ErrorCode::kInvalidValue,
                          reconstructor_.model().name + " takes one cycle for each light field; leave the argument out",
@@ -144,10 +149,13 @@ void bind_recon(py::module_& module) {
            py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
            py::arg("progress") = py::none(),
            "Event images int16 [transition, y, x] -> light field float32 [view_y, view_x, y, x], not clamped.\n\n"
+           "images: of one cycle; or [cycle, transition, y, x], cycles of a scene that stands still, which make one "
+           "light "
+           "field together, for networks that are told the camera.\n"
            "gain: \"auto\" (well exposed; of physical pixels the darkest parts become black) or a number; 1 = the "
            "network's plain output.\n"
            "passes: the mean over so many positions on the network's pixel grid.\n"
-           "cycles: the images are sums over so many cycles, for networks that are told the camera.\n"
+           "cycles: images of one cycle are the sums over so many, for networks that are told the camera.\n"
            "colour_filter: over each 2x2 pixels of the sensor, row by row, such as \"rggb\": the light field has "
            "[channel] and half the width and height.\n" E2LF_ORIENTATION_DOC
            "progress: called with (done, total); an exception ends the work.")

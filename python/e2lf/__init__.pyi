@@ -354,6 +354,7 @@ def read_light_field(
     reverse_rows: bool = False,
     range: str = "refuse",
     white: float = 0.0,
+    view_columns: int = 0,
     lenslet_views: int = 0,
     turn_views: bool = False,
     flip_x: bool = False,

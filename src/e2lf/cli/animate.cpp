@@ -2,6 +2,7 @@
 // e2lf animate: light field -> film, or a quilt for displays with parallax
 #include <cstdio>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/number_check.h"
@@ -93,6 +94,12 @@ Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   if (!common.quiet) std::printf("%zu frames in %s\n", arguments.frames, arguments.output.c_str());
+  std::error_code error;
+  constexpr uintmax_t kLargeBytes = uintmax_t{10} << 20;
+  const uintmax_t bytes = fs::file_size(arguments.output, error);
+  if (arguments.output.extension() == ".gif" && !error && bytes > kLargeBytes) {
+    log_info(cat("a GIF of ", bytes >> 20, " MB; the same film is a fraction of that as .mp4 or .webm"));
+  }
   return {};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/text.h"
 #include "e2lf/capture/event_images.h"
 #include "e2lf/cli/inputs.h"
 #include "e2lf/cli/output.h"
@@ -13,9 +14,11 @@
 #include "e2lf/cli/scene_input.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/compare/pictures.h"
+#include "e2lf/eval/best_gain.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/files/result_folder.h"
 #include "e2lf/report/chart.h"
 
 namespace e2lf::cli {
@@ -24,9 +27,47 @@ namespace {
 
 struct EvalArguments {
   fs::path truth, reconstruction, events, output;
-  bool no_clamp = false, csv = false;
+  std::vector<std::string> named;  ///< "NAME=PATH"
+  bool no_clamp = false, csv = false, fit_gain = false;
   std::vector<fs::path> reports;
 };
+
+/// A reconstruction to compare, and what it is called.
+struct Candidate {
+  std::string name;
+  fs::path path;
+};
+
+Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
+  std::vector<Candidate> found;
+  if (!arguments.reconstruction.empty()) {
+    found.push_back({arguments.reconstruction.string(), arguments.reconstruction});
+  }
+  for (const std::string& named : arguments.named) {
+    const size_t equals = named.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == named.size()) {
+      return Error{ErrorCode::kInvalidValue, "a reconstruction with a name is written NAME=PATH",
+                   cat("--name ", named)};
+    }
+    found.push_back({named.substr(0, equals), named.substr(equals + 1)});
+  }
+  if (!found.empty()) return found;
+  return Error{ErrorCode::kInvalidValue, "there is nothing to compare; give a reconstruction, or several with --name",
+               ""};
+}
+
+/// The gain that the record of `e2lf reconstruct` beside a reconstruction tells: that of the cycle, or of all.
+std::optional<double> recorded_gain(const fs::path& path) {
+  std::error_code error;
+  const fs::path folder = fs::is_directory(path, error) ? path : path.parent_path();
+  const auto record = read_json(folder / "run.json");
+  if (!record || !is_our_record(folder / "run.json")) return std::nullopt;
+  for (const char* place : {"/cycle/gain", "/options/gain"}) {
+    const Json::json_pointer at(place);
+    if (record->contains(at) && record->at(at).is_number()) return record->at(at).get<double>();
+  }
+  return std::nullopt;
+}
 
 /// A number of each view in the order of the aperture.
 std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metrics::*metric, int decimals) {
@@ -47,50 +88,135 @@ std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metri
   return report::grid_svg(grid);
 }
 
-Result<report::Page> eval_page(const eval::EvalRow& row, const lightfield::LightField& truth,
-                               const lightfield::LightField& reconstruction) {
-  report::Page page = verb_page(cat(row.method, " against ", row.scene));
+/// What was compared: the figures, and the reconstruction for pictures.
+struct Compared {
+  eval::EvalRow row;
+  lightfield::LightField field;
+};
+
+std::vector<eval::EvalRow> rows_of(const std::vector<Compared>& all) {
+  std::vector<eval::EvalRow> rows;
+  for (const Compared& compared : all) rows.push_back(compared.row);
+  return rows;
+}
+
+/// A line for each gain other than 1: such a reconstruction has another brightness than the method gave it.
+std::string gain_text(const std::vector<eval::EvalRow>& rows) {
+  std::string text;
+  for (const eval::EvalRow& row : rows) {
+    if (row.gain && *row.gain != 1.0) {
+      text += cat(row.method, ": a gain of ", *row.gain, " was applied when it was reconstructed (run.json)",
+                  row.fitted_gain ? ""
+                                  : "; --fit-gain compares with the best one, `e2lf reconstruct --gain 1` makes "
+                                    "it without",
+                  "\n");
+    }
+    if (row.fitted_gain)
+      text += cat(row.method, ": compared times ", *row.fitted_gain, ", the gain of least squares\n");
+  }
+  return text;
+}
+
+Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfield::LightField& truth) {
+  const std::vector<eval::EvalRow> rows = rows_of(all);
+  std::vector<std::string> names;
+  for (const eval::EvalRow& row : rows) names.push_back(row.method);
+  report::Page page = verb_page(cat(join(names), " against ", rows.front().scene));
   const lightfield::Shape& shape = truth.shape();
   page.paragraph(cat(shape.views_y, "x", shape.views_x, " views of ", shape.width, "x", shape.height, " px, ",
                      shape.channels == 1 ? "grey" : "colour"));
-  page.table(eval::quality_table({&row, 1}));
-  page.heading("Views").paragraph("Each view in the order of the aperture.").begin_row();
-  page.drawing(view_grid(row.quality, &eval::Metrics::psnr_db, 1), "PSNR, dB");
-  page.drawing(view_grid(row.quality, &eval::Metrics::ssim_uniform7, 3), "SSIM, windows of 7x7");
-  page.end_row();
+  page.table(eval::quality_table(rows));
+  if (const std::string gains = gain_text(rows); !gains.empty()) page.paragraph(gains);
+  page.heading("Views").paragraph("Each view in the order of the aperture.");
+  for (const eval::EvalRow& row : rows) {
+    page.begin_row();
+    page.drawing(view_grid(row.quality, &eval::Metrics::psnr_db, 1), cat(row.method, ": PSNR, dB"));
+    page.drawing(view_grid(row.quality, &eval::Metrics::ssim_uniform7, 3), cat(row.method, ": SSIM, windows of 7x7"));
+    page.end_row();
+  }
   page.heading("Pictures")
       .paragraph(
           "The upper left view, its middle enlarged; below it the EPI of the middle row, which has straight lines "
           "where "
-          "views agree. Beside the reconstruction its error: black is none, white 0.2 and more.");
-  E2LF_RETURN_IF_ERROR(add_pictures(
-      {{compare::look(truth, nullptr), cat("truth: ", row.scene)}, {compare::look(reconstruction, &truth), row.method}},
-      700, page));
-  if (row.events) {
-    page.heading("Events").facts(eval::to_json(*row.events)).drawing(transition_bars(row.events->events_per_pixel));
+          "views agree. Beside a reconstruction its error: black is none, white 0.2 and more.");
+  std::vector<NamedImage> pictures = {{compare::look(truth, nullptr), cat("truth: ", rows.front().scene)}};
+  for (const Compared& compared : all) {
+    pictures.push_back({compare::look(compared.field, &truth), compared.row.method});
+  }
+  E2LF_RETURN_IF_ERROR(add_pictures(pictures, 700, page));
+  if (const auto& events = rows.front().events) {
+    page.heading("Events").facts(eval::to_json(*events)).drawing(transition_bars(events->events_per_pixel));
   }
   return page;
 }
 
-void print_result(const eval::EvalRow& row, size_t channels, const EvalArguments& arguments,
+Json json_of(const eval::EvalRow& row, size_t channels) {
+  Json json = eval::to_json(row);
+  json["channels"] = channels;
+  return json;
+}
+
+void print_result(const std::vector<eval::EvalRow>& rows, size_t channels, const EvalArguments& arguments,
                   const CommonOptions& common) {
   if (common.json) {
-    Json json = eval::to_json(row.quality);
-    json["channels"] = channels;
-    if (row.events) json["events"] = eval::to_json(*row.events);
+    Json json = json_of(rows.front(), channels);
+    if (rows.size() > 1) {
+      json = Json{{"methods", Json::array()}};
+      for (const eval::EvalRow& row : rows) json["methods"].push_back(json_of(row, channels));
+    }
     std::printf("%s", json_text(json).c_str());
   } else if (arguments.csv) {
-    std::printf("%s", report::table_csv(eval::quality_table({&row, 1})).c_str());
+    std::printf("%s", report::table_csv(eval::quality_table(rows)).c_str());
   } else if (!common.quiet) {
-    std::printf("%s\nPSNR of each view in dB:\n%s", report::table_text(eval::quality_table({&row, 1})).c_str(),
-                eval::view_grid_text(row.quality).c_str());
+    std::printf("%s%s", report::table_text(eval::quality_table(rows)).c_str(), gain_text(rows).c_str());
+    for (const eval::EvalRow& row : rows) {
+      const std::string of = rows.size() > 1 ? cat(" of ", row.method) : "";
+      std::printf("\nPSNR of each view%s in dB:\n%s", of.c_str(), eval::view_grid_text(row.quality).c_str());
+    }
   }
+}
+
+Result<eval::EventStatistics> read_events(const fs::path& path, const lightfield::Shape& shape) {
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
+  const capture::EventImages& images = file.cycles.front();
+  if (images.width == shape.width && images.height == shape.height) return eval::event_statistics(images);
+  return Error{ErrorCode::kShape,
+               cat("event images of ", images.width, "x", images.height, " px are not of a light field of ",
+                   shape.width, "x", shape.height, " px; give those it was made from"),
+               path.string()};
+}
+
+Result<lightfield::LightField> read_candidate(const Candidate& candidate, bool quiet) {
+  lightfield::ReadOptions all = read_options({.views = 0});
+  all.range = lightfield::RangePolicy::kKeep;
+  all.colour = true;
+  return read_with_progress(candidate.path, all, quiet);
+}
+
+Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField field,
+                             const lightfield::LightField& truth, const EvalArguments& arguments, bool quiet) {
+  Compared compared{{candidate.name, arguments.truth.string(), {}}, std::move(field)};
+  if (!(compared.field.shape() == truth.shape())) {
+    return Error{ErrorCode::kShape, "has another shape than the first reconstruction; compare it alone",
+                 candidate.path.string()};
+  }
+  compared.row.gain = recorded_gain(candidate.path);
+  if (arguments.fit_gain) {
+    const float gain = eval::best_gain(truth, compared.field);
+    for (float& value : compared.field.data()) value *= gain;
+    compared.row.fitted_gain = double{gain};
+  }
+  ProgressBar bar("compare", quiet);
+  E2LF_ASSIGN_OR_RETURN(compared.row.quality,
+                        eval::compare(truth, compared.field, {.clamp = !arguments.no_clamp}, bar.callback()));
+  return compared;
 }
 
 Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   const bool quiet = verb.common().quiet;
-  OutputRules rules{.inputs = {arguments.truth, arguments.reconstruction, arguments.events},
-                    .overwrite = verb.common().overwrite};
+  E2LF_ASSIGN_OR_RETURN(const std::vector<Candidate> candidates, candidates_of(arguments));
+  OutputRules rules{.inputs = {arguments.truth, arguments.events}, .overwrite = verb.common().overwrite};
+  for (const Candidate& candidate : candidates) rules.inputs.push_back(candidate.path);
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   std::optional<OutputFile> output;
   rules.streams = true;
@@ -98,41 +224,39 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
     rules.ending = ".json";
     E2LF_ASSIGN_OR_RETURN(output, OutputFile::create(arguments.output, rules));
   }
-  lightfield::ReadOptions all = read_options({.views = 0});
-  all.range = lightfield::RangePolicy::kKeep;
-  all.colour = true;
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField reconstruction,
-                        read_with_progress(arguments.reconstruction, all, quiet));
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField first, read_candidate(candidates.front(), quiet));
   // Of the truth as many views, and its colours where the reconstruction has some.
-  const lightfield::Shape& shape = reconstruction.shape();
+  const lightfield::Shape shape = first.shape();
   const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, same, quiet));
-  eval::EvalRow row{arguments.reconstruction.string(), arguments.truth.string(), {}, {}};
-  {
-    ProgressBar bar("compare", quiet);
-    E2LF_ASSIGN_OR_RETURN(row.quality,
-                          eval::compare(truth, reconstruction, {.clamp = !arguments.no_clamp}, bar.callback()));
+  std::vector<Compared> all;
+  for (const Candidate& candidate : candidates) {
+    lightfield::LightField field = std::move(first);
+    if (!all.empty()) {
+      E2LF_ASSIGN_OR_RETURN(field, read_candidate(candidate, quiet));
+    }
+    E2LF_ASSIGN_OR_RETURN(Compared compared, compare_one(candidate, std::move(field), truth, arguments, quiet));
+    all.push_back(std::move(compared));
   }
   if (!arguments.events.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(arguments.events));
-    const capture::EventImages& images = file.cycles.front();
-    if (images.width != truth.shape().width || images.height != truth.shape().height) {
-      return Error{ErrorCode::kShape,
-                   cat("event images of ", images.width, "x", images.height, " px are not of a light field of ",
-                       truth.shape().width, "x", truth.shape().height, " px; give those it was made from"),
-                   arguments.events.string()};
-    }
-    row.events = eval::event_statistics(images);
+    E2LF_ASSIGN_OR_RETURN(const eval::EventStatistics events, read_events(arguments.events, truth.shape()));
+    for (Compared& compared : all) compared.row.events = events;
   }
+  const std::vector<eval::EvalRow> rows = rows_of(all);
   if (output) {
-    E2LF_RETURN_IF_ERROR(write_file(output->path(), json_text(eval::to_json(row))));
+    Json json = eval::to_json(rows.front());
+    if (rows.size() > 1) {
+      json = Json{{"methods", Json::array()}};
+      for (const eval::EvalRow& row : rows) json["methods"].push_back(eval::to_json(row));
+    }
+    E2LF_RETURN_IF_ERROR(write_file(output->path(), json_text(json)));
     E2LF_RETURN_IF_ERROR(output->commit());
   }
   if (reports.is_wanted()) {
-    E2LF_ASSIGN_OR_RETURN(const report::Page page, eval_page(row, truth, reconstruction));
+    E2LF_ASSIGN_OR_RETURN(const report::Page page, eval_page(all, truth));
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }
-  print_result(row, shape.channels, arguments, verb.common());
+  print_result(rows, shape.channels, arguments, verb.common());
   return {};
 }
 
@@ -145,7 +269,12 @@ int run_eval(const std::vector<std::string>& arguments) {
   EvalArguments evaluation;
   CLI::App& app = verb.app();
   app.add_option("truth", evaluation.truth, "the true light field")->required();
-  app.add_option("reconstruction", evaluation.reconstruction, "the reconstructed light field")->required();
+  app.add_option("reconstruction", evaluation.reconstruction, "the reconstructed light field");
+  app.add_option("--name", evaluation.named,
+                 "NAME=PATH: a reconstruction and what tables and pictures call it; may be given several times")
+      ->allow_extra_args(false);
+  app.add_flag("--fit-gain", evaluation.fit_gain,
+               "multiply each reconstruction with the gain of least squared error, which is reported");
   app.add_option("--events", evaluation.events, "event images: adds event counts, measurement time and data rate");
   app.add_option("-o,--output", evaluation.output, "also write the result to this JSON file");
   add_report_option(app, evaluation.reports);

@@ -94,13 +94,14 @@ bool holds_event_images(const fs::path& path) {
 std::string use_of(FileKind kind, const fs::path& path) {
   switch (kind) {
     case FileKind::kRecording:
+      return ": `e2lf reconstruct` makes light fields of it, `e2lf accumulate` event images";
     case FileKind::kEventImages:
     case FileKind::kImages:
-      return ", as `e2lf reconstruct` makes it of this";
+      return ": `e2lf reconstruct` makes a light field of them";
     case FileKind::kLightField:
-      return ", as `e2lf simulate` makes it of a light field";
+      return ": `e2lf simulate` makes events of it";
     case FileKind::kCycles:
-      return cat(", as ", (path / "cycle_00000").string(), " in it");
+      return cat(": name one of them, as ", (path / "cycle_00000").string());
     case FileKind::kTrainingRun:
       return ": its model is a .safetensors in the folder, `e2lf resume` goes on with it";
     case FileKind::kDisplay:

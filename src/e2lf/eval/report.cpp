@@ -59,6 +59,8 @@ Json to_json(const EvalRow& row) {
   Json json{{"method", row.method}, {"scene", row.scene}};
   json.update(to_json(row.quality));
   if (row.events) json["events"] = to_json(*row.events);
+  if (row.gain) json["gain"] = *row.gain;
+  if (row.fitted_gain) json["fitted_gain"] = *row.fitted_gain;
   return json;
 }
 
@@ -74,6 +76,12 @@ report::Table quality_table(std::span<const EvalRow> rows) {
   add_column("SSIM 7x7", "ssim_uniform7");
   add_column("SSIM Gauss", "ssim_gaussian");
   add_column("EPI error", "epi_relative_error");
+  constexpr std::optional<double> EvalRow::*kGains[] = {&EvalRow::gain, &EvalRow::fitted_gain};
+  const auto has_gain = [&](auto member) {
+    return std::any_of(rows.begin(), rows.end(), [member](const EvalRow& row) { return (row.*member).has_value(); });
+  };
+  if (has_gain(kGains[0])) add_column("gain", "gain");
+  if (has_gain(kGains[1])) add_column("fitted gain", "fitted_gain");
   if (with_events) {
     add_column("events/px", "events_per_pixel");
     add_column("min ms", "min_measurement_ms");
@@ -84,6 +92,10 @@ report::Table quality_table(std::span<const EvalRow> rows) {
     table.rows.push_back({report::text_cell(row.method), report::text_cell(row.scene), quality_cell(mean.psnr_db, 2),
                           quality_cell(mean.ssim_uniform7, 4), quality_cell(mean.ssim_gaussian, 4),
                           quality_cell(row.quality.epi.relative, 3)});
+    for (const auto member : kGains) {
+      if (!has_gain(member)) continue;
+      table.rows.back().push_back(row.*member ? report::number_cell(*(row.*member), 3) : report::Cell());
+    }
     if (!with_events) continue;
     const auto add = [&](double EventStatistics::*member, int decimals) {
       table.rows.back().push_back(row.events ? report::number_cell((*row.events).*member, decimals) : report::Cell());

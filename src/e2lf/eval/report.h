@@ -16,7 +16,9 @@ namespace e2lf::eval {
 struct EvalRow {
   std::string method, scene;
   LightFieldMetrics quality;
-  std::optional<EventStatistics> events;  ///< absent when only pictures were compared
+  std::optional<EventStatistics> events = {};  ///< absent when only pictures were compared
+  std::optional<double> gain = {};             ///< that the reconstruction was multiplied with when it was made
+  std::optional<double> fitted_gain = {};      ///< and to compare it: best_gain()
 };
 
 /// {"psnr_db", "ssim_uniform7", "ssim_gaussian", "epi_rms_error", "epi_relative_error", "views": [{"view_y", "view_x",
@@ -26,11 +28,11 @@ struct EvalRow {
 /// {"events_per_pixel", "total_events_per_pixel", "min_measurement_ms", "bits_per_sensor_pixel", ...}: the field names.
 [[nodiscard]] Json to_json(const EventStatistics& events);
 
-/// {"method", "scene", the keys of the quality, "events": ... or absent}.
+/// {"method", "scene", the keys of the quality, "events", "gain", "fitted_gain": ... or absent}.
 [[nodiscard]] Json to_json(const EvalRow& row);
 
-/// A line for each row; the columns for events are there when any row has them. The infinite PSNR of equal pictures
-/// reads "inf" and has no value.
+/// A line for each row; the columns for events and for gains are there when any row has them. The infinite PSNR of
+/// equal pictures reads "inf" and has no value.
 [[nodiscard]] report::Table quality_table(std::span<const EvalRow> rows);
 
 /// The PSNR of each view in dB, in the order of the aperture: one text line for each row of views.
