@@ -35,8 +35,8 @@ assert all_.shape == (3, 8, 64, 96), all_.shape
 assert np.array_equal(all_[:, :3], lit[:3]), "the lit transitions are the same"
 assert np.array_equal(load("all")["codes"], whole)
 sums = all_.sum((0, 2, 3))
-# To white and from black it gets brighter, from white and to black darker.
-assert sums[0] > 0 and sums[3] > 0 and sums[4] < 0 and sums[7] < 0, sums
+# To white and from black it gets brighter, to black darker. After white slow pixels still follow the step before.
+assert sums[0] > 0 and sums[3] > 0 and sums[7] < 0 and abs(sums[4]) < 0.1 * sums[3], sums
 PY
 # Reconstruction takes what the patterns that are named are for.
 "$E2LF" reconstruct rig.raw --codes whole.npy --method regularised -o whole_field --json >whole.json 2>/dev/null

@@ -420,7 +420,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.note("read_as", reading_json(input.info()));
   }
   record.note("left_out", losses_json(input.summary()));
-  for (const auto& [key, note] : writer.notes().items()) record.note(key, note);
+  const Json notes = writer.notes();
+  for (const auto& [key, note] : notes.items()) record.note(key, note);
   record.end_step("reconstruct");
   // Where no cycle has events, neither is found.
   record.resolve("gain", json_number(writer.tone().gain.value_or(1.0F)));

@@ -166,11 +166,14 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
-  if (const auto text = foreign_file_text(head)) {
+  const std::filesystem::path path = source.logical_path();
+  const Codec* const by_extension = codec_of_extension(path);
+  // An archive of arrays whose names say nothing is still one of arrays.
+  const bool is_npz = by_extension != nullptr && by_extension->name == "npz" && head.front() == 'P';
+  if (const auto text = foreign_file_text(head); text && !is_npz) {
     return Error{ErrorCode::kUnsupported, cat("this is ", *text), source.name()};
   }
-  const std::filesystem::path path = source.logical_path();
-  if (const Codec* codec = codec_of_extension(path)) return codec;
+  if (by_extension != nullptr) return by_extension;
   if (const auto text = foreign_records_text(head, lower_extension(path))) {
     return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
   }
