@@ -296,7 +296,7 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
   if (calibrator.areas().size() < kLeastAreas) {
     return Error{ErrorCode::kInvalidValue,
                  cat("only ", calibrator.areas().size(), " flat areas were found in ", result.flat_pixels,
-                     " flat pixels; scene a scene with larger even areas of several brightnesses"),
+                     " flat pixels; record a scene with larger even areas of several brightnesses"),
                  ""};
   }
   const Solution solution = solve(calibrator, all, options.is_even);

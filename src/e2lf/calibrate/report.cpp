@@ -31,13 +31,49 @@ std::string numbers(const std::vector<double>& values) {
   return text;
 }
 
+/// What a constant is, for those who read the table.
+struct Meaning {
+  const char* key;  ///< without the number of a pattern
+  const char* unit;
+  const char* text;
+};
+constexpr const char* kLog = "ln";  // natural logarithm of intensity
+constexpr std::array<Meaning, 16> kMeanings = {{
+    {"receptor_rate_hz", "1/s", "how fast the photoreceptor follows, in the dark"},
+    {"amplifier_rate_hz", "1/s", "how fast the amplifier behind it follows"},
+    {"leak", "1", "share of the light that a closed cell of the aperture passes"},
+    {"threshold_on", kLog, "contrast that makes an ON event"},
+    {"threshold_off", kLog, "contrast that makes an OFF event"},
+    {"mismatch", "1", "how far both thresholds of a pixel are off together (standard deviation, relative)"},
+    {"mismatch_each", "1", "how far each of them is off on its own"},
+    {"noise", kLog, "standard deviation of the level at the end of a pattern"},
+    {"shot_noise", kLog, "standard deviation that the dark adds"},
+    {"reset_span", "threshold_off", "range in which black leaves a pixel's reference"},
+    {"reset_offset", kLog, "how far that range begins below the level of black"},
+    {"dark_off", "1/pattern", "share of pixels with a causeless OFF event, in the dark"},
+    {"dark_on", "1/pattern", "share of pixels with a causeless ON event, in the dark"},
+    {"transmission", "1", "light of this lit pattern relative to its open cells; that of lit pattern 0 is 1"},
+    {"transmission.slope_x", "ln/half width", "change of that to the right"},
+    {"transmission.slope_y", "ln/half width", "change of that downwards"},
+}};
+
+const Meaning& meaning_of(const std::string& key) {
+  static constexpr Meaning kUnknown = {"", "", ""};
+  const std::string name = key.substr(0, key.find('['));
+  const auto* found =
+      std::find_if(kMeanings.begin(), kMeanings.end(), [&](const Meaning& each) { return name == each.key; });
+  return found == kMeanings.end() ? kUnknown : *found;
+}
+
 std::string constants_text(const Calibration& calibration) {
-  std::string text = format("%-26s %10s   %s\n", "constant", "value", "95 % range");
+  std::string text = format("%-23s %10s %-13s %-22s %s\n", "constant", "value", "unit", "95 % range", "what it is");
   for (const Estimate& each : calibration.estimates) {
-    text += format("%-26s %10.4g   ", each.key.c_str(), each.value);
-    text += each.is_determined ? format("%.4g to %.4g\n", each.low, each.high) : "kept: the data do not determine it\n";
+    const Meaning& meaning = meaning_of(each.key);
+    const std::string range = each.is_determined ? format("%.4g to %.4g", each.low, each.high) : "kept";
+    text += format("%-23s %10.4g %-13s %-22s %s\n", each.key.c_str(), each.value, meaning.unit, range.c_str(),
+                   meaning.text);
   }
-  return text;
+  return text + "kept: the input does not determine it, so it stays as in the starting camera\n";
 }
 
 std::string agreement_text(const std::vector<Agreement>& agreements, bool with_place) {
@@ -109,6 +145,8 @@ Json report_json(const Calibration& calibration) {
   for (const Estimate& each : calibration.estimates) {
     constants.push_back({{"key", each.key},
                          {"value", each.value},
+                         {"unit", meaning_of(each.key).unit},
+                         {"meaning", meaning_of(each.key).text},
                          {"low", each.low},
                          {"high", each.high},
                          {"is_determined", each.is_determined}});
