@@ -8,6 +8,12 @@ py() { /usr/bin/python3 "$@"; }
 # make <kind> <path> [key=value ...]: see make_inputs.py.
 make() { py "$TESTSUITE/make_inputs.py" "$@"; }
 
+# other_codes <file.npy>: four patterns that no bundled model was trained for.
+other_codes() {
+  "$E2LF" codes show -m e2lf-n4 -o four_codes.npy --overwrite --quiet
+  py -c 'import numpy, sys; numpy.save(sys.argv[1], numpy.load("four_codes.npy")[:, ::-1])' "$1"
+}
+
 fail() {
   echo "FAILED: $*" >&2
   exit 1

@@ -77,7 +77,9 @@ error_of() { json "$1/run.json" 'j["notes"]["cycles"][0]["event_error"]'; }
 check "$(error_of chosen-evk4-lcos) < 0.6 * $(error_of never_seen)"
 "$E2LF" reconstruct own-evk4-lcos.npz --method inversion -o inverted 2>warned.txt
 grep -q "knows the paper's event model alone" warned.txt || fail "no warning: $(cat warned.txt)"
-fails 1 "no bundled network was trained for these patterns" "$E2LF" reconstruct real.npz -o x
+other_codes other.npy
+"$E2LF" simulate scene --codes other.npy --camera evk4-lcos -o other.npz --quiet
+fails 1 "no bundled network was trained for these patterns" "$E2LF" reconstruct other.npz -o x
 fails 1 "give the model that was trained for them with -m" "$E2LF" reconstruct bare.npz -o x
 py - <<'EOF'
 import numpy as np

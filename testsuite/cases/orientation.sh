@@ -69,7 +69,7 @@ reconstruct plain.npz plain --format npy
 reconstruct told.npz told --format npy
 cmp plain/lightfield.npy told/lightfield.npy
 [ "$(json told/run.json "j['notes']['views']['stored']")" = turned ] || fail "the record of a reconstruction"
-"$E2LF" convert told read.npy --quiet 2>read.txt
+"$E2LF" convert told read.npy 2>read.txt
 py -c 'import numpy as np; assert np.array_equal(np.load("read.npy"), np.load("plain/lightfield.npy")[::-1, ::-1])'
 grep -q 'its views are turned, as run.json says' read.txt || fail "nothing said"
 "$E2LF" convert told/lightfield.npy again.npy --quiet

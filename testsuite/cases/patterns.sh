@@ -13,12 +13,13 @@ if grep -q "differs from the events" out.txt; then fail "a figure that tells not
 grep -q "$assumed" err.txt || fail "inversion: $(cat err.txt)"
 
 # Simulated recordings tell, in every format: in their header, or in the record beside them.
+other_codes other.npy
 for format in raw hdf5 dat csv txt; do
   "$E2LF" simulate demo/scene -m "$model" --cycles 2 -o "own.$format" --quiet
   "$E2LF" reconstruct "own.$format" -m "$model" -o "own_$format" --format npy >out.txt 2>err.txt
   if grep -q "patterns" err.txt; then fail "$format: $(cat err.txt)"; fi
   grep -q "differs from the events" out.txt || fail "$format: $(cat out.txt)"
-  "$E2LF" simulate demo/scene --cycles 2 -o "other.$format" --quiet
+  "$E2LF" simulate demo/scene --codes other.npy --cycles 2 -o "other.$format" --quiet
   "$E2LF" reconstruct "other.$format" -m "$model" -o "other_$format" >out.txt 2>err.txt
   grep -q "made with other patterns than e2lf-n4" err.txt || fail "$format: $(cat err.txt)"
 done

@@ -42,7 +42,8 @@ assert one.shape == two.shape and 0 < np.abs(one - two).mean() < 0.1, np.abs(one
 PY
 # Events that other patterns made are reconstructed with a warning; the inversion takes the patterns of the events.
 "$E2LF" demo -o demo --width 96 --height 64 --quiet
-"$E2LF" simulate demo/scene -o other.npz --quiet
+other_codes other.npy
+"$E2LF" simulate demo/scene --codes other.npy -o other.npz --quiet
 "$E2LF" reconstruct other.npz -m "$bundled" -o warned 2>warning.txt >log.txt
 grep -q "other patterns than e2lf-n4" warning.txt || fail "no warning: $(cat warning.txt)"
 "$E2LF" reconstruct demo/events.npz -m "$bundled" -o right 2>silence.txt >log.txt

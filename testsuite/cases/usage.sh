@@ -8,7 +8,7 @@ for verb in demo info convert accumulate simulate reconstruct eval view "codes s
   grep -q '^Example:' help.txt || fail "no example in the help of $verb"
 done
 fails 2 "see e2lf eval --help" "$E2LF" eval
-fails 2 'an argument is missing: files and folders to look at; for example `e2lf view ' "$E2LF" view
+fails 2 'an argument is missing: files and folders to look at, or bundled models; for example `e2lf view ' "$E2LF" view
 fails 2 "e2lf: reconstruct: --output is missing: folder to write; for example" "$E2LF" reconstruct events.npz
 fails 2 "did you mean" "$E2LF" model imprt
 fails 2 "did you mean --passes?" "$E2LF" reconstruct events.npz -m model.safetensors -o out --pases 4

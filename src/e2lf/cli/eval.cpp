@@ -197,7 +197,12 @@ Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField 
                              const lightfield::LightField& truth, const EvalArguments& arguments, bool quiet) {
   Compared compared{{candidate.name, arguments.truth.string(), {}}, std::move(field)};
   if (!(compared.field.shape() == truth.shape())) {
-    return Error{ErrorCode::kShape, "has another shape than the first reconstruction; compare it alone",
+    const auto text = [](const lightfield::Shape& shape) {
+      return cat(shape.views_y, "x", shape.views_x, " views of ", shape.width, "x", shape.height, " px");
+    };
+    return Error{ErrorCode::kShape,
+                 cat("has ", text(compared.field.shape()), ", but the true light field has ", text(truth.shape()),
+                     "; compare light fields of one size"),
                  candidate.path.string()};
   }
   compared.row.gain = recorded_gain(candidate.path);
