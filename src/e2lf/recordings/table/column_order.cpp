@@ -95,13 +95,16 @@ std::optional<OrderGuess> find_order(std::span<const std::vector<double>> column
   }
   // Of few events one outside the sensor is many.
   const size_t width = rows < kFewRows ? 0 : hints.width, height = rows < kFewRows ? 0 : hints.height;
-  std::erase_if(orders, [&](const ColumnsOfFields& order) { return rows > 0 && !is_polarity[order[of(Field::kP)]]; });
+  const auto fits = [&](const ColumnsOfFields& order, size_t most_x, size_t most_y) {
+    return share_beyond(columns[order[of(Field::kX)]], most_x) <= kMaxDamaged &&
+           share_beyond(columns[order[of(Field::kY)]], most_y) <= kMaxDamaged;
+  };
+  std::erase_if(orders, [&](const ColumnsOfFields& order) {
+    return rows > 0 && (!is_polarity[order[of(Field::kP)]] || !fits(order, 0, 0));
+  });
   if (orders.empty()) return std::nullopt;
   // A sensor that is too small for every order leaves out events, which is said elsewhere.
-  narrow(orders, [&](const ColumnsOfFields& order) {
-    return share_beyond(columns[order[of(Field::kX)]], width) <= kMaxDamaged &&
-           share_beyond(columns[order[of(Field::kY)]], height) <= kMaxDamaged;
-  });
+  narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, width, height); });
 
   const auto time_of = [](const ColumnsOfFields& order) { return order[of(Field::kT)]; };
   const auto has_one_time = [&] {
