@@ -40,9 +40,10 @@ PY
 
 # The figures are those of the verbs that it stands for, of the regularised method, too.
 "$E2LF" demo -o demo --width 48 --height 32 --quiet
-echo '{"methods": [{"name": "r", "algorithm": "regularised"}], "scenes": [{"name": "g", "scenes": ["demo/scene"]}], "seeds": [5]}' >r.json
+other_codes other.npy
+echo '{"methods": [{"name": "r", "algorithm": "regularised", "codes": "other.npy"}], "scenes": [{"name": "g", "scenes": ["demo/scene"]}], "seeds": [5]}' >r.json
 "$E2LF" compare r.json -o r --json --quiet >r.out
-"$E2LF" simulate demo/scene --camera paper --seed 5 -o events.npz --quiet
+"$E2LF" simulate demo/scene --codes other.npy --camera paper --seed 5 -o events.npz --quiet
 "$E2LF" reconstruct events.npz --method regularised --gain 1 --format npy -o recon --quiet
 "$E2LF" eval demo/scene recon --events events.npz --json >eval.json
 py - <<'PY'

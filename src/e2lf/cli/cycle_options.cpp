@@ -162,6 +162,7 @@ void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source
   // Bursts in much noise are found for sure and stand out little; claimed times that are right are well confirmed.
   constexpr float kDoubtfulBurst = 0.1F, kDoubtfulClaim = 0.3F;
   ++cycles_;
+  is_by_schedule_ = source == cycles::CycleSource::kSchedule;
   doubtful_ += cycle.confidence < (source == cycles::CycleSource::kBursts ? kDoubtfulBurst : kDoubtfulClaim);
   least_ = std::min(least_, cycle.confidence);
 }
@@ -210,7 +211,8 @@ void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& rep
                     ": neither intervals nor events tell which pattern the first trigger begins: pattern ",
                     "0 of the schedule is assumed; name it with --first-pattern"));
   }
-  const uint64_t explained = report.inverted + report.half_cycle_off;
+  // Times that the schedule alone tells may be wrong in themselves.
+  const uint64_t explained = is_by_schedule_ ? 0 : report.inverted + report.half_cycle_off;
   if (doubtful_ <= explained || (explained == 0 && doubtful_ <= report.late_edges.size())) return;
   log_warning(cat(input.string(), ": the events of ", doubtful_, " of ", cycles_,
                   " cycles do not change when the patterns should have (least confidence ", least_,

@@ -71,6 +71,7 @@ class ConfidenceWatch {
  private:
   float least_ = 1.0F;
   uint64_t cycles_ = 0, doubtful_ = 0;
+  bool is_by_schedule_ = false;
 };
 
 /// What --source calls it.

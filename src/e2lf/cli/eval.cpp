@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <span>
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/event_images.h"
@@ -235,13 +236,12 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, same, quiet));
   std::vector<Compared> all;
-  for (const Candidate& candidate : candidates) {
-    lightfield::LightField field = std::move(first);
-    if (!all.empty()) {
-      E2LF_ASSIGN_OR_RETURN(field, read_candidate(candidate, quiet));
-    }
-    E2LF_ASSIGN_OR_RETURN(Compared compared, compare_one(candidate, std::move(field), truth, arguments, quiet));
-    all.push_back(std::move(compared));
+  E2LF_ASSIGN_OR_RETURN(Compared compared, compare_one(candidates.front(), std::move(first), truth, arguments, quiet));
+  all.push_back(std::move(compared));
+  for (const Candidate& candidate : std::span(candidates).subspan(1)) {
+    E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, read_candidate(candidate, quiet));
+    E2LF_ASSIGN_OR_RETURN(Compared further, compare_one(candidate, std::move(field), truth, arguments, quiet));
+    all.push_back(std::move(further));
   }
   if (!arguments.events.empty()) {
     E2LF_ASSIGN_OR_RETURN(const eval::EventStatistics events, read_events(arguments.events, truth.shape()));

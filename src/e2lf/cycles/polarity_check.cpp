@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kLeastEvents = 500;      // of the patterns whose signs are stated
 constexpr double kLeastAgreement = 0.15;  // of their signs, from -1 to 1
-constexpr double kUsualRatio = 1.5;       // at least, of the events after black to those after white
-// Recordings that are made of event images have made-up events after white, at most three times those after black.
-constexpr double kReversedRatio = 0.25;  // at most
+// Between the events after black and after white. Recordings that are made of event images have made-up events in the
+// one half of the cycle, at most three times those of the other.
+constexpr double kClearRatio = 4;
 
 /// From -1, where all signs are the opposite of what the schedule says, to 1; nothing where there are too few events.
 std::optional<double> sign_agreement(const Schedule& schedule, std::span<const PatternEvents> events) {
@@ -60,8 +60,8 @@ CyclePolarity polarity_of(const Schedule& schedule, std::span<const PatternEvent
   const bool agrees = *agreement > 0;
   const auto strength = strength_after_black(schedule, events);
   if (!strength) return agrees ? CyclePolarity::kRight : CyclePolarity::kInverted;
-  if (*strength > kUsualRatio) return agrees ? CyclePolarity::kRight : CyclePolarity::kInverted;
-  if (*strength < kReversedRatio) return agrees ? CyclePolarity::kInverted : CyclePolarity::kHalfCycleOff;
+  if (*strength > kClearRatio) return agrees ? CyclePolarity::kRight : CyclePolarity::kInverted;
+  if (*strength < 1 / kClearRatio) return agrees ? CyclePolarity::kInverted : CyclePolarity::kHalfCycleOff;
   return CyclePolarity::kUnknown;
 }
 
