@@ -25,7 +25,7 @@ shown "convert" "$E2LF" convert rec.raw rec.hdf5
 shown "read scene|write" "$E2LF" convert demo/scene scene
 shown "read scene|write" "$E2LF" convert demo/scene scene.npy
 shown "accumulate|hash rec.raw" "$E2LF" accumulate rec.raw -o images.npz
-shown "simulate|hash scene" "$E2LF" simulate demo/scene -o many.raw --cycles 5
+shown "simulate|hash scene" "$E2LF" simulate demo/scene -m e2lf-n4 -o many.raw --cycles 5
 shown "read scene|simulate" "$E2LF" simulate demo/scene -o many.npz --cycles 5
 shown "reconstruct cycle_00000|reconstruct cycle_00001" "$E2LF" reconstruct events.npz -m "$model" -o network
 shown "reconstruct cycle_00002" "$E2LF" reconstruct rec.raw --method inversion -o inverted

@@ -1,5 +1,6 @@
 # The virtual rig: a light field before a display and physical pixels, event by event, to a recording and back to a light field.
 "$E2LF" demo -o demo --width 96 --height 64 --quiet
+other_codes other.npy
 network="$TESTSUITE/../models/e2lf-n4.safetensors"
 simulate=("$E2LF" simulate demo/scene -m "$network" --camera evk4-lcos --scene-gain 4 --cycles 3 --seed 2 --quiet)
 "${simulate[@]}" -o rec.raw
@@ -37,7 +38,7 @@ PY
 check "$(json eval.json "j['psnr_db']") > 14.5"
 # Other models, event by event.
 for model in quantised reference-aware esim v2e; do
-  "$E2LF" simulate demo/scene --event-model $model --stream -o $model.raw --quiet
+  "$E2LF" simulate demo/scene --codes other.npy --event-model $model --stream -o $model.raw --quiet
   "$E2LF" accumulate $model.raw -o $model.npz --source triggers --quiet
 done
 "$E2LF" simulate demo/scene --event-model esim --refractory-us 100 -o blind.npz --quiet

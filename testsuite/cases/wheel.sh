@@ -51,7 +51,7 @@ done
 cp -r "$TESTSUITE"/../{python,pyproject.toml,CMakeLists.txt,CMakePresets.json} plain
 plain() {
   : >called.txt
-  if PATH=$PWD/no-compiling:$PATH environment/bin/python -m pip wheel "$PWD/plain" --no-deps -w wheels >pip.txt 2>&1; then fail "built"; fi
+  if PATH=$PWD/no-compiling:$PATH ../environment/bin/python -m pip wheel "$PWD/plain" --no-deps -w wheels >pip.txt 2>&1; then fail "built"; fi
 }
 python=$(py -c 'import os, sys; print(os.path.realpath(sys.executable))')
 plain

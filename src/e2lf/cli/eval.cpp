@@ -236,8 +236,8 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, same, quiet));
   std::vector<Compared> all;
-  E2LF_ASSIGN_OR_RETURN(Compared compared, compare_one(candidates.front(), std::move(first), truth, arguments, quiet));
-  all.push_back(std::move(compared));
+  E2LF_ASSIGN_OR_RETURN(Compared of_first, compare_one(candidates.front(), std::move(first), truth, arguments, quiet));
+  all.push_back(std::move(of_first));
   for (const Candidate& candidate : std::span(candidates).subspan(1)) {
     E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, read_candidate(candidate, quiet));
     E2LF_ASSIGN_OR_RETURN(Compared further, compare_one(candidate, std::move(field), truth, arguments, quiet));

@@ -64,6 +64,12 @@ report::LineChart rate_chart(const recordings::EventRate& rate, const FoundCycle
       is_empty ? "no events"
                : cat("M events/s in bins of ", static_cast<double>(rate.bin_us) / 1000.0, " ms: ON above, OFF below");
   chart.lines = {steps("OFF", rate, rate.off, -1), steps("ON", rate, rate.on, 1)};
+  // The axis begins with the first trigger, which may come before the first event.
+  if (!is_empty && !found.marks.empty() && found.marks.front().t_us < rate.begin_us) {
+    for (report::Line& line : chart.lines) {
+      line.points.insert(line.points.begin(), {after_ms(rate, found.marks.front().t_us), 0.0});
+    }
+  }
   chart.has_signs = false;
   chart.bands = shaded(found.cycles, rate);
   chart.marks = signed_marks(found.marks, rate);

@@ -26,7 +26,9 @@ class BlockReader final : public RecordingReader {
     const size_t begin = batch.events.size();
     if (next_ == events_.size() && gate_.restart() && !parts_end_) {
       // The rest of the earlier part's triggers.
+      const size_t before = batch.triggers.size();
       E2LF_ASSIGN_OR_RETURN(parts_end_, take_rest(batch, max_events));
+      parts_end_ |= batch.triggers.size() == before;  // what is left belongs to a later part
       return true;
     }
     if (std::exchange(parts_end_, false)) begin_later_part();

@@ -28,7 +28,7 @@ bool EventGate::all_believable(const EventColumns& events, size_t begin) const {
 }
 
 /// Returns behind which event of those from `begin` on nothing is left; `end` comes down to where the rest has to wait.
-size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t& end, bool is_end, uint64_t byte,
+size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t& end, bool /*is_end*/, uint64_t byte,
                                       DecodeSummary& summary) {
   const auto time_at = [&](size_t i) { return events.t[i]; };
   size_t kept = begin;
@@ -36,14 +36,6 @@ size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t
     const bool outside = (width_ != 0 && events.x[i] >= width_) || (height_ != 0 && events.y[i] >= height_);
     const bool backwards = events.t[i] < last_us_;
     const uint64_t place = byte + (i - begin) * record_bytes_;
-    if (backwards) {
-      const RestartVerdict verdict = judge_restart(i, events.size(), is_end, last_us_, time_at);
-      if (verdict == RestartVerdict::kYes) restart_ = Restart{place, last_us_};
-      if (verdict != RestartVerdict::kNo) {
-        end = i;
-        break;
-      }
-    }
     if (outside || backwards || !is_time(events.t[i]) || is_ahead_of_successors(i, events.size(), last_us_, time_at)) {
       const Violation kind = outside     ? Violation::kOutOfRange
                              : backwards ? Violation::kTimeBackwards

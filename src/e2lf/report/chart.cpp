@@ -244,9 +244,9 @@ std::pair<Range, Range> ranges_of(const LineChart& chart) {
       x.add(band.begin);
       x.add(band.end);
     }
-  }
-  for (const Marks& marks : chart.marks) {
-    for (const auto& mark : marks.marks) x.add(mark.x);
+    for (const Marks& marks : chart.marks) {
+      for (const auto& mark : marks.marks) x.add(mark.x);
+    }
   }
   return {x, y};
 }
