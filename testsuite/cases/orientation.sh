@@ -92,7 +92,7 @@ for field in told read.npy; do "$E2LF" refocus "$field" --disparity=-1 -o "focus
 cmp focus_told.png focus_read.png
 
 # A camera file tells, too: its simulation sees the scene turned, its reconstruction turns it back.
-py -c 'import json, sys; j = json.load(open(sys.argv[1])); j["views"] = "turned"; json.dump(j, open("rig_camera.json", "w"))' \
+py -c 'import json, sys; j = json.loads("".join(l for l in open(sys.argv[1]) if not l.startswith("//"))); j["views"] = "turned"; json.dump(j, open("rig_camera.json", "w"))' \
   "$TESTSUITE/../cameras/paper.json"
 "$E2LF" simulate scene.npy -o seen.npz --camera rig_camera.json --seed 3 --quiet
 "$E2LF" simulate turned.npy -o turned.npz --camera paper --seed 3 --quiet

@@ -1,6 +1,6 @@
 # Long steps draw one line on stderr, in a terminal and without --quiet alone; live input tells of each cycle, terminal or not.
 "$E2LF" demo -o demo --width 64 --height 48 --quiet
-"$E2LF" simulate demo/scene -o rec.raw --cycles 3 --quiet
+"$E2LF" simulate demo/scene -m e2lf-n4 -o rec.raw --cycles 3 --quiet
 model=$TESTSUITE/../models/e2lf-n4.safetensors
 "$E2LF" simulate demo/scene -m "$model" -o events.npz --cycles 2 --quiet
 in_terminal() { py "$TESTSUITE/terminal.py" terminal.txt "$@" >stdout.txt; }
@@ -26,7 +26,7 @@ shown "read scene|write" "$E2LF" convert demo/scene scene
 shown "read scene|write" "$E2LF" convert demo/scene scene.npy
 shown "accumulate|hash rec.raw" "$E2LF" accumulate rec.raw -o images.npz
 shown "simulate|hash scene" "$E2LF" simulate demo/scene -m e2lf-n4 -o many.raw --cycles 5
-shown "read scene|simulate" "$E2LF" simulate demo/scene -o many.npz --cycles 5
+shown "read scene|simulate" "$E2LF" simulate demo/scene -m e2lf-n4 -o many.npz --cycles 5
 shown "reconstruct cycle_00000|reconstruct cycle_00001" "$E2LF" reconstruct events.npz -m "$model" -o network
 shown "reconstruct cycle_00002" "$E2LF" reconstruct rec.raw --method inversion -o inverted
 shown "read scene|read recon|compare" "$E2LF" eval demo/scene demo/recon -o eval.json

@@ -224,25 +224,6 @@ TEST(JoinedRecordings, OfAnotherEncodingOrSizeAreRefusedWithTheirPlace) {
   EXPECT_EQ(all.error().location, "memory: byte " + std::to_string(place));
 }
 
-/// AEDAT4 packets of 1,000 events, each with its triggers behind it.
-Bytes aedat4_of(const EventBatch& first, const EventBatch& second) {
-  std::vector<std::pair<int32_t, aedat4::Bytes>> packets;
-  for (const EventBatch* part : {&first, &second}) {
-    size_t trigger = 0;
-    for (size_t begin = 0; begin < part->events.size(); begin += 1000) {
-      EventColumns events;
-      events.append(part->events, begin, begin + 1000);
-      std::vector<std::pair<int8_t, int64_t>> triggers;
-      for (; trigger < part->triggers.size() && part->triggers[trigger].t <= events.t.back(); ++trigger) {
-        triggers.emplace_back(part->triggers[trigger].p != 0 ? 1 : 2, part->triggers[trigger].t);
-      }
-      packets.emplace_back(0, aedat4::event_packet(events));
-      packets.emplace_back(3, aedat4::trigger_packet(triggers));
-    }
-  }
-  return aedat4::make_file(packets, aedat4::Compression::kLz4);
-}
-
 TEST(SmallStepsBack, AreNoRestarts) {
   // One glitch of each kind: a TIME_HIGH word that falls by one step for a while, one that falls by seconds once.
   const EventBatch part = part_of(50'000, 1000, 500'000, 1);
