@@ -162,7 +162,8 @@ class PipelineTest(InFolder):
         np.save("noisy.npy", noisy)
         expected = command_line_json("eval", "scene.npy", "noisy.npy")
         self.assertEqual(expected.pop("channels"), 1)  # arrays are grey
-        self.assertEqual(e2lf.compare(self.scene, noisy), expected)
+        found = e2lf.compare(self.scene, noisy)
+        self.assertEqual(found, {key: expected[key] for key in found})
         view = expected["views"][9]
         pair = self.scene[1, 1], noisy[1, 1]
         self.assertAlmostEqual(e2lf.psnr(*pair), view["psnr_db"], places=6)
