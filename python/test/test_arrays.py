@@ -69,7 +69,6 @@ class ErrorTest(InFolder):
             (lambda: e2lf.info("nothing"), ("info", "nothing")),
             (lambda: e2lf.info("bad.raw"), ("info", "bad.raw")),
             (lambda: e2lf.convert("bad.raw", "out.xyz"), ("convert", "bad.raw", "out.xyz")),
-            (lambda: e2lf.read_codes("codes.txt"), ("codes", "show", "--codes", "codes.txt")),
         ]
         for call, arguments in cases:
             with self.assertRaises(e2lf.Error) as caught:
