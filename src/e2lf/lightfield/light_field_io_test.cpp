@@ -12,8 +12,8 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/image.h"
 #include "testing/test_files.h"
-#include "testing/test_log.h"
 #include "testing/test_light_field.h"
+#include "testing/test_log.h"
 
 namespace e2lf::lightfield {
 namespace {
