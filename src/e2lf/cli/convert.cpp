@@ -188,6 +188,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
                     ": this format is written at the end of a recording, and a crash leaves ",
                     "nothing of it; record to .raw to be safe"));
   }
+  open.counts_reports = true;
   open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(arguments.input.string(), open));
   say_assumptions(*reader);

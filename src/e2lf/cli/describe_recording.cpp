@@ -105,7 +105,8 @@ Json summary_json(const recordings::DecodeSummary& summary) {
 }
 
 Result<Description> describe_recording(const fs::path& path, const DescribeOptions& options) {
-  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(path, options.recording, true));
+  E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(path, options.recording, true));
+  open.counts_reports = true;
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(path.string(), open));
   RecordingStatistics statistics;
   recordings::DecodeSummary summary;

@@ -74,6 +74,7 @@ struct OpenOptions {
   std::string stream = {};   ///< number or name of a stream of events, where there are several
   int threads = 1;           ///< for one read() call; 0 = all cores
   RestartPolicy restart = RestartPolicy::kContinue;
+  bool counts_reports = false;  ///< sum what the sensor counted itself (DecodeSummary::sensor_events_in); takes time
 
   /// read() hands out from_us <= t < to_us only: times of the sensor's clock, whatever `time` is, or under kZero of
   /// `range` since the first event or trigger of the recording. A file is sought, a stream is skipped.

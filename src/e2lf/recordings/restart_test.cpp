@@ -257,6 +257,7 @@ TEST(Evt3Reports, CountsOfTheSensorAreSummed) {
                        0x70, 0x16, 0xe0, 0x05, 0xf0, 0x00, 0xf0, 0x02, 0x00, 0x03, 0x20};
   OpenOptions options;
   options.format = "evt3";
+  options.counts_reports = true;
   auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
   EXPECT_EQ(read_all(*reader).value().events.size(), 1U);
   EXPECT_EQ(reader->summary().sensor_events_in, 0x1002003U);

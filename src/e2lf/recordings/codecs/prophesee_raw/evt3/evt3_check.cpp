@@ -94,7 +94,8 @@ Verdict judge_time_low(const uint8_t* words, size_t count, bool ended, const Che
   bool stepped = false;
   for (size_t i = 1; i < seen && judges < kJudges && !stepped; ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
-    stepped = type_of(word) == kTimeHigh && steps(check.time_high, word) == 1;
+    // What follows another coarse time, be it that of a clock that starts again, says nothing of this one.
+    stepped = type_of(word) == kTimeHigh && steps(check.time_high, word) != 0;
     if (type_of(word) != kTimeLow) continue;
     const int next = word & static_cast<int>(kPayloadMask);
     ++judges;

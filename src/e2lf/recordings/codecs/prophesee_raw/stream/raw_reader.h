@@ -23,13 +23,13 @@ class RawReader final : public RecordingReader {
  public:
   /// `source` stands behind the header.
   RawReader(std::unique_ptr<ByteSource> source, RawHeader header, const OpenOptions& options)
-      : RecordingReader(options), source_(std::move(source)), stream_(limits_of(header.info)) {
+      : RecordingReader(options), source_(std::move(source)), stream_(limits_of(header.info, options)) {
     info_ = std::move(header.info);
     name_ = source_->name();
     checkpoints_.push_back({INT64_MIN, source_->position(), stream_, INT64_MIN});
     const auto threads = static_cast<size_t>(options.threads == 0 ? num_threads() : options.threads);
     if (threads == 1 || !source_->seekable()) return;
-    parts_.emplace(kPartsPerThread * threads, limits_of(info_));
+    parts_.emplace(kPartsPerThread * threads, limits_of(info_, options_));
   }
 
   std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
@@ -73,8 +73,9 @@ class RawReader final : public RecordingReader {
     int64_t latest_us;  ///< of what was given out up to here
   };
 
-  static SensorLimits limits_of(const RecordingInfo& info) {
+  static SensorLimits limits_of(const RecordingInfo& info, const OpenOptions& options) {
     SensorLimits limits;
+    limits.counts_reports = options.counts_reports;
     if (info.width != 0) limits.width = static_cast<uint32_t>(info.width);
     if (info.height != 0) limits.height = static_cast<uint32_t>(info.height);
     return limits;
@@ -97,7 +98,7 @@ class RawReader final : public RecordingReader {
                    cat(name_, ": byte ", byte)};
     }
     loops_before_ += stream_.time_loops();
-    stream_ = RawStream<Codec>(limits_of(info_));
+    stream_ = RawStream<Codec>(limits_of(info_, options_));
     latest_us_ = INT64_MIN;
     has_restarted_ = true;
     wanted_ = 1;

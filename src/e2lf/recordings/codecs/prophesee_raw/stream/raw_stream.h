@@ -164,7 +164,7 @@ class RawStream {
       input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
     }
     if constexpr (requires { Codec::count_reports(input.data(), used, state_, *input.summary); }) {
-      Codec::count_reports(input.data(), used, state_, *input.summary);
+      if (limits_.counts_reports) Codec::count_reports(input.data(), used, state_, *input.summary);
     }
     advance(input, used);
     return used;

@@ -14,10 +14,11 @@ namespace e2lf::recordings {
 /// Room behind the last event that kernels may overwrite.
 inline constexpr size_t kSinkSlack = 64;
 
-/// The size that events must lie in.
+/// The size that events must lie in, and whether what the sensor counted itself is summed.
 struct SensorLimits {
   uint32_t width = 2048;
   uint32_t height = 2048;
+  bool counts_reports = false;
 };
 
 /// Where decoders put events as columns: pointers into EventColumns that have kSinkSlack more elements than they may
