@@ -21,7 +21,8 @@ void visit_method(MethodConfig& method, Visitor& visit) {
   visit("codes", method.codes,
         "patterns: a model file, a file of codes, the release's folder; empty: the model's, without a model the "
         "built-in ones");
-  visit("camera", method.camera, "what a network that is told the camera is told; empty: the sensor's");
+  visit("camera", method.camera,
+        "the camera that a network conditioned on the sensor profile receives; empty: the camera of the sensor");
   visit("passes", method.passes, "as `e2lf reconstruct --passes`");
   visit("gain", method.gain, "multiplies the result");
   visit("fit_gain", method.fit_gain, "multiply it by the factor that suits it best instead");
