@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <e2lf/base/threads.h>
-#include <e2lf/capture/event_images.h>
+#include <e2lf/capture/measurement/event_images.h>
 #include <e2lf/model/model.h>
 #include <e2lf/recon/reconstruct.h>
 #include <thread>

@@ -2,7 +2,7 @@
 // The target of camera files: the input is one.
 #include <cmath>
 
-#include "e2lf/capture/camera.h"
+#include "e2lf/capture/profile/camera.h"
 #include "require.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -3,8 +3,8 @@
 // lines, the rest is that.
 #include <sstream>
 
-#include "e2lf/capture/codes_header.h"
-#include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/patterns/codes_header.h"
+#include "e2lf/capture/patterns/codes_io.h"
 #include "require.h"
 #include "scratch.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The target of event images: the first byte chooses .npz, .npy, .mat or a folder's first image, the rest is the file.
 // An .npz may hold another measurement.
-#include "e2lf/capture/event_images.h"
-#include "e2lf/capture/measurement_io.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement_io.h"
 #include "require.h"
 #include "scratch.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The target of model files: the input is one.
-#include "e2lf/model/import_event_video.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
+#include "e2lf/model/video/import_event_video.h"
 #include "require.h"
 #include "scratch.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The target of packed training data: the input is a file.
-#include "e2lf/learn/packed_data.h"
+#include "e2lf/learn/data/packed_data.h"
 #include "require.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -3,10 +3,10 @@
 
 #include <zlib.h>
 
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/codes_header.h"
-#include "e2lf/capture/codes_io.h"
-#include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes_header.h"
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/profile/camera.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"

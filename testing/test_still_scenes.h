@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "e2lf/calibrate/still_scene.h"
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/codes.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/camera.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/pixel_model.h"
 

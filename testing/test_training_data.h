@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "e2lf/files/safetensors.h"
-#include "e2lf/learn/config.h"
+#include "e2lf/learn/run/config.h"
 
 namespace e2lf::learn {
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
 

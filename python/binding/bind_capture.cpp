@@ -4,12 +4,12 @@
 #include <sstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/camera_record.h"
-#include "e2lf/capture/codes_io.h"
-#include "e2lf/capture/event_image_writer.h"
-#include "e2lf/capture/event_images.h"
-#include "e2lf/cli/pictures.h"
+#include "e2lf/capture/measurement/event_image_writer.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/cli/output/pictures.h"
 #include "e2lf/files/json_text.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"

@@ -3,10 +3,10 @@
 #include <pybind11/stl/filesystem.h>
 #include <variant>
 
-#include "e2lf/capture/codes_header.h"
-#include "e2lf/cli/cycle_options.h"
-#include "e2lf/cli/output.h"
-#include "e2lf/cli/recorded_setup.h"
+#include "e2lf/capture/patterns/codes_header.h"
+#include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cli/output/output.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/recordings/open/open_named_recording.h"

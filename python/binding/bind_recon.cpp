@@ -2,7 +2,7 @@
 #include <pybind11/stl.h>
 #include <variant>
 
-#include "e2lf/capture/colour_filter.h"
+#include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/field_sequence.h"
 #include "e2lf/recon/gain.h"

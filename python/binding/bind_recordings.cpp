@@ -2,8 +2,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "e2lf/cli/describe.h"
-#include "e2lf/cli/recorded_setup.h"
+#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cli/verbs/describe.h"
 #include "e2lf/recordings/recording.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <pybind11/stl.h>
 
-#include "e2lf/capture/colour_filter.h"
+#include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/colour_filter_light.h"
 #include "e2lf/sensor/event_model.h"

@@ -4,9 +4,9 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/codes_header.h"
-#include "e2lf/cli/output.h"
-#include "e2lf/cli/recording_flags.h"
+#include "e2lf/capture/patterns/codes_header.h"
+#include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/output/output.h"
 #include "e2lf/recordings/convert.h"
 #include "e2lf/recordings/open/recording_place.h"
 #include "python/binding/arrays.h"

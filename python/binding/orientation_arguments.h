@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/cli/light_field_flags.h"
+#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/lightfield/orient.h"
 #include "python/binding/arrays.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/cli/output.h"
+#include "e2lf/cli/output/output.h"
 #include "python/binding/calls.h"
 
 namespace e2lf::python {

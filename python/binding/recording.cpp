@@ -6,7 +6,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/recording_flags.h"
+#include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::python {

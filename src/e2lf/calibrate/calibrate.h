@@ -8,8 +8,8 @@
 #include "e2lf/base/result.h"
 #include "e2lf/calibrate/agreement.h"
 #include "e2lf/calibrate/still_scene.h"
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/codes.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/camera.h"
 
 namespace e2lf::calibrate {
 

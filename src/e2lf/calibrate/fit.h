@@ -8,8 +8,8 @@
 #include "e2lf/base/result.h"
 #include "e2lf/calibrate/flat_areas.h"
 #include "e2lf/calibrate/parameters.h"
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/codes.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/camera.h"
 
 namespace e2lf::calibrate {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/camera.h"
+#include "e2lf/capture/profile/camera.h"
 
 namespace e2lf::calibrate {
 

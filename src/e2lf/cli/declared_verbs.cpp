@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/bundled_files.h"
-#include "e2lf/cli/option_types.h"
+#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/cli/flags/option_types.h"
 
 namespace e2lf::cli {
 namespace {

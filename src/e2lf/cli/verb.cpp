@@ -15,7 +15,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/declared_verbs.h"
-#include "e2lf/cli/number_check.h"
+#include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/workspace.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/cli/option_types.h"
-#include "e2lf/cli/recorded_paths.h"
+#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/recorded_paths.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cli {

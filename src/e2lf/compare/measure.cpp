@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/codes_io.h"
+#include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/eval/best_gain.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/measurement.h"
+#include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/camera.h"
 #include "e2lf/compare/config.h"
 
 namespace e2lf::compare {

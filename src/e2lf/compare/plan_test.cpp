@@ -9,7 +9,7 @@
 #include "e2lf/compare/store.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
-#include "e2lf/model/import_event_video.h"
+#include "e2lf/model/video/import_event_video.h"
 #include "testing/event_video_checkpoints.h"
 
 namespace e2lf::compare {

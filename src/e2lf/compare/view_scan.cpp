@@ -5,8 +5,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/voxelise.h"
-#include "e2lf/recon/event_video.h"
 #include "e2lf/recon/tone.h"
+#include "e2lf/recon/video/event_video.h"
 #include "e2lf/streams/event_stream.h"
 
 namespace e2lf::compare {

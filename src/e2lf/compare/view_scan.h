@@ -7,7 +7,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/model/video_model.h"
+#include "e2lf/model/video/video_model.h"
 
 namespace e2lf::compare {
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "e2lf/model/import_event_video.h"
+#include "e2lf/model/video/import_event_video.h"
 #include "testing/event_video_checkpoints.h"
 #include "testing/test_files.h"
 

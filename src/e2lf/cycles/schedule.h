@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/orientation.h"
+#include "e2lf/capture/profile/orientation.h"
 
 namespace e2lf::cycles {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/codes.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/schedule.h"
 
 namespace e2lf::cycles {

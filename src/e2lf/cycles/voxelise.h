@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "e2lf/capture/voxel_grid.h"
+#include "e2lf/capture/measurement/voxel_grid.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {

@@ -6,16 +6,16 @@
 #include <set>
 
 #include "e2lf/base/text.h"
-#include "e2lf/engine/attention.h"
-#include "e2lf/engine/bilinear.h"
-#include "e2lf/engine/cells.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/dynamic_filter.h"
-#include "e2lf/engine/layer_norm.h"
-#include "e2lf/engine/position_code.h"
 #include "e2lf/engine/reshape.h"
 #include "e2lf/engine/unread_layers.h"
+#include "e2lf/engine/video/attention.h"
+#include "e2lf/engine/video/bilinear.h"
+#include "e2lf/engine/video/cells.h"
+#include "e2lf/engine/video/dynamic_filter.h"
+#include "e2lf/engine/video/layer_norm.h"
+#include "e2lf/engine/video/position_code.h"
 
 namespace e2lf::engine {
 namespace {

@@ -8,8 +8,8 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/engine/reference_attention.h"
-#include "e2lf/engine/reference_cells.h"
+#include "e2lf/engine/video/reference_attention.h"
+#include "e2lf/engine/video/reference_cells.h"
 
 namespace e2lf::engine {
 namespace {

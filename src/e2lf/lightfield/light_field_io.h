@@ -9,7 +9,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/capture/orientation.h"
+#include "e2lf/capture/profile/orientation.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::lightfield {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/orientation.h"
+#include "e2lf/capture/profile/orientation.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/light_field.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "e2lf/files/safetensors.h"
-#include "e2lf/model/video_model.h"
+#include "e2lf/model/video/video_model.h"
 
 namespace e2lf::model {
 

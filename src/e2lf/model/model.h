@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/measurement.h"
-#include "e2lf/capture/sensor_constants.h"
+#include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/network.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "e2lf/model/model.h"
-#include "e2lf/model/video_model.h"
+#include "e2lf/model/video/video_model.h"
 
 namespace e2lf::model {
 

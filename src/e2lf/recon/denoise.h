@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/capture/coded_intensities.h"
-#include "e2lf/capture/event_images.h"
-#include "e2lf/capture/sensor_constants.h"
+#include "e2lf/capture/measurement/coded_intensities.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/profile/sensor_constants.h"
 
 namespace e2lf::recon {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/codes.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/event_model.h"
 

@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/event_images.h"
-#include "e2lf/capture/sensor_constants.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/event_model.h"
 

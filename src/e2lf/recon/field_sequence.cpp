@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/plausible_events.h"
+#include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/recon/gain.h"
 
 namespace e2lf::recon {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "e2lf/capture/colour_filter.h"
+#include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/reconstruct.h"
 

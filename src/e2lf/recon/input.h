@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement.h"
-#include "e2lf/capture/sensor_constants.h"
+#include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::recon {

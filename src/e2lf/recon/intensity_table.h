@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_constants.h"
 
 namespace e2lf::recon {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/coded_intensities.h"
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement/coded_intensities.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/recon/coded_disparity.h"
 
 namespace e2lf::recon {

@@ -5,7 +5,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/model.h"

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "e2lf/model/video_model.h"
+#include "e2lf/model/video/video_model.h"
 
 namespace e2lf::recon {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "e2lf/capture/codes.h"
+#include "e2lf/capture/patterns/codes.h"
 
 namespace e2lf::recon {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "e2lf/capture/colour_filter.h"
+#include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::sensor {

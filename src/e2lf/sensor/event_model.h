@@ -6,9 +6,9 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/event_images.h"
-#include "e2lf/capture/sensor_constants.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/coded_intensity.h"
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/measurement.h"
+#include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::sensor {

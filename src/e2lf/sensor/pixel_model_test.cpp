@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/capture/whole_cycle.h"
+#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/sensor/event_model.h"
 
 namespace e2lf::sensor {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "e2lf/capture/camera.h"
+#include "e2lf/capture/profile/camera.h"
 
 namespace e2lf::sensor {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "e2lf/capture/camera.h"
+#include "e2lf/capture/profile/camera.h"
 #include "e2lf/streams/stream_options.h"
 
 namespace e2lf::streams {

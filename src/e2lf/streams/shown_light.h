@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/camera.h"
-#include "e2lf/capture/coded_intensities.h"
-#include "e2lf/capture/codes.h"
+#include "e2lf/capture/measurement/coded_intensities.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/camera.h"
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/lightfield/light_field.h"
 

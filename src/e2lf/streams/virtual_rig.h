@@ -5,7 +5,7 @@
 #include <functional>
 #include <optional>
 
-#include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/streams/event_stream.h"
 #include "e2lf/streams/shown_light.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-#include "e2lf/capture/whole_cycle.h"
+#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 #include "e2lf/streams/camera_stream.h"

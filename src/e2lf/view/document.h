@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/codes.h"
-#include "e2lf/capture/event_images.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/model/model.h"

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/measurement/event_arrays_mat.h"
+
+#include <algorithm>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/mat5.h"
+
+namespace e2lf::capture {
+namespace {
+
+// What a compressed variable may unpack to.
+constexpr uint64_t kMostBytes = uint64_t{2} << 30;
+
+struct TypePair {
+  const char* numpy;
+  size_t bytes;
+  MatClass array_class;
+  MatStorage storage;
+};
+constexpr TypePair kTypes[] = {
+    {"i1", 1, MatClass::kInt8, MatStorage::kInt8},     {"u1", 1, MatClass::kUint8, MatStorage::kUint8},
+    {"i2", 2, MatClass::kInt16, MatStorage::kInt16},   {"u2", 2, MatClass::kUint16, MatStorage::kUint16},
+    {"i4", 4, MatClass::kInt32, MatStorage::kInt32},   {"u4", 4, MatClass::kUint32, MatStorage::kUint32},
+    {"f4", 4, MatClass::kSingle, MatStorage::kSingle}, {"f8", 8, MatClass::kDouble, MatStorage::kDouble}};
+
+/// Images [..., y, x] from [..., x, y], or back: `rows` and `columns` are those of the result.
+std::vector<uint8_t> transposed(std::span<const uint8_t> bytes, size_t rows, size_t columns, size_t each) {
+  std::vector<uint8_t> out(bytes.size());
+  const size_t image = rows * columns * each;
+  for (size_t begin = 0; image > 0 && begin < bytes.size(); begin += image) {
+    for (size_t y = 0; y < rows; ++y) {
+      for (size_t x = 0; x < columns; ++x) {
+        std::copy_n(bytes.data() + begin + (x * rows + y) * each, each, out.data() + begin + (y * columns + x) * each);
+      }
+    }
+  }
+  return out;
+}
+
+/// Whether `count` is the product of the extents, which may overflow.
+bool fills(size_t count, const std::vector<size_t>& extents) {
+  for (const size_t extent : extents) {
+    if (extent == 0 || count % extent != 0) return false;
+    count /= extent;
+  }
+  return count == 1;
+}
+
+Result<NpyArray> to_numpy(const MatArray& array, const std::string& location) {
+  const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypePair& pair) {
+    return static_cast<uint32_t>(pair.storage) == array.storage;
+  });
+  const bool is_numeric = array.array_class >= static_cast<uint8_t>(MatClass::kDouble) &&
+                          array.array_class <= static_cast<uint8_t>(MatClass::kUint32);
+  if (!is_numeric || array.complex || type == std::end(kTypes)) {
+    return Error{ErrorCode::kUnsupported, "not real numbers of 8 to 32 bits, single or double; convert it", location};
+  }
+  const std::vector<size_t>& extents = array.extents;
+  if (extents.size() < 2 || array.data.size() % type->bytes != 0 || !fills(array.data.size() / type->bytes, extents)) {
+    return Error{ErrorCode::kFormat, cat("the numbers do not fill ", shape_text(extents), "; save the file again"),
+                 location};
+  }
+  NpyArray numbers;
+  numbers.type = type->numpy;
+  numbers.item_size = type->bytes;
+  // MATLAB's first axis is the fastest one, numpy's the slowest.
+  numbers.shape.assign(extents.rbegin(), extents.rend());
+  std::swap(numbers.shape[extents.size() - 1], numbers.shape[extents.size() - 2]);
+  numbers.bytes = transposed(array.data, extents[0], extents[1], type->bytes);
+  // Signed numbers are stored unsigned where none is negative, which says nothing of a lost sign.
+  const auto array_class = static_cast<MatClass>(array.array_class);
+  const bool is_unsigned =
+      array_class == MatClass::kUint8 || array_class == MatClass::kUint16 || array_class == MatClass::kUint32;
+  if (is_unsigned || numbers.type[0] != 'u') return numbers;
+  E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, numbers.to_float(location));
+  return make_npy<float>(numbers.shape, values);
+}
+
+}  // namespace
+
+Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
+  NpzArrays arrays;
+  for (const char* name : {"events", "codes", "camera", "views"}) {
+    const std::string location = cat(path.string(), ": ", name);
+    const auto found = find_mat_array(bytes, name, kMostBytes, location);
+    if (!found && found.error().code == ErrorCode::kNotFound) continue;
+    if (!found) return found.error();
+    E2LF_ASSIGN_OR_RETURN(arrays[name], to_numpy(*found, location));
+  }
+  // MATLAB drops axes of size 1 at the end, and has two at least.
+  if (const auto events = arrays.find("events"); events != arrays.end() && events->second.shape.size() == 2) {
+    events->second.shape.insert(events->second.shape.begin(), 1);
+  }
+  for (const char* name : {"camera", "views"}) {
+    if (const auto text = arrays.find(name); text != arrays.end()) text->second.shape = {text->second.num_elements()};
+  }
+  return arrays;
+}
+
+Result<void> write_event_arrays_mat(const std::filesystem::path& path, const NpzArrays& arrays) {
+  std::vector<std::vector<uint8_t>> data;
+  std::vector<MatVariable> variables;
+  data.reserve(arrays.size());
+  for (const auto& [name, array] : arrays) {
+    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                    [&wanted = array.type](const TypePair& pair) { return pair.numpy == wanted; });
+    if (type == std::end(kTypes)) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("MATLAB has no numbers of the type ", array.type, "; store them as float32"),
+                   cat(path.string(), ": ", name)};
+    }
+    std::vector<size_t> shape = array.shape;
+    while (shape.size() < 2) shape.insert(shape.begin(), 1);
+    const size_t rank = shape.size();
+    data.push_back(transposed(array.bytes, shape[rank - 1], shape[rank - 2], type->bytes));
+    std::swap(shape[rank - 1], shape[rank - 2]);
+    variables.push_back({name, type->array_class, {shape.rbegin(), shape.rend()}, data.back()});
+  }
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> file, encode_mat(variables, path.string()));
+  return write_file(path, file);
+}
+
+}  // namespace e2lf::capture

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/measurement/event_image_writer.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+#include <zlib.h>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy_header.h"
+#include "e2lf/files/zip_format.h"
+
+namespace e2lf::capture {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr char kEvents[] = "events.npy", kCodes[] = "codes.npy", kCamera[] = "camera.npy", kViews[] = "views.npy";
+constexpr size_t kHeaderSize = 128;  ///< of the .npy part: its shape is known last, its size first
+
+template <typename T>
+void put(std::vector<uint8_t>& bytes, T value) {
+  for (size_t i = 0; i < sizeof(T); ++i) bytes.push_back(static_cast<uint8_t>(value >> (8 * i)));
+}
+
+/// What the archive's directory says of a member.
+struct Member {
+  std::string name = kEvents;
+  uint16_t method = zip::kDeflated;
+  uint32_t crc = 0;
+  uint64_t packed = 0, size = 0;
+  uint64_t offset = 0;  ///< of its local header
+};
+
+void put_name(std::vector<uint8_t>& bytes, const Member& member) {
+  bytes.insert(bytes.end(), member.name.begin(), member.name.end());
+}
+
+/// The fields that local header and directory entry share, from "version needed" to the name's length.
+void put_common(std::vector<uint8_t>& bytes, const Member& member) {
+  put<uint16_t>(bytes, zip::kVersion64);
+  put<uint16_t>(bytes, zip::kUtf8Names);
+  put<uint16_t>(bytes, member.method);
+  put<uint32_t>(bytes, 0x00210000);  // 1980-01-01 00:00
+  put<uint32_t>(bytes, member.crc);
+  put<uint32_t>(bytes, zip::kIn64);
+  put<uint32_t>(bytes, zip::kIn64);
+  put<uint16_t>(bytes, static_cast<uint16_t>(member.name.size()));
+}
+
+void put_extra(std::vector<uint8_t>& bytes, const Member& member, bool with_offset) {
+  put<uint16_t>(bytes, zip::kExtra64);
+  put<uint16_t>(bytes, with_offset ? 24 : 16);
+  put<uint64_t>(bytes, member.size);
+  put<uint64_t>(bytes, member.packed);
+  if (with_offset) put<uint64_t>(bytes, member.offset);
+}
+
+std::vector<uint8_t> local_header(const Member& member) {
+  std::vector<uint8_t> bytes;
+  put<uint32_t>(bytes, zip::kLocalHeader);
+  put_common(bytes, member);
+  put<uint16_t>(bytes, 20);  // length of the extra field
+  put_name(bytes, member);
+  put_extra(bytes, member, /*with_offset=*/false);
+  return bytes;
+}
+
+void put_directory_entry(std::vector<uint8_t>& bytes, const Member& member) {
+  put<uint32_t>(bytes, zip::kDirectoryEntry);
+  put<uint16_t>(bytes, zip::kVersion64);  // made by
+  put_common(bytes, member);
+  put<uint16_t>(bytes, 28);  // length of the extra field
+  put<uint16_t>(bytes, 0);   // comment length
+  put<uint16_t>(bytes, 0);   // disk
+  put<uint16_t>(bytes, 0);   // internal attributes
+  put<uint32_t>(bytes, 0);   // external attributes
+  put<uint32_t>(bytes, zip::kIn64);
+  put_name(bytes, member);
+  put_extra(bytes, member, /*with_offset=*/true);
+}
+
+/// The directory, which begins at `offset`, and its two ends (zip64 and plain).
+std::vector<uint8_t> directory(const std::vector<Member>& members, uint64_t offset) {
+  std::vector<uint8_t> bytes;
+  for (const Member& member : members) put_directory_entry(bytes, member);
+  const uint64_t size = bytes.size();
+
+  put<uint32_t>(bytes, zip::kDirectoryEnd64);
+  put<uint64_t>(bytes, zip::kDirectoryEnd64Size - 12);
+  put<uint16_t>(bytes, zip::kVersion64);
+  put<uint16_t>(bytes, zip::kVersion64);
+  put<uint64_t>(bytes, 0);               // this disk, the directory's disk
+  put<uint64_t>(bytes, members.size());  // entries on this disk
+  put<uint64_t>(bytes, members.size());  // entries
+  put<uint64_t>(bytes, size);
+  put<uint64_t>(bytes, offset);
+  put<uint32_t>(bytes, zip::kLocator64);
+  put<uint32_t>(bytes, 0);
+  put<uint64_t>(bytes, offset + size);
+  put<uint32_t>(bytes, 1);  // disks
+
+  put<uint32_t>(bytes, zip::kDirectoryEnd);
+  put<uint32_t>(bytes, 0);  // this disk, the directory's disk
+  put<uint16_t>(bytes, static_cast<uint16_t>(members.size()));
+  put<uint16_t>(bytes, static_cast<uint16_t>(members.size()));
+  put<uint32_t>(bytes, zip::kIn64);
+  put<uint32_t>(bytes, zip::kIn64);
+  put<uint16_t>(bytes, 0);  // comment length
+  return bytes;
+}
+
+/// The .npy header with its text padded to the fixed size, as numpy's own padding does.
+std::vector<uint8_t> npy_header(uint64_t cycles, const EventImages& shape) {
+  NpyArray array;
+  array.type = "i2";
+  array.item_size = 2;
+  array.shape = {cycles, shape.transitions, shape.height, shape.width};
+  std::vector<uint8_t> bytes = npy_header_bytes(array);
+  E2LF_REQUIRE(bytes.size() <= kHeaderSize && bytes[6] == 1, "an .npy header of version 1 must fit its place");
+  bytes.back() = ' ';
+  bytes.resize(kHeaderSize, ' ');
+  bytes.back() = '\n';
+  bytes[8] = kHeaderSize - 10;
+  bytes[9] = 0;
+  return bytes;
+}
+
+/// The header as a deflate block of its own, not compressed, so that it can be written again when the shape is known.
+std::vector<uint8_t> stored_block(const std::vector<uint8_t>& header) {
+  std::vector<uint8_t> bytes = {0};  // not the last block, stored
+  put<uint16_t>(bytes, static_cast<uint16_t>(header.size()));
+  put<uint16_t>(bytes, static_cast<uint16_t>(~header.size()));
+  bytes.insert(bytes.end(), header.begin(), header.end());
+  return bytes;
+}
+
+}  // namespace
+
+class EventImageWriter::Impl {
+ public:
+  Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
+
+  void set(const char* member, const NpyArray& array) {
+    E2LF_REQUIRE(cycles_ == 0, "what is known of the events comes before the first cycle");
+    known_[member] = array;
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    deflateEnd(&deflate_);
+    if (stream_ != nullptr) std::fclose(stream_);
+  }
+
+  Result<void> add(const EventImages& images) {
+    if (cycles_ == 0) {
+      shape_ = EventImages();
+      shape_.transitions = images.transitions;
+      shape_.height = images.height;
+      shape_.width = images.width;
+      E2LF_RETURN_IF_ERROR(begin());
+    }
+    E2LF_REQUIRE(
+        images.transitions == shape_.transitions && images.height == shape_.height && images.width == shape_.width,
+        "all cycles of a file have one shape");
+    ++cycles_;
+    const auto* bytes = reinterpret_cast<const uint8_t*>(images.counts.data());
+    // All of the cycle goes to the file, so that it can be recovered.
+    E2LF_RETURN_IF_ERROR(pack({bytes, images.counts.size() * sizeof(int16_t)}, Z_SYNC_FLUSH));
+    return std::fflush(stream_) == 0 ? Result<void>() : io_error();
+  }
+
+  Result<void> finish() {
+    if (cycles_ == 0) {
+      return Error{ErrorCode::kInvalidValue, "no complete pattern cycle was found; check the schedule and its source",
+                   file_.target().string()};
+    }
+    E2LF_RETURN_IF_ERROR(pack({}, Z_FINISH));
+    const std::vector<uint8_t> header = npy_header(cycles_, shape_);
+    const auto header_crc = crc32_z(0, header.data(), header.size());
+    Member events;
+    events.crc = static_cast<uint32_t>(crc32_combine(header_crc, data_crc_, static_cast<z_off_t>(data_size_)));
+    events.size = header.size() + data_size_;
+    events.packed = stored_block(header).size() + packed_size_;
+    events.offset = end_of_members();
+    const std::vector<uint8_t> local = local_header(events);
+    members_.push_back(events);
+    E2LF_RETURN_IF_ERROR(write(directory(members_, events.offset + local.size() + events.packed)));
+    if (std::fseek(stream_, static_cast<long>(events.offset), SEEK_SET) != 0) return io_error();  // NOLINT: C's type
+    E2LF_RETURN_IF_ERROR(write(local));
+    E2LF_RETURN_IF_ERROR(write(stored_block(header)));
+    const int closed = std::fclose(std::exchange(stream_, nullptr));
+    if (closed != 0) return io_error();
+    return file_.commit();
+  }
+
+  [[nodiscard]] uint64_t cycles() const { return cycles_; }
+
+ private:
+  Result<void> begin() {
+    // Speed 1: event images are mostly small numbers, and recordings are long.
+    const int status = deflateInit2(&deflate_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
+    E2LF_REQUIRE(status == Z_OK, "zlib did not start");
+    // They come first, so that a file that is never finished has them.
+    for (const auto& [member, array] : known_) E2LF_RETURN_IF_ERROR(write_known(member, array));
+    E2LF_RETURN_IF_ERROR(write(local_header({})));
+    return write(stored_block(npy_header(0, shape_)));
+  }
+
+  /// Writes what is known of the events, not compressed.
+  Result<void> write_known(const std::string& name, const NpyArray& array) {
+    const std::vector<uint8_t> bytes = encode_npy(array);
+    const Member member{.name = name,
+                        .method = zip::kStored,
+                        .crc = static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())),
+                        .packed = bytes.size(),
+                        .size = bytes.size(),
+                        .offset = end_of_members()};
+    members_.push_back(member);
+    E2LF_RETURN_IF_ERROR(write(local_header(member)));
+    return write(bytes);
+  }
+
+  [[nodiscard]] uint64_t end_of_members() const {
+    uint64_t end = 0;
+    for (const Member& member : members_) end += local_header(member).size() + member.packed;
+    return end;
+  }
+
+  Result<void> pack(std::span<const uint8_t> bytes, int flush) {
+    // zlib takes no bytes at a null address for a request to begin anew.
+    if (!bytes.empty()) data_crc_ = crc32_z(data_crc_, bytes.data(), bytes.size());
+    data_size_ += bytes.size();
+    std::vector<uint8_t> packed(size_t{1} << 18);
+    do {
+      if (deflate_.avail_in == 0 && !bytes.empty()) {
+        const size_t taken = std::min<size_t>(bytes.size(), size_t{1} << 30);
+        deflate_.next_in = const_cast<Bytef*>(bytes.data());
+        deflate_.avail_in = static_cast<uInt>(taken);
+        bytes = bytes.subspan(taken);
+      }
+      deflate_.next_out = packed.data();
+      deflate_.avail_out = static_cast<uInt>(packed.size());
+      deflate(&deflate_, flush);
+      const size_t count = packed.size() - deflate_.avail_out;
+      packed_size_ += count;
+      E2LF_RETURN_IF_ERROR(write(std::span<const uint8_t>(packed).first(count)));
+    } while (deflate_.avail_out == 0 || deflate_.avail_in > 0 || !bytes.empty());
+    return {};
+  }
+
+  Result<void> write(std::span<const uint8_t> bytes) {
+    if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) return io_error();
+    return {};
+  }
+
+  [[nodiscard]] Error io_error() const {
+    return {ErrorCode::kIo, cat("cannot write (", std::strerror(errno), "); check the disk and the path"),
+            file_.target().string()};
+  }
+
+  AtomicFile file_;
+  std::FILE* stream_;
+  z_stream deflate_{};
+  EventImages shape_;  ///< without counts
+  uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
+  uLong data_crc_ = 0;
+  std::map<std::string, NpyArray> known_;  ///< by the names of the members
+  std::vector<Member> members_;            ///< those that are whole
+};
+
+EventImageWriter::EventImageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+EventImageWriter::EventImageWriter(EventImageWriter&&) noexcept = default;
+EventImageWriter::~EventImageWriter() = default;
+
+Result<EventImageWriter> EventImageWriter::create(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
+  std::FILE* stream = std::fopen(file.path().c_str(), "wb");
+  if (stream == nullptr) {
+    return Error{ErrorCode::kIo, cat("cannot write (", std::strerror(errno), "); check the disk and the path"),
+                 path.string()};
+  }
+  return EventImageWriter(std::make_unique<Impl>(std::move(file), stream));
+}
+
+void EventImageWriter::set_codes(const NpyArray& codes) {
+  impl_->set(kCodes, codes);
+}
+void EventImageWriter::set_camera(const NpyArray& camera) {
+  impl_->set(kCamera, camera);
+}
+void EventImageWriter::set_views(const NpyArray& views) {
+  impl_->set(kViews, views);
+}
+Result<void> EventImageWriter::add(const EventImages& images) {
+  return impl_->add(images);
+}
+uint64_t EventImageWriter::cycles() const {
+  return impl_->cycles();
+}
+Result<void> EventImageWriter::finish() {
+  return impl_->finish();
+}
+
+}  // namespace e2lf::capture

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/measurement/event_image_writer.h"
+
+#include <filesystem>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/rng.h"
+#include "e2lf/capture/profile/camera_record.h"
+
+namespace e2lf::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+EventImages random_images(uint64_t seed) {
+  EventImages images(3, 17, 29);
+  const CounterRng rng(seed, 0);
+  for (size_t i = 0; i < images.counts.size(); ++i) {
+    images.counts[i] = static_cast<int16_t>(static_cast<int>(rng.below(i, 4001)) - 2000);
+  }
+  return images;
+}
+
+fs::path test_path(const std::string& name) {
+  return fs::path(testing::TempDir()) / name;
+}
+
+TEST(EventImageWriter, WritesWhatReadEventImagesReads) {
+  const fs::path path = test_path("event_image_writer.npz");
+  fs::remove(path);
+  auto writer = EventImageWriter::create(path);
+  ASSERT_TRUE(writer) << writer.error().text();
+  for (uint64_t cycle = 0; cycle < 5; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
+  EXPECT_FALSE(fs::exists(path));
+  const auto finished = writer->finish();
+  ASSERT_TRUE(finished) << finished.error().text();
+  const auto file = read_event_images(path);
+  ASSERT_TRUE(file) << file.error().text();
+  ASSERT_EQ(file->cycles.size(), 5U);
+  for (uint64_t cycle = 0; cycle < 5; ++cycle) EXPECT_EQ(file->cycles[cycle], random_images(cycle));
+  fs::remove(path);
+}
+
+TEST(EventImageWriter, KeepsThePatternsBesideTheEvents) {
+  const fs::path path = test_path("event_image_writer_codes.npz");
+  const std::vector<float> values = {0.0F, 0.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F, 1.0F};
+  auto writer = EventImageWriter::create(path);
+  ASSERT_TRUE(writer) << writer.error().text();
+  writer->set_codes(make_npy<float>({4, 1, 2}, values));
+  const std::vector<uint8_t> text = {'{', '}'};
+  writer->set_camera(make_npy<uint8_t>({2}, text));
+  ASSERT_TRUE(writer->add(random_images(1)));
+  ASSERT_TRUE(writer->finish());
+  const auto file = read_event_images(path);
+  ASSERT_TRUE(file) << file.error().text();
+  EXPECT_EQ(file->cycles.at(0), random_images(1));
+  ASSERT_TRUE(file->codes);
+  EXPECT_EQ(file->codes->shape, (std::vector<size_t>{4, 1, 2}));
+  EXPECT_EQ(file->codes->to_float("").value(), values);
+  ASSERT_TRUE(file->camera);
+  EXPECT_EQ(file->camera->bytes, text);
+  fs::remove(path);
+}
+
+TEST(EventImageWriter, LeavesNothingBehindWithoutFinish) {
+  const fs::path folder = test_path("event_image_writer_folder");
+  {
+    auto writer = EventImageWriter::create(folder / "a.npz");
+    ASSERT_TRUE(writer);
+    ASSERT_TRUE(writer->add(random_images(1)));
+  }
+  EXPECT_TRUE(fs::is_empty(folder));
+  fs::remove_all(folder);
+}
+
+TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
+  const fs::path folder = test_path("event_image_writer_recover");
+  fs::remove_all(folder);
+  auto writer = EventImageWriter::create(folder / "a.npz");
+  ASSERT_TRUE(writer);
+  const std::vector<float> values = {0.0F, 0.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F, 1.0F};
+  writer->set_codes(make_npy<float>({4, 1, 2}, values));
+  const std::vector<uint8_t> text = {'{', '}'};
+  writer->set_camera(make_npy<uint8_t>({2}, text));
+  writer->set_views(views_to_npy(kTurned));
+  for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
+  const fs::path partial = fs::directory_iterator(folder)->path();
+  const auto all = fs::file_size(partial);
+  for (const auto size : {all, all - 100, all / 2, uintmax_t{800}, uintmax_t{0}}) {
+    fs::copy_file(partial, folder / "cut", fs::copy_options::overwrite_existing);
+    fs::resize_file(folder / "cut", size);
+    const auto cycles = recover_event_images(folder / "cut", folder / "found.npz");
+    if (size == 0) {
+      EXPECT_EQ(cycles.error().code, ErrorCode::kFormat);
+      continue;
+    }
+    ASSERT_TRUE(cycles) << size << cycles.error().text();
+    EXPECT_EQ(*cycles, size == all ? 4U : size == all - 100 ? 3U : size == all / 2 ? 1U : 0U) << size;
+    if (*cycles == 0) continue;
+    const auto file = read_event_images(folder / "found.npz");
+    ASSERT_TRUE(file) << file.error().text();
+    ASSERT_EQ(file->cycles.size(), *cycles);
+    EXPECT_EQ(file->cycles.back(), random_images(*cycles - 1));
+    ASSERT_TRUE(file->codes);
+    EXPECT_EQ(file->codes->to_float("").value(), values);
+    ASSERT_TRUE(file->camera);
+    EXPECT_EQ(file->camera->bytes, text);
+    ASSERT_TRUE(file->views);
+    EXPECT_EQ(views_from_npy(*file->views, "").value(), kTurned);
+  }
+  fs::remove_all(folder);
+}
+
+TEST(EventImageWriter, RefusesAFileWithoutCycles) {
+  auto writer = EventImageWriter::create(test_path("event_image_writer_none.npz"));
+  ASSERT_TRUE(writer);
+  EXPECT_EQ(writer->finish().error().code, ErrorCode::kInvalidValue);
+}
+
+}  // namespace
+}  // namespace e2lf::capture

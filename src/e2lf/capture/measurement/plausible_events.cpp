@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/measurement/plausible_events.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::capture {
+namespace {
+
+/// What the counts of one event image are.
+struct Counts {
+  uint64_t on = 0, off = 0;  ///< sums of the counts above and below 0
+  size_t beyond = 0;         ///< pixels with a count that no change of a pattern makes
+
+  [[nodiscard]] uint64_t all() const { return on + off; }
+};
+
+Counts counts_of(std::span<const int16_t> image) {
+  // The largest change is that from light to the dark level, some 40 of the most sensitive pixels' thresholds.
+  constexpr int kMostEvents = 100;
+  Counts counts;
+  for (const int count : image) {
+    counts.on += static_cast<uint64_t>(std::max(count, 0));
+    counts.off += static_cast<uint64_t>(std::max(-count, 0));
+    counts.beyond += std::abs(count) >= kMostEvents ? 1 : 0;
+  }
+  return counts;
+}
+
+}  // namespace
+
+bool is_without_events(const EventImages& images) {
+  return std::all_of(images.counts.begin(), images.counts.end(), [](int16_t count) { return count == 0; });
+}
+
+std::vector<std::string> event_doubts(const EventImages& images) {
+  constexpr double kFewPerPixel = 0.02;
+  constexpr uint64_t kEnough = 1000;
+  std::vector<std::string> doubts, empty, beyond;
+  Counts sum;
+  for (size_t transition = 0; transition < images.transitions; ++transition) {
+    const Counts counts = counts_of(images.image(transition));
+    if (counts.all() == 0) empty.push_back(std::to_string(transition));
+    if (2 * counts.beyond > images.image_size()) beyond.push_back(std::to_string(transition));
+    sum.on += counts.on;
+    sum.off += counts.off;
+  }
+  if (sum.all() == 0) return {"there are no events: the result says nothing of the scene"};
+  if (!empty.empty()) {
+    doubts.push_back(cat(empty.size() == 1 ? "event image " : "event images ", join(empty),
+                         empty.size() == 1 ? " holds" : " hold", " no events: was the pattern shown?"));
+  }
+  if (static_cast<double>(sum.all()) < kFewPerPixel * static_cast<double>(images.image_size())) {
+    doubts.push_back(cat("there are only ", sum.all(), " events on ", images.width, "x", images.height,
+                         " px: the result says next to nothing of the scene"));
+  }
+  if (!beyond.empty()) {
+    doubts.push_back(
+        cat("most pixels of event image", beyond.size() == 1 ? " " : "s ", join(beyond),
+            " count 100 events or more, which no change of a pattern makes: are these counts of events, or "
+            "did they saturate?"));
+  }
+  // The change from black to the first pattern alone makes ON events only.
+  if (images.transitions > 1 && sum.all() >= kEnough && (sum.on == 0 || sum.off == 0)) {
+    doubts.push_back(cat("there are ", sum.all(), sum.on == 0 ? " OFF events and no ON" : " ON events and no OFF",
+                         " events: was the sign lost, as in unsigned numbers?"));
+  }
+  return doubts;
+}
+
+}  // namespace e2lf::capture

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/measurement/voxel_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace e2lf::capture {
+
+void normalise_nonzero(std::span<float> voxels) {
+  double sum = 0.0, squares = 0.0;
+  size_t count = 0;
+  for (const float value : voxels) {
+    if (value == 0.0F) continue;
+    sum += value;
+    squares += static_cast<double>(value) * value;
+    ++count;
+  }
+  if (count == 0) return;
+  constexpr double kLeastDeviation = 1e-6;
+  const double mean = sum / static_cast<double>(count);
+  const double variance = squares / static_cast<double>(count) - mean * mean;
+  const double deviation = std::max(std::sqrt(std::max(variance, 0.0)), kLeastDeviation);
+  for (float& value : voxels) {
+    if (value != 0.0F) value = static_cast<float>((value - mean) / deviation);
+  }
+}
+
+}  // namespace e2lf::capture

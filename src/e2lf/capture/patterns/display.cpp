@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/patterns/display.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::capture {
+namespace {
+
+constexpr size_t kMostDisplayPixels = size_t{1} << 28;
+
+/// Patterns as they lie on the display, flipped and turned.
+struct Turned {
+  size_t rows = 0, columns = 0;
+  std::vector<float> values;
+
+  [[nodiscard]] float at(size_t row, size_t column) const { return values[row * columns + column]; }
+};
+
+Turned flipped(const Codes& codes, size_t n, const DisplayLayout& layout) {
+  Turned result{codes.views_y, codes.views_x, {}};
+  for (size_t row = 0; row < result.rows; ++row) {
+    for (size_t column = 0; column < result.columns; ++column) {
+      const size_t from_row = layout.flip_y ? result.rows - 1 - row : row;
+      const size_t from_column = layout.flip_x ? result.columns - 1 - column : column;
+      result.values.push_back(codes.pattern(n)[from_row * result.columns + from_column]);
+    }
+  }
+  return result;
+}
+
+Turned turned_clockwise(const Turned& source) {
+  Turned result{source.columns, source.rows, {}};
+  for (size_t row = 0; row < result.rows; ++row) {
+    for (size_t column = 0; column < result.columns; ++column) {
+      result.values.push_back(source.at(source.rows - 1 - column, row));
+    }
+  }
+  return result;
+}
+
+/// The first pixel of an aperture of `length` px; nothing when it does not lie on the display.
+Result<size_t> begin_of(size_t display, size_t length, int64_t offset, const char* axis) {
+  const auto room = static_cast<int64_t>(display) - static_cast<int64_t>(length);
+  const int64_t begin = room / 2 + offset;
+  if (room >= 0 && begin >= 0 && begin <= room) return static_cast<size_t>(begin);
+  return Error{ErrorCode::kInvalidValue,
+               cat("an aperture of ", length, " px with an offset of ", offset, " does not fit on ", display, " px in ",
+                   axis, "; use smaller cells, another offset or a larger display"),
+               ""};
+}
+
+Result<void> check(const DisplayLayout& layout) {
+  const bool sane = layout.cell_px >= 1 && layout.cell_px <= layout.width_px && layout.width_px >= 1 &&
+                    layout.height_px >= 1 && layout.width_px <= kMostDisplayPixels / layout.height_px &&
+                    std::abs(layout.offset_x_px) <= static_cast<int64_t>(layout.width_px) &&
+                    std::abs(layout.offset_y_px) <= static_cast<int64_t>(layout.height_px);
+  if (sane) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("a display of ", layout.width_px, "x", layout.height_px, " px with cells of ", layout.cell_px,
+                   " px cannot be; correct the sizes and offsets"),
+               ""};
+}
+
+}  // namespace
+
+Result<DisplayFrame> render_pattern(const Codes& codes, size_t n, const DisplayLayout& layout) {
+  E2LF_REQUIRE(n < codes.num_patterns, "there is no such pattern");
+  E2LF_RETURN_IF_ERROR(check(layout));
+  Turned pattern = flipped(codes, n, layout);
+  for (unsigned turn = 0; turn < layout.quarter_turns % 4; ++turn) pattern = turned_clockwise(pattern);
+  const size_t cell = layout.cell_px;
+  E2LF_ASSIGN_OR_RETURN(const size_t first_x,
+                        begin_of(layout.width_px, pattern.columns * cell, layout.offset_x_px, "width"));
+  E2LF_ASSIGN_OR_RETURN(const size_t first_y,
+                        begin_of(layout.height_px, pattern.rows * cell, layout.offset_y_px, "height"));
+  DisplayFrame frame{layout.width_px, layout.height_px, {}};
+  frame.pixels.resize(layout.width_px * layout.height_px);
+  for (size_t y = 0; y < pattern.rows * cell; ++y) {
+    uint8_t* row = frame.pixels.data() + (first_y + y) * layout.width_px + first_x;
+    for (size_t column = 0; column < pattern.columns; ++column) {
+      const auto value = static_cast<uint8_t>(std::lround(255.0F * pattern.at(y / cell, column)));
+      std::fill_n(row + column * cell, cell, value);
+    }
+  }
+  return frame;
+}
+
+}  // namespace e2lf::capture

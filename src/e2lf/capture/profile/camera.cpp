@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/profile/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::capture {
+namespace {
+
+using enum PixelConstant;
+
+struct KeyRange {
+  const char* key;
+  float low, high;  // what a value may be
+};
+
+/// In the order of PixelConstant.
+constexpr KeyRange kPixelKeys[] = {
+    {"eps", 1e-6F, 1e3F},        {"receptor_rate_hz", 1e-3F, 1e9F}, {"amplifier_rate_hz", 1e-3F, 1e9F},
+    {"leak", 0.0F, 0.5F},        {"threshold_on", 0.01F, 10.0F},    {"threshold_off", 0.01F, 10.0F},
+    {"mismatch", 0.0F, 1.0F},    {"mismatch_each", 0.0F, 1.0F},     {"noise", 0.0F, 10.0F},
+    {"shot_noise", 0.0F, 10.0F}, {"reset_span", 0.0F, 2.0F},        {"reset_offset", -10.0F, 10.0F},
+    {"dark_off", 0.0F, 0.5F},    {"dark_on", 0.0F, 0.5F},           {"black_time_s", 0.0F, 1e3F},
+    {"lit_time_s", 0.0F, 1e3F},
+};
+static_assert(std::size(kPixelKeys) == kNumPixelConstants);
+
+constexpr float kMostSlope = 2.0F;  // of the logarithm of a transmission, from the middle to the edge
+
+constexpr const char* kEventModels[] = {"reference-aware", "quantised", "pixel"};
+
+struct ValueWithUncertainty {
+  float value = 0.0F, uncertainty = 0.0F;
+};
+
+Result<ValueWithUncertainty> read_constant(const Json& json, const std::string& location, const KeyRange& range) {
+  if (json.is_null()) return Error{ErrorCode::kInvalidValue, "the constant is missing; give its value", location};
+  ValueWithUncertainty result;
+  std::string source;
+  OptionReader reader(json, location);
+  reader.read("value", result.value).read("uncertainty", result.uncertainty).read("source", source);
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  if (!(result.value >= range.low && result.value <= range.high)) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat(result.value, " is out of range; give a value from ", range.low, " to ", range.high), location};
+  }
+  if (!(result.uncertainty >= 0.0F && result.uncertainty < 1.0F)) {
+    return Error{ErrorCode::kInvalidValue, cat(result.uncertainty, " is no relative uncertainty; use 0 to below 1"),
+                 location};
+  }
+  return result;
+}
+
+Result<void> read_pixel(OptionReader constants, Camera& camera) {
+  for (size_t i = 0; i < kNumPixelConstants; ++i) {
+    const char* key = kPixelKeys[i].key;
+    E2LF_ASSIGN_OR_RETURN(const auto constant,
+                          read_constant(constants.child(key), constants.child_location(key), kPixelKeys[i]));
+    camera.pixel.values[i] = constant.value;
+    camera.uncertainty.values[i] = constant.uncertainty;
+  }
+  camera.constants.eps = camera.pixel[kEps];
+  camera.constants.tau = 0.5F * (camera.pixel[kThresholdOn] + camera.pixel[kThresholdOff]);
+  return constants.finish();
+}
+
+/// The fields of the paper's constants with their keys.
+constexpr std::pair<KeyRange, float SensorConstants::*> kPaperKeys[] = {
+    {{"eps", 1e-6F, 1e3F}, &SensorConstants::eps},
+    {{"tau", 0.01F, 10.0F}, &SensorConstants::tau},
+    {{"sigma_w", 0.0F, 10.0F}, &SensorConstants::sigma_w},
+    {{"sigma_z", 0.0F, 10.0F}, &SensorConstants::sigma_z},
+};
+
+Result<void> read_paper(OptionReader constants, Camera& camera) {
+  for (const auto& [range, field] : kPaperKeys) {
+    E2LF_ASSIGN_OR_RETURN(const auto constant,
+                          read_constant(constants.child(range.key), constants.child_location(range.key), range));
+    camera.constants.*field = constant.value;
+  }
+  return constants.finish();
+}
+
+Result<void> read_transmission(const Json& json, const std::string& location, Camera& camera) {
+  if (json.is_null()) return {};
+  std::string source;
+  OptionReader reader(json, location);
+  reader.read("value", camera.transmission).read("uncertainty", camera.transmission_uncertainty);
+  reader.read("slope_x", camera.transmission_slope_x).read("slope_y", camera.transmission_slope_y);
+  reader.read("source", source);
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  for (const float share : camera.transmission) {
+    if (share > 0.0F && share <= 100.0F) continue;
+    return Error{ErrorCode::kInvalidValue, cat(share, " is no transmission; use numbers near 1"), location};
+  }
+  for (const auto* slopes : {&camera.transmission_slope_x, &camera.transmission_slope_y}) {
+    if (slopes->size() > camera.transmission.size()) {
+      return Error{ErrorCode::kInvalidValue, "there are more slopes than transmissions; give one for each", location};
+    }
+    for (const float slope : *slopes) {
+      if (std::abs(slope) <= kMostSlope) continue;
+      return Error{ErrorCode::kInvalidValue, cat(slope, " is no slope of a transmission; use numbers near 0"),
+                   location};
+    }
+  }
+  return {};
+}
+
+Json json_numbers(const std::vector<float>& values) {
+  Json json = Json::array();
+  for (const float value : values) json.push_back(json_number(value));
+  return json;
+}
+
+/// 0 for a part that follows at once, 1 for one that never does.
+float lag(float rate_hz) {
+  constexpr float kUsualRate = 30.0F;
+  return kUsualRate / (kUsualRate + rate_hz);
+}
+
+}  // namespace
+
+float transmission_at(const Camera& camera, size_t n, float x, float y) {
+  const auto entry = [n](const std::vector<float>& values, float otherwise) {
+    return n < values.size() ? values[n] : otherwise;
+  };
+  const float slope = entry(camera.transmission_slope_x, 0.0F) * x + entry(camera.transmission_slope_y, 0.0F) * y;
+  return entry(camera.transmission, 1.0F) * (slope == 0.0F ? 1.0F : std::exp(slope));
+}
+
+const char* pixel_constant_key(PixelConstant constant) {
+  return kPixelKeys[static_cast<size_t>(constant)].key;
+}
+
+Result<Camera> camera_from_json(const Json& json, const std::string& location) {
+  Camera camera;
+  OptionReader reader(json, location + ": $");
+  std::optional<std::string> views;
+  reader.read("name", camera.name).read("event_model", camera.event_model).read("views", views);
+  const Json& constants = reader.child("constants");
+  const Json& transmission = reader.child("transmission");
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  const std::string& model = camera.event_model;
+  if (std::find(std::begin(kEventModels), std::end(kEventModels), model) == std::end(kEventModels)) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("unknown event model \"", model, "\"; use reference-aware, quantised or pixel"),
+                 reader.child_location("event_model")};
+  }
+  if (views) {
+    E2LF_ASSIGN_OR_RETURN(camera.views, orientation_from_name(*views, reader.child_location("views")));
+  }
+  const OptionReader constants_reader(constants, reader.child_location("constants"));
+  E2LF_RETURN_IF_ERROR(camera.is_pixel() ? read_pixel(constants_reader, camera) : read_paper(constants_reader, camera));
+  E2LF_RETURN_IF_ERROR(read_transmission(transmission, reader.child_location("transmission"), camera));
+  return camera;
+}
+
+Result<Camera> read_camera(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
+  return camera_from_json(json, path.string());
+}
+
+Json to_json(const Camera& camera) {
+  Json constants = Json::object();
+  if (camera.is_pixel()) {
+    for (size_t i = 0; i < kNumPixelConstants; ++i) {
+      constants[kPixelKeys[i].key] = {{"value", json_number(camera.pixel.values[i])},
+                                      {"uncertainty", json_number(camera.uncertainty.values[i])}};
+    }
+  } else {
+    for (const auto& [range, field] : kPaperKeys) {
+      constants[range.key] = {{"value", json_number(camera.constants.*field)}};
+    }
+  }
+  Json json = {{"name", camera.name}, {"event_model", camera.event_model}, {"constants", constants}};
+  if (!camera.transmission.empty()) {
+    json["transmission"] = {{"value", json_numbers(camera.transmission)}};
+    Json& transmission = json["transmission"];
+    if (!camera.transmission_slope_x.empty()) transmission["slope_x"] = json_numbers(camera.transmission_slope_x);
+    if (!camera.transmission_slope_y.empty()) transmission["slope_y"] = json_numbers(camera.transmission_slope_y);
+    transmission["uncertainty"] = json_number(camera.transmission_uncertainty);
+  }
+  if (camera.views) json["views"] = orientation_name(*camera.views);
+  return json;
+}
+
+Camera without_noise(Camera camera) {
+  camera.constants.sigma_w = camera.constants.sigma_z = 0.0F;
+  for (const PixelConstant constant : {kNoise, kShotNoise, kDarkOff, kDarkOn}) camera.pixel[constant] = 0.0F;
+  return camera;
+}
+
+std::vector<float> camera_traits(const TraitSource& source, size_t num_patterns) {
+  E2LF_REQUIRE(num_patterns >= 2, "at least two patterns make an event image");
+  E2LF_REQUIRE(source.cycles >= 1, "counts are of one cycle at least");
+  const auto threshold = [](float tau) { return 4.0F * (tau / 0.3F - 1.0F); };
+  const PixelConstants& pixel = source.values;
+  std::vector<float> traits;
+  if (source.pixel) {
+    traits = {1.0F,
+              threshold(pixel[kThresholdOn]),
+              threshold(pixel[kThresholdOff]),
+              pixel[kNoise] / 0.1F,
+              0.0F,
+              pixel[kMismatch] / 0.1F,
+              pixel[kMismatchEach] / 0.1F,
+              pixel[kResetSpan],
+              pixel[kResetOffset] / 0.1F,
+              lag(pixel[kReceptorRate]),
+              lag(pixel[kAmplifierRate]),
+              pixel[kLeak] * 500.0F,
+              pixel[kShotNoise] / 0.1F,
+              pixel[kDarkOff] * 20.0F,
+              pixel[kDarkOn] * 20.0F};
+  } else {
+    const SensorConstants& paper = source.constants;
+    traits = {0.0F,
+              threshold(paper.tau),
+              threshold(paper.tau),
+              paper.sigma_w / 0.1F,
+              paper.sigma_z / 0.04F,
+              0.0F,
+              0.0F,
+              source.residue,
+              0.0F,
+              0.0F,
+              0.0F,
+              0.0F,
+              0.0F,
+              0.0F,
+              0.0F};
+  }
+  traits.push_back(0.25F * std::log2(static_cast<float>(source.cycles)));
+  E2LF_REQUIRE(traits.size() == kNumFixedTraits, "every trait has its place");
+  const auto transmission = [&](size_t k) { return k < source.transmission.size() ? source.transmission[k] : 1.0F; };
+  for (size_t k = 1; k + 1 < num_patterns; ++k) traits.push_back(5.0F * (transmission(k) / transmission(0) - 1.0F));
+  return traits;
+}
+
+std::vector<float> camera_traits(const Camera& camera, size_t num_patterns, size_t cycles) {
+  return camera_traits({.pixel = camera.is_pixel(),
+                        .constants = camera.constants,
+                        .values = camera.pixel,
+                        .transmission = camera.transmission,
+                        .cycles = cycles},
+                       num_patterns);
+}
+
+}  // namespace e2lf::capture

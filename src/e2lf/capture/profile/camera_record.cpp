@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/profile/camera_record.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/json_text.h"
+
+namespace e2lf::capture {
+namespace {
+
+constexpr const char *kCamera = "e2lf_camera", *kViews = "e2lf_views";
+
+/// The value of the first line with this key, or null.
+const std::string* find_line(const HeaderLines& header, const char* key) {
+  const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
+  return line == header.end() ? nullptr : &line->second;
+}
+
+NpyArray text_to_npy(const std::string& text) {
+  return make_npy<uint8_t>({text.size()}, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+Result<std::string> text_from_npy(const NpyArray& array, const char* what, const std::string& location) {
+  if (array.shape.size() == 1 && array.item_size == 1) return std::string(array.bytes.begin(), array.bytes.end());
+  return Error{ErrorCode::kShape, cat(what, " is no text; write it as an array of bytes, or leave it out"), location};
+}
+
+Result<Camera> camera_from_text(const std::string& text, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, location));
+  return camera_from_json(json, location);
+}
+
+}  // namespace
+
+HeaderLines camera_to_header(const Camera& camera) {
+  return {{kCamera, json_line(to_json(camera))}};
+}
+
+Result<std::optional<Camera>> camera_from_header(const HeaderLines& header, const std::string& location) {
+  const std::string* const line = find_line(header, kCamera);
+  if (line == nullptr) return std::optional<Camera>();
+  E2LF_ASSIGN_OR_RETURN(Camera camera, camera_from_text(*line, cat(location, ": ", kCamera)));
+  return std::optional(std::move(camera));
+}
+
+NpyArray camera_to_npy(const Camera& camera) {
+  return text_to_npy(json_line(to_json(camera)));
+}
+
+Result<Camera> camera_from_npy(const NpyArray& array, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const std::string text, text_from_npy(array, "the camera", location));
+  return camera_from_text(text, location);
+}
+
+HeaderLines views_to_header(const Orientation& views) {
+  return {{kViews, orientation_name(views)}};
+}
+
+Result<std::optional<Orientation>> views_from_header(const HeaderLines& header, const std::string& location) {
+  const std::string* const line = find_line(header, kViews);
+  if (line == nullptr) return std::optional<Orientation>();
+  E2LF_ASSIGN_OR_RETURN(const Orientation views, orientation_from_name(*line, cat(location, ": ", kViews)));
+  return std::optional(views);
+}
+
+NpyArray views_to_npy(const Orientation& views) {
+  return text_to_npy(orientation_name(views));
+}
+
+Result<Orientation> views_from_npy(const NpyArray& array, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const std::string name, text_from_npy(array, "the orientation of the views", location));
+  return orientation_from_name(name, location);
+}
+
+}  // namespace e2lf::capture

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/profile/camera_record.h"
+
+#include <gtest/gtest.h>
+
+namespace e2lf::capture {
+namespace {
+
+Camera test_camera() {
+  Camera camera;
+  camera.name = "caf\xc3\xa9";
+  camera.event_model = "pixel";
+  for (size_t i = 0; i < kNumPixelConstants; ++i) camera.pixel.values[i] = 0.03125F + 0.001F * static_cast<float>(i);
+  camera.pixel[PixelConstant::kEps] = 0.01F;
+  camera.transmission = {1.0F, 0.975F, 1.07F};
+  camera.transmission_slope_x = {0.0F, 0.0485F, 0.0634F};
+  return camera;
+}
+
+void expect_same(const Camera& a, const Camera& b) {
+  EXPECT_EQ(to_json(a), to_json(b));
+  EXPECT_EQ(a.pixel, b.pixel);
+}
+
+TEST(CameraRecord, ComesBackFromAHeaderAmongOtherLines) {
+  HeaderLines header = camera_to_header(test_camera());
+  header.insert(header.begin(), {"date", "2026-01-01 00:00:00"});
+  const auto camera = camera_from_header(header, "r.raw");
+  ASSERT_TRUE(camera) << camera.error().text();
+  ASSERT_TRUE(camera->has_value());
+  expect_same(**camera, test_camera());
+  EXPECT_FALSE(camera_from_header({{"date", "today"}}, "r.raw")->has_value());
+}
+
+TEST(CameraRecord, ALineOfTheHeaderIsShortEnoughForReadersOfRaw) {
+  EXPECT_LT(camera_to_header(test_camera()).front().second.size(), 3000U);
+}
+
+TEST(CameraRecord, ComesBackFromAnArray) {
+  const auto camera = camera_from_npy(camera_to_npy(test_camera()), "e.npz: camera");
+  ASSERT_TRUE(camera) << camera.error().text();
+  expect_same(*camera, test_camera());
+}
+
+TEST(CameraRecord, RefusesWhatIsNoCameraWithItsPlace) {
+  const auto text = camera_from_header({{"e2lf_camera", "{\"name\": 3}"}}, "r.raw");
+  EXPECT_EQ(text.error().location.rfind("r.raw: e2lf_camera", 0), 0U) << text.error().location;
+  const std::vector<float> numbers = {1.0F, 2.0F};
+  EXPECT_EQ(camera_from_npy(make_npy<float>({2}, numbers), "e.npz").error().code, ErrorCode::kShape);
+}
+
+TEST(ViewsRecord, ComesBackFromHeaderAndArray) {
+  const HeaderLines header = views_to_header(kTurned);
+  ASSERT_EQ(header, (HeaderLines{{"e2lf_views", "turned"}}));
+  EXPECT_EQ(views_from_header(header, "x").value(), kTurned);
+  EXPECT_FALSE(views_from_header({{"width", "4"}}, "x").value().has_value());
+  EXPECT_EQ(views_from_npy(views_to_npy({true, false}), "x").value(), (Orientation{true, false}));
+  EXPECT_FALSE(views_from_header({{"e2lf_views", "sideways"}}, "x").ok());
+}
+
+TEST(CameraRecord, KeepsHowTheViewsComeOut) {
+  Camera camera;
+  EXPECT_FALSE(to_json(camera).contains("views"));
+  camera.views = Orientation{false, true};
+  EXPECT_EQ(camera_from_json(to_json(camera), "x").value().views, camera.views);
+}
+
+}  // namespace
+}  // namespace e2lf::capture

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/flags/cycle_options.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cycles/shown_pattern.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/recordings/live/camera.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+/// Whether the events of all transitions are used. Where no network says how many it takes, the recording's own
+/// patterns tell.
+bool uses_all_transitions(const CycleFlags& flags, const cycles::Schedule& schedule, bool is_recorded_whole) {
+  if (flags.transitions != "auto") return flags.transitions == "all";
+  if (flags.num_wanted == schedule.num_images() + 1) return false;
+  return is_recorded_whole || flags.num_wanted == schedule.size() + 1;
+}
+
+/// Of a recording that says its patterns, the paper's schedule has as many.
+Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& input,
+                                     const recordings::RecordingInfo& info) {
+  constexpr size_t kFewest = 2;
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(input, info));
+  const auto of_whole = setup.codes ? capture::codes_of_whole_cycle(*setup.codes) : std::nullopt;
+  const auto& shown = of_whole ? of_whole : setup.codes;
+  cycles::Schedule schedule;
+  if (!flags.schedule.empty()) {
+    E2LF_ASSIGN_OR_RETURN(schedule, cycles::read_schedule(flags.schedule));
+  } else {
+    const size_t recorded = shown ? std::max(shown->num_patterns, kFewest) : flags.usual_patterns;
+    schedule = cycles::paper_schedule(flags.num_patterns.value_or(recorded));
+  }
+  if (!uses_all_transitions(flags, schedule, of_whole.has_value())) return schedule;
+  return with_all_transitions(std::move(schedule));
+}
+
+/// What was named, or what other flags imply.
+cycles::CycleSource source_of(const CycleFlags& flags) {
+  if (flags.source == "triggers") return cycles::CycleSource::kTriggers;
+  if (flags.source == "schedule") return cycles::CycleSource::kSchedule;
+  if (flags.source == "bursts") return cycles::CycleSource::kBursts;
+  if (flags.one_trigger_per_cycle || flags.channel) return cycles::CycleSource::kTriggers;
+  return flags.origin_us ? cycles::CycleSource::kSchedule : cycles::CycleSource::kAuto;
+}
+
+cycles::TriggerEdge edge_of(const std::string& name) {
+  if (name == "falling") return cycles::TriggerEdge::kFalling;
+  return name == "both" ? cycles::TriggerEdge::kBoth : cycles::TriggerEdge::kRising;
+}
+
+}  // namespace
+
+void add_cycle_options(CLI::App& app, CycleFlags& flags) {
+  const std::string group = kCycleOptions;
+  app.add_option("--source", flags.source,
+                 "what tells when patterns change: triggers, bursts (the events), schedule, auto")
+      ->check(CLI::IsMember({"auto", "triggers", "bursts", "schedule"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--schedule", flags.schedule,
+                 "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
+      ->check(CLI::ExistingFile)
+      ->group(group);
+  app.add_option("--patterns", flags.num_patterns,
+                 "number N of coding patterns of the paper's schedule; default: as many as the recording says, else 4")
+      ->check(whole_number(2, 64))
+      ->group(group);
+  app.add_option("--transitions", flags.transitions,
+                 "event images of the changes into the lit patterns a2 ... aN (lit), or of all changes of the whole "
+                 "cycle (all); default: all where the network or the recording's patterns are for them, else lit")
+      ->check(CLI::IsMember({"auto", "lit", "all"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--edge", flags.edge, "trigger edge: rising, falling, both")
+      ->check(CLI::IsMember({"rising", "falling", "both"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--channel", flags.channel, "trigger input; default: all")->group(group);
+  app.add_option("--first-pattern", flags.first_pattern,
+                 "pattern of the first trigger or burst, from 0; default: found from the intervals and the events")
+      ->group(group);
+  app.add_flag("--one-trigger-per-cycle", flags.one_trigger_per_cycle, "triggers mark cycles, not patterns")
+      ->group(group);
+  app.add_option("--origin-us", flags.origin_us, "--source schedule: when the first pattern of any cycle began")
+      ->group(group);
+  app.add_flag("--invert-polarity", flags.invert_polarity, "take ON events for OFF and OFF for ON")->group(group);
+  app.add_flag("--filter-pixels", flags.filter_pixels, "silence hot and flickering pixels")->group(group);
+  app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
+      ->capture_default_str();
+  add_recording_options(app, flags.recording, group);
+}
+
+Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Schedule schedule) {
+  cycles::CycleOptions options;
+  options.schedule = std::move(schedule);
+  options.source = source_of(flags);
+  options.invert_polarity = flags.invert_polarity;
+  options.edge = edge_of(flags.edge);
+  options.channel = flags.channel;
+  options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
+  options.tracker.first_pattern = flags.first_pattern;
+  // Triggers are often set up to begin with the sequence; bursts say nothing of it.
+  const bool may_be_triggers =
+      options.source == cycles::CycleSource::kTriggers || options.source == cycles::CycleSource::kAuto;
+  if (may_be_triggers) options.tracker.likely_first_pattern = 0;
+  if (options.source == cycles::CycleSource::kSchedule && !flags.origin_us) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        "the schedule does not say when a cycle began; give that time, or let the events tell (--source bursts)",
+        "--origin-us"};
+  }
+  options.origin_us = flags.origin_us.value_or(0);
+  if (flags.filter_pixels) options.filter = cycles::PixelFilterOptions{};
+  return options;
+}
+
+Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
+  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags.recording));
+  E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
+  say_assumptions(*reader);
+  E2LF_ASSIGN_OR_RETURN(cycles::Schedule schedule, schedule_of(flags, input, reader->info()));
+  E2LF_ASSIGN_OR_RETURN(cycles::CycleOptions options, cycle_options(flags, std::move(schedule)));
+  options.on_batch = observer.on_batch;
+  options.on_mark = observer.on_mark;
+  return cycles::CycleReader::open(std::move(reader), options);
+}
+
+Result<RecordedSetup> setup_of_cycles(const fs::path& input, const cycles::CycleReader& reader) {
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.recording().info()));
+  if (reader.schedule().views) setup.views = reader.schedule().views;
+  if (!setup.codes) return setup;
+  if (auto codes = cycles::codes_of_images(*setup.codes, reader.schedule())) setup.codes = std::move(codes);
+  return setup;
+}
+
+const char* source_name(cycles::CycleSource source) {
+  switch (source) {
+    case cycles::CycleSource::kTriggers:
+      return "triggers";
+    case cycles::CycleSource::kSchedule:
+      return "schedule";
+    case cycles::CycleSource::kBursts:
+      return "bursts";
+    case cycles::CycleSource::kAuto:
+      return "auto";
+  }
+  E2LF_REQUIRE(false, "a source without a name");
+}
+
+void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source) {
+  // Bursts in much noise are found for sure and stand out little; claimed times that are right are well confirmed.
+  constexpr float kDoubtfulBurst = 0.1F, kDoubtfulClaim = 0.3F;
+  ++cycles_;
+  is_by_schedule_ = source == cycles::CycleSource::kSchedule;
+  doubtful_ += cycle.confidence < (source == cycles::CycleSource::kBursts ? kDoubtfulBurst : kDoubtfulClaim);
+  least_ = std::min(least_, cycle.confidence);
+}
+
+namespace {
+
+/// Cycles whose signs contradict the schedule, with the option that mends it.
+void warn_of_signs(const fs::path& input, const cycles::CycleReport& report) {
+  if (report.inverted > 0) {
+    log_warning(cat(input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
+                    " cycles: the change from black to the first pattern makes OFF events; give --invert-polarity"));
+  }
+  if (report.half_cycle_off > 0) {
+    log_warning(cat(input.string(), ": the patterns of ", report.half_cycle_off, " of ", report.complete,
+                    " cycles are taken for their inverses; check --first-pattern and --origin-us"));
+  }
+}
+
+/// The triggers that are out of step, the first few by name.
+void warn_of_late_edges(const fs::path& input, const cycles::CycleReport& report, const cycles::Schedule& schedule) {
+  constexpr size_t kNamed = 3;
+  if (report.late_edges.empty()) return;
+  std::vector<std::string> named;
+  for (const cycles::LateEdge& edge : report.late_edges) {
+    if (named.size() == kNamed) break;
+    named.push_back(cat("cycle ", edge.cycle, ", pattern ", edge.pattern, " (", schedule.patterns[edge.pattern].name,
+                        "): ", std::abs(edge.late_us), " us ", edge.late_us > 0 ? "late" : "early"));
+  }
+  log_warning(cat(input.string(), ": ", report.late_edges.size(), " trigger",
+                  report.late_edges.size() == 1 ? " is" : "s are",
+                  " out of step with the others, so that events went to the wrong pattern (", join(named, "; "),
+                  report.late_edges.size() > kNamed ? "; ..." : "", "); the confidence of these cycles is 0"));
+}
+
+}  // namespace
+
+void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& report,
+                           const cycles::Schedule& schedule) const {
+  warn_of_signs(input, report);
+  warn_of_late_edges(input, report, schedule);
+  if (report.complete > 0 && !report.advice.empty()) {
+    log_warning(cat(input.string(), ": ", report.advice));
+  }
+  if (report.has_assumed_first) {
+    log_warning(cat(input.string(),
+                    ": neither intervals nor events tell which pattern the first trigger begins: pattern ",
+                    "0 of the schedule is assumed; name it with --first-pattern"));
+  }
+  // Times that the schedule alone tells may be wrong in themselves.
+  const uint64_t explained = is_by_schedule_ ? 0 : report.inverted + report.half_cycle_off;
+  if (doubtful_ <= explained || (explained == 0 && doubtful_ <= report.late_edges.size())) return;
+  log_warning(cat(input.string(), ": the events of ", doubtful_, " of ", cycles_,
+                  " cycles do not change when the patterns should have (least confidence ", least_,
+                  "); check --schedule, --origin-us and --first-pattern, or look at `e2lf accumulate --plot`"));
+}
+
+std::string report_text(const cycles::CycleReport& report) {
+  std::string text = cat(report.complete, " complete cycle", report.complete == 1 ? "" : "s");
+  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
+    if (report.dropped[i] == 0) continue;
+    text +=
+        cat(", ", report.dropped[i], " dropped (", cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i)), ")");
+  }
+  if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " pixels silenced");
+  return text;
+}
+
+Error no_cycle_error(const fs::path& input, const cycles::CycleReport& report) {
+  std::string advice = report.advice;
+  if (advice.empty() && report.unassigned_marks > 0) {
+    advice = cat(report.unassigned_marks, " of ", report.marks,
+                 " triggers or bursts fit no pattern for sure; --first-pattern K says which pattern the first begins");
+  }
+  if (advice.empty()) advice = "--source, --schedule and --patterns say what to look for";
+  return {ErrorCode::kInvalidValue,
+          cat("no complete pattern cycle was found (", report_text(report), "). Found are ", report.triggers, ". ",
+              advice, ". `e2lf accumulate ... --plot cycles.svg` shows what is there"),
+          input.string()};
+}
+
+Json report_json(const cycles::CycleReport& report) {
+  Json dropped = Json::object();
+  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
+    dropped[cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i))] = report.dropped[i];
+  }
+  Json late_edges = Json::array();
+  for (const cycles::LateEdge& edge : report.late_edges) {
+    late_edges.push_back({{"cycle", edge.cycle}, {"pattern", edge.pattern}, {"late_us", edge.late_us}});
+  }
+  return {{"complete", report.complete},
+          {"dropped", dropped},
+          {"marks", report.marks},
+          {"unassigned_marks", report.unassigned_marks},
+          {"triggers", report.triggers},
+          {"inverted", report.inverted},
+          {"half_cycle_off", report.half_cycle_off},
+          {"late_edges", late_edges},
+          {"events_given_up", report.events_given_up},
+          {"silenced_pixels", report.hot_pixels}};
+}
+
+Json cycle_json(const cycles::Cycle& cycle) {
+  return {{"number", cycle.number},
+          {"begin_us", cycle.begin_us},
+          {"end_us", cycle.slices.empty() ? cycle.begin_us : cycle.slices.back().end_us},
+          {"events", cycle.events},
+          {"confidence", cycle.confidence}};
+}
+
+}  // namespace e2lf::cli

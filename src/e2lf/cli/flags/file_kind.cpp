@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/flags/file_kind.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/measurement_io.h"
+#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/files/mat5.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/options.h"
+#include "e2lf/files/result_folder.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/recordings/open/registry.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+/// Fails where a file or folder is not there or may not be looked into.
+Result<void> check_readable(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error) && !error) {
+    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+  }
+  if (!error && fs::is_directory(path, error)) fs::directory_iterator(path, error);
+  if (!error) return {};
+  return Error{ErrorCode::kIo, cat("cannot be looked into (", error.message(), "); check its permissions"),
+               path.string()};
+}
+
+/// The verb that wrote a run.json; empty where it is not of our writing.
+std::string verb_of(const fs::path& record) {
+  const auto json = read_json(record);
+  const Json::json_pointer verb("/verb");
+  const bool is_ours = is_our_record(record) && json && json->contains(verb) && json->at(verb).is_string();
+  return is_ours ? json->at(verb).get<std::string>() : "";
+}
+
+bool is_training_run(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path / "config.json", error) &&
+         (fs::exists(path / "log.csv", error) || fs::exists(path / "checkpoint.safetensors", error));
+}
+
+Result<FileKind> folder_kind(const fs::path& path) {
+  if (recordings::is_recording_folder(path)) return FileKind::kRecording;
+  std::error_code error;
+  if (fs::exists(path / "event_image_00000.npy", error)) return FileKind::kEventImages;
+  const std::string verb = verb_of(path / "run.json");
+  if (verb == "codes render") return FileKind::kDisplay;
+  const bool is_depth = verb == "depth";  // in cycles, too
+  if (!is_depth && !lightfield::cycle_folders(path).empty()) return FileKind::kCycles;
+  const auto kind = lightfield::detect_kind(path);
+  if (kind) return FileKind::kLightField;
+  if (kind.error().code != ErrorCode::kUnsupported) return kind.error();
+  if (is_training_run(path)) return FileKind::kTrainingRun;
+  if (!verb.empty()) return FileKind::kResults;
+  return Error{ErrorCode::kFormat,
+               "the folder holds neither event images (event_image_00000.npy ...) nor views of a light field; name "
+               "what is in it",
+               path.string()};
+}
+
+/// Events one by one: records, or rows of t, x, y, p in some order.
+bool is_event_list(const NpyArray& array) {
+  return !array.fields.empty() || (array.shape.size() == 2 && array.shape[1] == 4);
+}
+
+Result<FileKind> array_kind(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const NpyArray array, peek_npy(path));
+  if (is_event_list(array)) return FileKind::kRecording;
+  return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kEventImages;
+}
+
+Result<FileKind> archive_kind(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, peek_npz(path));
+  if (capture::holds_images(arrays)) return FileKind::kImages;
+  const auto events = arrays.find("events");
+  if (events != arrays.end()) {
+    return is_event_list(events->second) ? FileKind::kRecording : FileKind::kEventImages;
+  }
+  return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
+}
+
+/// A MATLAB file before version 7.3; later ones are HDF5 files.
+bool holds_event_images(const fs::path& path) {
+  const auto names = mat_variables(path);
+  return names && std::find(names->begin(), names->end(), "events") != names->end();
+}
+
+/// What can be done with a thing where something else is wanted.
+std::string use_of(FileKind kind, const fs::path& path) {
+  switch (kind) {
+    case FileKind::kRecording:
+      return ": `e2lf reconstruct` makes light fields of it, `e2lf accumulate` event images";
+    case FileKind::kEventImages:
+    case FileKind::kImages:
+      return ": `e2lf reconstruct` makes a light field of them";
+    case FileKind::kLightField:
+      return ": `e2lf simulate` makes events of it";
+    case FileKind::kCycles:
+      return cat(": name one of them, as ", (path / "cycle_00000").string());
+    case FileKind::kTrainingRun:
+      return ": its model is a .safetensors in the folder, `e2lf resume` goes on with it";
+    case FileKind::kDisplay:
+      return ": its codes.json is for --codes, its schedule.json for --schedule";
+    case FileKind::kModel:
+      return ": a model is for -m";
+    case FileKind::kResults:
+      return ": `e2lf info` says what made it";
+  }
+  return "";
+}
+
+}  // namespace
+
+const char* kind_text(FileKind kind) {
+  switch (kind) {
+    case FileKind::kRecording:
+      return "a recording";
+    case FileKind::kEventImages:
+      return "event images";
+    case FileKind::kImages:
+      return "a measurement with intensity images";
+    case FileKind::kLightField:
+      return "a light field";
+    case FileKind::kCycles:
+      return "a folder of cycles";
+    case FileKind::kModel:
+      return "a model";
+    case FileKind::kTrainingRun:
+      return "a training run";
+    case FileKind::kDisplay:
+      return "the pictures that an aperture display shows";
+    case FileKind::kResults:
+      return "a folder of results";
+  }
+  return "a file";
+}
+
+Error other_kind_error(const fs::path& path, FileKind kind, const char* wanted) {
+  return {ErrorCode::kUnsupported, cat("this is ", kind_text(kind), "; give ", wanted, use_of(kind, path)),
+          path.string()};
+}
+
+Result<FileKind> file_kind(const fs::path& path) {
+  if (is_live(path)) return FileKind::kRecording;
+  E2LF_RETURN_IF_ERROR(check_readable(path));
+  std::error_code error;
+  if (fs::is_directory(path, error)) return folder_kind(path);
+  const std::string extension = path.extension().string();
+  if (extension == ".safetensors") return FileKind::kModel;
+  if (extension == ".npz") return archive_kind(path);
+  if (extension == ".npy") return array_kind(path);
+  if (extension == ".mat" && holds_event_images(path)) return FileKind::kEventImages;
+  return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
+}
+
+fs::path thing_named(const fs::path& path) {
+  std::error_code error;
+  if (fs::exists(path, error)) return path;
+  return bundled_file_named(kBundledModels, path.string()).value_or(path);
+}
+
+}  // namespace e2lf::cli

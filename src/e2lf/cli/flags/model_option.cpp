@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/flags/model_option.h"
+
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/cli/flags/option_types.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+/// Throws what the parser throws of files that are missing.
+fs::path find(const BundledKind& kind, const std::string& name) {
+  auto path = find_file_or_bundled(kind, name);
+  if (!path) throw CLI::FileError(path.error().text());
+  return *std::move(path);
+}
+
+constexpr BundledKind kPatterns{kBundledModels.folder, kBundledModels.extension, "model", "file of patterns, or model"};
+
+}  // namespace
+
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, fs::path& model, const std::string& help) {
+  const auto take = [&model](const CLI::results_t& names) {
+    model = find(kBundledModels, names.back());
+    return true;
+  };
+  return app.add_option(flags, take, help)->type_name(kModelType);
+}
+
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::vector<fs::path>& models,
+                              const std::string& help) {
+  const auto take = [&models](const CLI::results_t& names) {
+    models.clear();
+    for (const std::string& name : names) models.push_back(find(kBundledModels, name));
+    return true;
+  };
+  return app.add_option(flags, take, help)->type_name(kModelType)->expected(1, CLI::detail::expected_max_vector_size);
+}
+
+CLI::Option* add_codes_option(CLI::App& app, fs::path& codes, const std::string& help) {
+  const auto take = [&codes](const CLI::results_t& names) {
+    codes = find(kPatterns, names.back());
+    return true;
+  };
+  return app.add_option("--codes", take, help)->type_name(kCodesType);
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/flags/recorded_paths.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/option_types.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+/// A recording that is played at its own speed is a file behind this.
+constexpr std::string_view kReplay = "replay:";
+
+struct Place {
+  std::string path;
+  bool is_found = true;
+};
+
+/// Where a path of a run that was started in `folder` leads now.
+Place place_of(const std::string& recorded, const fs::path& folder) {
+  if (recorded.starts_with(kReplay)) {
+    Place place = place_of(recorded.substr(kReplay.size()), folder);
+    place.path.insert(0, kReplay);
+    return place;
+  }
+  std::error_code error;
+  const bool is_file_name = !recorded.empty() && recorded != "-" && recorded.find("://") == std::string::npos;
+  if (!is_file_name) return {recorded};
+  const fs::path there = folder / recorded;  // an absolute path stays
+  if (fs::exists(there, error)) return {there.lexically_normal().string()};
+  if (fs::exists(recorded, error)) return {fs::absolute(recorded, error).lexically_normal().string()};
+  return {there.lexically_normal().string(), false};
+}
+
+/// Whether an option's value is a path: always, or where it may be the name of a bundled file, when a file has it.
+bool holds_path(const CLI::Option* option, const std::string& value, const fs::path& folder) {
+  if (option == nullptr) return false;
+  const std::string type = option->get_type_name();
+  std::error_code error;
+  const bool may_be_name = type == kModelType || type == kCodesType || type == kCameraType;
+  return type == kPathType || (may_be_name && fs::is_regular_file(folder / value, error));
+}
+
+Error missing(const std::string& recorded, const std::string& flag, const fs::path& folder) {
+  std::error_code error;
+  const bool is_absolute = fs::path(recorded).is_absolute();
+  const std::string tried = is_absolute
+                                ? "there is no such file or folder any more"
+                                : cat("it is neither in ", folder.string(), ", where the run was started, nor in ",
+                                      fs::current_path(error).string(), ", the current folder");
+  return {ErrorCode::kNotFound, cat("an input of the earlier run is missing: ", tried, "; name it with ", flag),
+          recorded};
+}
+
+}  // namespace
+
+std::vector<MissingInput> find_recorded_paths(Json& record, const CLI::App& app) {
+  std::error_code error;
+  // Records of older versions do not say where their run was started.
+  const fs::path start = record.value("folder", fs::current_path(error).string());
+  const fs::path folder = fs::is_directory(start, error) ? start : fs::current_path(error);
+  std::vector<std::string> inputs;
+  for (Json& input : record.contains("inputs") ? record["inputs"] : record["inputs"] = Json::array()) {
+    if (!input.is_object() || !input.contains("path") || !input["path"].is_string()) continue;
+    inputs.push_back(input["path"]);
+    input["path"] = place_of(inputs.back(), folder).path;
+  }
+  std::vector<MissingInput> missing_inputs;
+  for (auto& [name, values] : record["options"].items()) {
+    const std::string flag = "--" + name;
+    const CLI::Option* const option = app.get_option_no_throw(flag);
+    const auto find = [&](Json& value) {
+      if (!value.is_string()) return;
+      const std::string recorded = value;
+      const bool is_input = std::find(inputs.begin(), inputs.end(), recorded) != inputs.end();
+      if (!is_input && !holds_path(option, recorded, folder)) return;
+      const Place place = place_of(recorded, folder);
+      if (is_input && !place.is_found) missing_inputs.push_back({flag, place.path, missing(recorded, flag, start)});
+      value = place.path;
+    };
+    if (!values.is_array()) find(values);
+    if (values.is_array()) std::for_each(values.begin(), values.end(), find);
+  }
+  return missing_inputs;
+}
+
+}  // namespace e2lf::cli

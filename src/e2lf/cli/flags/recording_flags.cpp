@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/flags/recording_flags.h"
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+
+void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group) {
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    app.add_option(name, value, text)->group(group);
+  };
+  add("--event-format", flags.format, "format of the recording, where the file does not tell");
+  add("--sensor-width", flags.width, "px, where the recording does not tell");
+  add("--sensor-height", flags.height, "px, where the recording does not tell");
+  add("--stream", flags.stream, "number or name of a stream of events, where the recording holds several");
+  add("--columns", flags.columns,
+      "order of the columns of a table of events, as txyp; - is a column to be passed over");
+  app.add_option("--time-unit", flags.time_unit,
+                 "of the times of text, numpy and HDF5 tables: s, ms, us, ns; auto = as names say, else us of whole "
+                 "numbers and s of others")
+      ->check(CLI::IsMember({"auto", "s", "ms", "us", "ns"}))
+      ->group(group);
+  app.add_option(
+         "--restart", flags.restart,
+         "where the clock starts again (a restarted camera, joined files): continue moves the later part behind "
+         "the earlier one, split keeps them apart (info, convert), refuse fails")
+      ->check(CLI::IsMember({"continue", "split", "refuse"}))
+      ->group(group);
+  add("--from-us", flags.from_us, "recordings: leave out what is before this time of the recording's own clock");
+  add("--to-us", flags.to_us, "recordings: leave out what is at or after this time of the recording's own clock");
+  app.add_flag("--relative", flags.is_relative,
+               "recordings: --from-us and --to-us count from the first event or trigger")
+      ->group(group);
+  app.add_flag(
+      "--strict", flags.is_strict,
+      "fail and write nothing where events would be left out (damage, outside the sensor, no room for a count)");
+}
+
+namespace {
+
+recordings::TimeUnit time_unit_of(const std::string& word) {
+  if (word == "s") return recordings::TimeUnit::kSeconds;
+  if (word == "ms") return recordings::TimeUnit::kMilliseconds;
+  if (word == "us") return recordings::TimeUnit::kMicroseconds;
+  return word == "ns" ? recordings::TimeUnit::kNanoseconds : recordings::TimeUnit::kAuto;
+}
+
+recordings::RestartPolicy restart_policy_of(const std::string& word) {
+  if (word == "split") return recordings::RestartPolicy::kSplit;
+  return word == "refuse" ? recordings::RestartPolicy::kRefuse : recordings::RestartPolicy::kContinue;
+}
+
+}  // namespace
+
+bool is_live(const fs::path& input) {
+  return recordings::is_live_recording(input.string());
+}
+
+Result<recordings::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags, bool reads_parts) {
+  if (flags.from_us >= flags.to_us) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the range from ", flags.from_us, " to ", flags.to_us, " us is empty; give a later --to-us"),
+                 "--from-us"};
+  }
+  recordings::OpenOptions open;
+  open.restart = restart_policy_of(flags.restart);
+  if (open.restart == recordings::RestartPolicy::kSplit && !reads_parts) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        "split is for `e2lf info`, which lists the parts, and `e2lf convert`, which writes each to a file of its "
+        "own; convert the recording first, or take continue",
+        "--restart"};
+  }
+  open.format = flags.format;
+  open.width = flags.width;
+  open.height = flags.height;
+  open.columns = flags.columns;
+  open.stream = flags.stream;
+  open.time_unit = time_unit_of(flags.time_unit);
+  open.from_us = flags.from_us;
+  open.to_us = flags.to_us;
+  open.range = flags.is_relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
+  open.threads = 0;
+  // Who waits for a camera hears of damage at once; of a file, the account at the end says it all.
+  open.policy = flags.is_strict  ? recordings::DecodePolicy::kStrict
+                : is_live(input) ? recordings::DecodePolicy::kReport
+                                 : recordings::DecodePolicy::kSkip;
+  return open;
+}
+
+void say_assumptions(const recordings::RecordingReader& reader) {
+  for (const recordings::Assumption& assumption : reader.info().assumptions) {
+    log_info(cat(reader.name(), ": ", assumption_text(assumption)));
+  }
+}
+
+std::string assumption_text(const recordings::Assumption& assumption) {
+  if (assumption.setting == Setting::kColumns) return assumption.text + "; --columns and --time-unit say otherwise";
+  if (assumption.setting == Setting::kStream) return assumption.text + "; --stream chooses another";
+  if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; --time-unit says otherwise";
+  return assumption.text;
+}
+
+Json reading_json(const recordings::RecordingInfo& info) {
+  if (!info.table) return nullptr;
+  return {{"columns", info.table->columns}, {"time_unit", info.table->time_unit}, {"polarity", info.table->polarity}};
+}
+
+Json losses_json(const recordings::DecodeSummary& summary) {
+  Json json = Json::array();
+  for (const recordings::Loss& loss : recordings::losses(summary)) {
+    json.push_back({{"reason", loss.reason}, {"count", loss.count}, {"first_byte", loss.first_byte}});
+  }
+  return json;
+}
+
+void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summary) {
+  if (const std::string restarts = recordings::restart_text(summary); !restarts.empty()) {
+    const bool is_moved = summary.restarts.front().shift_us != 0;
+    log_warning(cat(input.string(), ": ", restarts,
+                    is_moved ? " (--restart continue; split keeps the parts apart, refuse fails there)" : ""));
+  }
+  const std::vector<recordings::Loss> losses = recordings::losses(summary);
+  if (losses.empty()) return;
+  const bool is_outside = summary.of(recordings::Violation::kOutOfRange).count > 0;
+  const char* const advice = is_outside ? "; --sensor-width and --sensor-height give the sensor's size" : "";
+  log_warning(cat(input.string(), ": left out ", recordings::loss_text(losses), advice));
+}
+
+Json restarts_json(const recordings::DecodeSummary& summary) {
+  Json json = Json::array();
+  for (const recordings::Restart& restart : summary.restarts) {
+    json.push_back({{"byte", restart.byte},
+                    {"before_us", restart.before_us},
+                    {"after_us", restart.after_us},
+                    {"shift_us", restart.shift_us}});
+  }
+  return json;
+}
+
+std::string sorted_text(const recordings::DecodeSummary& summary) {
+  return summary.out_of_order == 0 ? "" : cat(", ", summary.out_of_order, " of them sorted to their place");
+}
+
+}  // namespace e2lf::cli

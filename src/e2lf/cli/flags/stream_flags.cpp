@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/flags/stream_flags.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/lightfield/orient.h"
+#include "e2lf/lightfield/turntable_scene.h"
+#include "e2lf/streams/camera_stream.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int64_t kTurntableFieldUs = 10000;
+
+Result<StreamScene> still_scene(const fs::path& input, const SceneOptions& options, bool is_quiet) {
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, load_scene(input, options, is_quiet));
+  StreamScene result{{}, field.shape().height, field.shape().width};
+  result.scene.at = [field = std::move(field)](uint64_t) { return Result<lightfield::LightField>(field); };
+  return result;
+}
+
+/// One light field after the other; the last one stays.
+Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const SceneOptions& options, bool is_quiet) {
+  std::vector<fs::path> fields;
+  std::error_code error;
+  for (fs::directory_iterator entry(input, error), end; !error && entry != end; entry.increment(error)) {
+    fields.push_back(entry->path());
+  }
+  std::sort(fields.begin(), fields.end());
+  if (fields.empty()) {
+    return Error{ErrorCode::kNotFound, "there is no folder of light fields; --field-us needs one, a field each",
+                 input.string()};
+  }
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField first, load_scene(fields.front(), options, is_quiet));
+  StreamScene result{{}, first.shape().height, first.shape().width};
+  result.scene.knot_us = field_us;
+  result.scene.at = [fields, options](uint64_t knot) {
+    return load_scene(fields[std::min<size_t>(knot, fields.size() - 1)], options, true);
+  };
+  return result;
+}
+
+StreamScene turntable(const StreamFlags& flags, const SceneOptions& options, uint64_t seed) {
+  StreamScene result{{}, flags.height, flags.width};
+  result.scene.knot_us = flags.field_us > 0 ? flags.field_us : kTurntableFieldUs;
+  const double turn =
+      flags.turntable_rpm / 60 * 2 * std::numbers::pi * static_cast<double>(result.scene.knot_us) * 1e-6;
+  const lightfield::Shape shape{options.views_y, options.views_x, flags.height, flags.width, 1};
+  result.scene.at = [=](uint64_t knot) -> Result<lightfield::LightField> {
+    const auto angle = static_cast<float>(std::remainder(turn * static_cast<double>(knot), 2 * std::numbers::pi));
+    lightfield::LightField field = lightfield::render_light_field(lightfield::turntable_scene(angle, seed), shape);
+    lightfield::orient(field, options.flags.orientation.value());
+    return field;
+  };
+  return result;
+}
+
+}  // namespace
+
+void add_stream_options(CLI::App& app, StreamFlags& flags) {
+  const char* const group = kStreamOptions;
+  const auto number = [&](const char* name, auto& value, const char* help) {
+    app.add_option(name, value, help)->check(CLI::NonNegativeNumber)->capture_default_str()->group(group);
+  };
+  app.add_flag("--stream", flags.stream,
+               "simulate event by event, references carried from cycle to cycle; always so for recordings of physical "
+               "pixels, for esim, v2e, and with the flags below")
+      ->group(group);
+  app.add_option("--schedule", flags.schedule, "what is shown for how long (JSON); default: the paper's eight patterns")
+      ->check(CLI::ExistingFile)
+      ->group(group);
+  number("--rise-us", flags.rise_us, "time in which the display goes over from pattern to pattern");
+  number("--field-us", flags.field_us, "the input is a folder of light fields, one for each so many microseconds");
+  app.add_option("--turntable", flags.turntable_rpm,
+                 "no input: a still life on a table that makes so many turns a minute (the paper's: 1.75)")
+      ->check(CLI::Range(-1000.0, 1000.0))
+      ->group(group);
+  app.add_option("--width", flags.width, "of the turntable's views, px")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--height", flags.height, "of the turntable's views, px")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--v2e-preset", flags.v2e_preset, "parameters of v2e: default, noisy or clean")
+      ->check(CLI::IsMember({"default", "noisy", "clean"}))
+      ->capture_default_str()
+      ->group(group);
+  number("--refractory-us", flags.refractory_us, "physical pixels, esim: a pixel is blind for so long after an event");
+  number("--leak-rate-hz", flags.leak_rate_hz, "physical pixels: ON events of each in constant light");
+  number("--shot-rate-hz", flags.shot_rate_hz, "physical pixels: events by chance in the dark");
+  number("--hot-pixels", flags.hot_share, "physical pixels: share of those that fire all the time, 0 to 1");
+  number("--readout-limit", flags.readout_limit,
+         "events that the sensor can hand out per second, 1.066e9 for an EVK4; more wait or are lost; 0 = all");
+}
+
+bool need_stream(const StreamFlags& flags) {
+  return flags.stream || !flags.schedule.empty() || flags.rise_us > 0 || flags.field_us > 0 || flags.has_turntable() ||
+         flags.refractory_us > 0 || flags.leak_rate_hz > 0 || flags.shot_rate_hz > 0 || flags.hot_share > 0 ||
+         flags.readout_limit > 0;
+}
+
+Result<streams::StreamOptions> stream_options(const StreamFlags& flags, const std::string& event_model,
+                                              const capture::SensorConstants& constants,
+                                              const std::optional<capture::Camera>& camera, uint64_t seed) {
+  streams::StreamOptions options = streams::camera_stream(camera.value_or(capture::Camera{}), seed);
+  const bool is_pixel = options.model == streams::StreamModel::kPixel;
+  if (!is_pixel) {
+    E2LF_ASSIGN_OR_RETURN(options.model, streams::stream_model_from_name(event_model));
+    options.constants = constants;
+  }
+  if (options.model == streams::StreamModel::kPixel && !is_pixel) {
+    return Error{ErrorCode::kInvalidValue, "the event model pixel needs a camera; give --camera, as evk4-lcos", ""};
+  }
+  const bool is_esim = options.model == streams::StreamModel::kEsim;
+  if ((flags.refractory_us > 0 && !is_pixel && !is_esim) ||
+      (!is_pixel && (flags.leak_rate_hz > 0 || flags.shot_rate_hz > 0 || flags.hot_share > 0))) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the event model ", streams::stream_model_name(options.model), " has no use for --refractory-us, ",
+                     "--leak-rate-hz, --shot-rate-hz or --hot-pixels; leave them out, or give --camera evk4-lcos"),
+                 ""};
+  }
+  options.esim_refractory_us = options.defects.refractory_us = flags.refractory_us;
+  options.defects.leak_rate_hz = flags.leak_rate_hz;
+  options.defects.shot_rate_hz = flags.shot_rate_hz;
+  options.defects.hot_share = flags.hot_share;
+  options.readout.events_per_s = flags.readout_limit;
+  E2LF_ASSIGN_OR_RETURN(options.v2e, streams::v2e_preset(flags.v2e_preset));
+  return options;
+}
+
+Result<StreamScene> open_stream_scene(const fs::path& input, const StreamFlags& flags, const SceneOptions& options,
+                                      uint64_t seed, bool is_quiet) {
+  if (flags.has_turntable()) return turntable(flags, options, seed);
+  if (flags.field_us > 0) return sequence(input, flags.field_us, options, is_quiet);
+  return still_scene(input, options, is_quiet);
+}
+
+}  // namespace e2lf::cli

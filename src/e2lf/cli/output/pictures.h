@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/lightfield/image.h"
+
+namespace e2lf::cli {
+
+/// The event images of a cycle side by side: grey = no event, towards red = ON events, towards blue = OFF events, full
+/// colour at the 99 % quantile of the counts.
+[[nodiscard]] lightfield::Image event_picture(const capture::EventImages& images);
+
+}  // namespace e2lf::cli

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/output/report_output.h"
+
+#include <fstream>
+#include <iterator>
+
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/output/next_step.h"
+#include "e2lf/film/draw_svg.h"
+#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/report/axis.h"
+#include "e2lf/report/chart.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+CLI::Validator report_name() {
+  const auto check = [](std::string& text) {
+    const auto format = report::file_format_of(text);
+    return format ? std::string() : format.error().text();
+  };
+  return {check, ""};
+}
+
+/// As it was typed, as far as one can tell.
+std::string command_line() {
+  std::ifstream in("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(in, word, '\0');) words.push_back(shell_word(word));
+  if (!words.empty()) words.front() = "e2lf";
+  return join(words, " ");
+}
+
+}  // namespace
+
+void add_report_option(CLI::App& app, std::vector<fs::path>& names) {
+  app.add_option("--report", names,
+                 "also write a page that tells of the run (.html), or its tables (.csv: the first; .tex); may be given "
+                 "several times")
+      ->check(report_name())
+      ->allow_extra_args(false);
+}
+
+Result<ReportOutput> ReportOutput::open(const std::vector<fs::path>& names, const OutputRules& rules) {
+  ReportOutput made;
+  for (const fs::path& name : names) {
+    E2LF_ASSIGN_OR_RETURN(const report::FileFormat format, report::file_format_of(name));
+    E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(name, rules));
+    made.files_.push_back({format, std::move(output)});
+  }
+  return made;
+}
+
+Result<void> ReportOutput::write(const report::Page& page) {
+  for (File& file : files_) {
+    E2LF_RETURN_IF_ERROR(write_file(file.output.path(), report::file_text(page, file.format)));
+    E2LF_RETURN_IF_ERROR(file.output.commit());
+  }
+  return {};
+}
+
+report::Page verb_page(const std::string& title) {
+  report::Page page(title);
+  page.code(command_line());
+  return page;
+}
+
+Result<void> add_pictures(const std::vector<NamedImage>& images, size_t most_width, report::Page& page) {
+  std::vector<std::vector<uint8_t>> kept;
+  for (const auto& [image, caption] : images) {
+    const size_t width = std::min(image.width, most_width);
+    const size_t height = std::max<size_t>(1, image.height * width / std::max<size_t>(1, image.width));
+    const bool is_wide = width < image.width;
+    E2LF_ASSIGN_OR_RETURN(
+        auto png,
+        lightfield::encode_png(lightfield::to_bytes(is_wide ? lightfield::shrink(image, width, height) : image)));
+    kept.push_back(std::move(png));
+  }
+  std::vector<report::Picture> pictures;
+  for (size_t i = 0; i < images.size(); ++i) pictures.push_back({kept[i], images[i].caption});
+  page.pictures(pictures);
+  return {};
+}
+
+void add_patterns(const capture::Codes& codes, report::Page& page) {
+  page.begin_row();
+  for (size_t n = 0; n < codes.num_patterns; ++n) {
+    const auto pattern = codes.pattern(n);
+    page.drawing(report::grid_svg({codes.views_x, {pattern.begin(), pattern.end()}}), cat("a", n + 1));
+  }
+  page.end_row();
+}
+
+std::string transition_bars(const std::vector<double>& events_per_pixel) {
+  report::BarChart chart;
+  chart.y_label = "events per pixel";
+  chart.decimals = 3;
+  report::BarChart::Series series{"signed sums", {}};
+  for (size_t k = 0; k < events_per_pixel.size(); ++k) {
+    chart.groups.push_back(cat("transition ", k + 1));
+    series.values.emplace_back(events_per_pixel[k]);
+  }
+  chart.series.push_back(std::move(series));
+  return report::chart_svg(chart);
+}
+
+Result<void> write_chart(const std::string& svg, const fs::path& name, const fs::path& place) {
+  const std::string drawing = report::file_svg(svg);
+  if (name.extension() != ".png") return write_file(place, drawing);
+  constexpr size_t kWidth = 1800;  // twice that of the drawing
+  auto image = film::draw_svg(drawing, kWidth);
+  if (!image) {
+    Error error = image.error();
+    error.location = name.string();
+    return error;
+  }
+  return lightfield::write_png(place, lightfield::to_bytes(*image));
+}
+
+CLI::Validator chart_name() {
+  const auto check = [](std::string& text) {
+    const std::string extension = fs::path(text).extension().string();
+    return extension == ".svg" || extension == ".png"
+               ? std::string()
+               : cat("the picture is SVG or PNG; give it a name that ends in .svg or .png, not ", text);
+  };
+  return {check, ""};
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+// e2lf accumulate: recording -> event images per pattern cycle
+#include <chrono>
+#include <cstdio>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_image_writer.h"
+#include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/flags/file_kind.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cli/output/live_log.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/pictures.h"
+#include "e2lf/cli/output/report_output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/rate_plot.h"
+#include "e2lf/eval/event_statistics.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/recordings/event_rate.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct AccumulateArguments {
+  fs::path input, output, plot;
+  std::vector<fs::path> reports;
+  CycleFlags cycles;
+  OrientationFlags orientation;
+};
+
+/// Collects the picture of a recording while it is cut.
+class CyclePlot {
+ public:
+  [[nodiscard]] CycleObserver observer() {
+    return {.on_batch = [this](const recordings::EventBatch& batch) { rate_.add(batch); },
+            .on_mark = [this](const cycles::Mark& mark) { keep(found_.marks, mark); }};
+  }
+  void add(const cycles::Cycle& cycle) {
+    keep(found_.cycles, FoundCycle{cycle.number, cycle.confidence, cycle.slices});
+  }
+  [[nodiscard]] std::string svg() const { return report::chart_svg(rate_chart(rate_.rate(), found_)); }
+
+ private:
+  static constexpr size_t kBins = 2000;
+
+  /// The picture shows no more of them than this.
+  template <typename T>
+  static void keep(std::vector<T>& kept, const T& item) {
+    if (kept.size() < kMaxDrawn) kept.push_back(item);
+  }
+
+  recordings::EventRateCounter rate_{kBins};
+  FoundCycles found_;
+};
+
+/// Counts what is read on the bar, and shows it to the plot where there is one.
+CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
+  CycleObserver both = plot != nullptr ? plot->observer() : CycleObserver();
+  both.on_batch = [&bar, events = size_t{0}, of_plot = both.on_batch](const recordings::EventBatch& batch) mutable {
+    events += batch.events.size();
+    bar.update(events, 0);
+    if (of_plot) of_plot(batch);
+  };
+  return both;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// Puts patterns and camera of the recording beside its event images; the patterns where they are those of the
+/// schedule.
+void keep_setup_of(const fs::path& input, RecordedSetup setup, size_t transitions, capture::EventImageWriter& writer) {
+  if (setup.codes && setup.codes->num_patterns != transitions + 1) {
+    log_warning(cat(input.string(), " holds ", setup.codes->num_patterns,
+                    " patterns, which are not those of the schedule with ", transitions,
+                    " event images: leaving them out"));
+    setup.codes.reset();
+  }
+  keep_setup(setup, writer);
+}
+
+/// A row for each cycle.
+report::Table cycle_table(const Json& cycles) {
+  report::Table table{"The cycles, in order of time.",
+                      {{"cycle", true}, {"events", true}, {"begins, us", true}, {"confidence", true}},
+                      {}};
+  const bool is_live = !cycles.empty() && cycles[0].contains("latency_s");
+  if (is_live) table.columns.push_back({"latency, s", true});
+  const auto whole = [](const Json& number) { return report::Cell{number.dump(), number}; };
+  for (const Json& cycle : cycles) {
+    table.rows.push_back({whole(cycle["number"]), whole(cycle["events"]), whole(cycle["begin_us"]),
+                          report::number_cell(cycle["confidence"].get<double>(), 3)});
+    if (is_live) table.rows.back().push_back(report::number_cell(cycle["latency_s"].get<double>(), 3));
+  }
+  return table;
+}
+
+/// A member of each cycle over the numbers of the cycles.
+std::string cycle_curve(const Json& cycles, const char* member, const char* label) {
+  report::LineChart chart{"cycle", label, {{"", {}, /*is_filled=*/true}}};
+  for (const Json& cycle : cycles) {
+    chart.lines[0].points.push_back({cycle["number"].get<double>(), cycle[member].get<double>()});
+  }
+  return report::chart_svg(chart);
+}
+
+Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const Json& cycles, const CyclePlot& plot,
+                                 const std::optional<capture::EventImages>& first) {
+  report::Page page = verb_page(cat("Pattern cycles in ", input.string()));
+  page.facts(facts).heading("Events over time").drawing(plot.svg());
+  if (first) {
+    page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
+    E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(*first), "event images"}}, 1600, page));
+    page.drawing(transition_bars(eval::event_statistics(*first).events_per_pixel));
+  }
+  page.heading("Cycles");
+  if (cycles.size() > 1) {
+    page.drawing(cycle_curve(cycles, "events", "events")).drawing(cycle_curve(cycles, "confidence", "confidence"));
+    if (cycles[0].contains("latency_s")) page.drawing(cycle_curve(cycles, "latency_s", "latency, s"));
+  }
+  page.table(cycle_table(cycles));
+  return page;
+}
+
+Result<std::optional<OutputFile>> open_picture(const fs::path& path, OutputRules rules) {
+  if (path.empty()) return std::optional<OutputFile>();
+  rules.streams = true;
+  E2LF_ASSIGN_OR_RETURN(OutputFile picture, OutputFile::create(path, rules));
+  return std::optional(std::move(picture));
+}
+
+Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  if (arguments.output.extension() != ".npz") {
+    return Error{ErrorCode::kUnsupported, "event images are written as .npz; give it such a name",
+                 arguments.output.string()};
+  }
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
+  if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
+  OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule}, .overwrite = common.overwrite};
+  E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> picture, open_picture(arguments.plot, rules));
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
+  rules.recover = recover_cycles;
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
+  RunRecord record("accumulate");
+  CyclePlot plot;
+  const bool is_plotted = !arguments.plot.empty() || reports.is_wanted();
+  std::optional<capture::EventImages> first;  // for the report
+  // Of live input the log tells, a line for each cycle.
+  ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
+  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
+                        open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
+  E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, setup_of_cycles(arguments.input, reader));
+  setup.views = arguments.orientation.after(setup.views);
+  ConfidenceWatch confidence;
+  LiveLog live_log;
+  Json cycles = Json::array();
+  while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
+    E2LF_ASSIGN_OR_RETURN(const std::optional<cycles::Cycle> cycle, reader.next());
+    if (!cycle) break;
+    confidence.add(*cycle, reader.source());
+    if (reports.is_wanted() && !first) first = cycle->images;
+    if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.transitions, writer);
+    E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
+    cycles.push_back(cycle_json(*cycle));
+    if (cycle->arrival) {
+      const double latency_s = behind_s(*cycle) + seconds_since(*cycle->arrival);
+      cycles.back()["latency_s"] = latency_s;
+      live_log.add(cycle->number, cycle->events, latency_s);
+    }
+    if (is_plotted) plot.add(*cycle);
+  }
+  record.end_step("accumulate");
+  hide_progress();
+  const cycles::CycleReport report = reader.report();
+  live_log.finish(report);
+  const recordings::DecodeSummary summary = reader.summary();
+  warn_of_losses(arguments.input, summary);
+  // Picture and report come first: they tell why, where no cycle was found.
+  if (picture) {
+    E2LF_RETURN_IF_ERROR(write_chart(plot.svg(), arguments.plot, picture->path()));
+    E2LF_RETURN_IF_ERROR(picture->commit());
+  }
+  if (reports.is_wanted()) {
+    const std::vector<recordings::Loss> losses = recordings::losses(summary);
+    const Json facts = {{"recording", arguments.input.string()},
+                        {"source", source_name(reader.source())},
+                        {"found", report_json(report)},
+                        {"least_confidence", confidence.least()},
+                        {"left_out", losses.empty() ? "nothing" : recordings::loss_text(losses)}};
+    E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(arguments.input, facts, cycles, plot, first));
+    E2LF_RETURN_IF_ERROR(reports.write(page));
+  }
+  confidence.warn(arguments.input, report, reader.schedule());
+  if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
+  E2LF_RETURN_IF_ERROR(writer.finish());
+  record.resolve("source", source_name(reader.source()));
+  record.note("cycles", report_json(report));
+  record.note("left_out", losses_json(summary));
+  record.note("read_as", reading_json(reader.recording().info()));
+  record.note("least_confidence", confidence.least());
+  record.note("each", cycles);
+  if (setup.views) record.note("views", capture::orientation_name(*setup.views));
+  note_colour_filter(record, recorded_colour_filter(arguments.input), output.path());
+  record.add_input(arguments.input);
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(output.commit());
+  if (common.json) {
+    Json json = report_json(report);
+    json["left_out"] = losses_json(summary);
+    json["least_confidence"] = confidence.least();
+    json["each"] = std::move(cycles);
+    std::printf("%s", json_text(json).c_str());
+  } else if (!common.quiet) {
+    std::printf("%s\n", report.triggers.c_str());
+    std::printf("%s in %s, least confidence %.2f\n", report_text(report).c_str(), arguments.output.c_str(),
+                static_cast<double>(confidence.least()));
+  }
+  return {};
+}
+
+}  // namespace
+
+int run_accumulate(const std::vector<std::string>& arguments) {
+  Verb verb("accumulate", "Cut a recording into pattern cycles and accumulate each into event images. Constant memory.",
+            "e2lf accumulate recording.raw -o events.npz --source bursts");
+  AccumulateArguments accumulation;
+  verb.app()
+      .add_option("input,-i,--input", accumulation.input,
+                  "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
+      ->required();
+  verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
+  verb.app()
+      .add_option("--plot", accumulation.plot,
+                  "write the event rate with the triggers or bursts and the cycles found, as a picture (.svg, .png)")
+      ->check(chart_name());
+  add_report_option(verb.app(), accumulation.reports);
+  add_cycle_options(verb.app(), accumulation.cycles);
+  add_orientation_options(verb.app(), accumulation.orientation);
+  verb.stop_gently();
+  return verb.run(arguments, [&] { return accumulate(accumulation, verb); });
+}
+
+}  // namespace e2lf::cli

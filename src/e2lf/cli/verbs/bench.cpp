@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+// e2lf bench reconstruct | simulate | train | video; decode is in a file of its own
+#include <cmath>
+#include <iterator>
+
+#include "bench/simulate/benchmark_simulate.h"
+#include "bench/simulate/benchmark_stream.h"
+#include "e2lf/base/isa.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/cli/flags/camera_option.h"
+#include "e2lf/cli/flags/model_option.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/bench_camera.h"
+#include "e2lf/cli/verbs/bench_decode.h"
+#include "e2lf/cli/verbs/bench_reconstruct.h"
+#include "e2lf/cli/verbs/bench_report.h"
+#include "e2lf/cli/verbs/bench_rig.h"
+#include "e2lf/cli/verbs/bench_video.h"
+#include "e2lf/cli/verbs/trainer_program.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/model/model.h"
+#include "e2lf/streams/camera_stream.h"
+
+namespace e2lf::cli {
+namespace {
+
+/// A number that may not be there.
+report::Cell number_of(const Json& row, const char* name, int decimals, double factor = 1) {
+  if (!row.contains(name)) return {};
+  const Json& value = row[name].is_object() ? row[name]["median"] : row[name];
+  return report::number_cell(factor * value.get<double>(), decimals);
+}
+
+BenchReport reconstruct_report(const Json& json) {
+  report::Table table{
+      "Medians. GFLOP/s count the network's multiplications and additions.",
+      {{"arithmetic"}, {"seconds", true}, {"GFLOP/s", true}, {"of the peak, %", true}, {"times the peer", true}},
+      {}};
+  const auto add = [&](const std::string& name, const Json& row) {
+    table.rows.push_back({report::text_cell(name), number_of(row, "seconds", 3), number_of(row, "gflops", 0),
+                          number_of(row, "share_of_peak", 0, 100), number_of(row, "ratio_to_peer", 1)});
+  };
+  for (const char* precision : {"float32", "bfloat16"}) {
+    if (json.contains(precision)) add(precision, json[precision]);
+  }
+  const Json& peer = json["peer"];
+  const bool has_peer = peer.contains("name");
+  if (has_peer) add("peer: " + peer["name"].get<std::string>(), peer);
+  BenchReport found{"Speed of reconstruction",
+                    cat(json["network"].get<std::string>(), ", ", json_line(json["image"]), " px, ",
+                        json["threads"].get<int>(), " threads, ", json["isa"].get<std::string>()),
+                    {table},
+                    {bars_of(table, 1, "seconds")}};
+  found.note = cat(has_peer ? "" : cat("peer: none (", peer["absent"].get<std::string>(), ")\n"),
+                   "multiply-add peak of this machine, GFLOP/s: ", json_line(json["peak_gflops"]), "; peak memory ",
+                   std::lround(json["peak_memory_mib"].get<double>()), " MiB");
+  return found;
+}
+
+void add_size_options(Verb& verb, size_t& width, size_t& height) {
+  const CLI::Range pixels(size_t{1}, size_t{16384});
+  verb.app().add_option("--width", width, "of the image in pixels")->check(pixels)->capture_default_str();
+  verb.app().add_option("--height", height, "of the image in pixels")->check(pixels)->capture_default_str();
+}
+
+int run_bench_reconstruct(const std::vector<std::string>& arguments) {
+  Verb verb("bench reconstruct",
+            "Measure the reconstruction network against libtorch and the machine's multiply-add peak, in the same run.",
+            "e2lf bench reconstruct --json");
+  ReconstructBench options;
+  std::filesystem::path model;
+  std::vector<std::filesystem::path> report_names;
+  add_size_options(verb, options.width, options.height);
+  verb.app()
+      .add_option("--runs", options.runs, "of each; figures are medians")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  add_model_option(verb.app(), "-m,--model", model,
+                   "model file or bundled model; default: the paper's network with random weights");
+  add_report_option(verb.app(), report_names);
+  return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
+    if (!model.empty()) {
+      E2LF_ASSIGN_OR_RETURN(options.model, model::read_model(model));
+    }
+    ProgressBar bar("bench", verb.common().quiet);
+    E2LF_ASSIGN_OR_RETURN(const Json json, bench_reconstruct(options, bar.callback()));
+    hide_progress();
+    return finish_bench(verb, json, reconstruct_report(json), reports);
+  });
+}
+
+BenchReport video_report(const Json& json) {
+  report::Table table{"Medians of seconds for a frame; ratios to libtorch.",
+                      {{"network"},
+                       {"px", true},
+                       {"float32", true},
+                       {"bfloat16", true},
+                       {"libtorch", true},
+                       {"float32 x", true},
+                       {"bfloat16 x", true}},
+                      {}};
+  report::BarChart chart{"seconds for a frame", true, 4, {}, {{"float32", {}}, {"bfloat16", {}}, {"libtorch", {}}}};
+  BenchReport found{"Speed of networks of frames", cat(json["threads"].get<int>(), " threads, ",
+                                                       json["isa"].get<std::string>(), "; seconds for a frame")};
+  constexpr const char* kKinds[] = {"float32", "bfloat16", "peer"};
+  for (const Json& row : json["networks"]) {
+    const std::string name = row["network"].get<std::string>();
+    std::vector<report::Cell> cells = {
+        report::text_cell(name),
+        report::text_cell(cat(row["image"][1].get<size_t>(), "x", row["image"][0].get<size_t>()))};
+    chart.groups.push_back(name);
+    for (size_t i = 0; i < std::size(kKinds); ++i) {
+      cells.push_back(row.contains(kKinds[i]) ? number_of(row[kKinds[i]], "seconds", 4) : report::Cell());
+      const Json& value = cells.back().value;
+      chart.series[i].values.push_back(value.is_number() ? std::optional(value.get<double>()) : std::nullopt);
+    }
+    for (const char* precision : {"float32", "bfloat16"}) {
+      cells.push_back(row.contains(precision) ? number_of(row[precision], "ratio_to_peer", 1) : report::Cell());
+    }
+    table.rows.push_back(std::move(cells));
+    const Json& peer = row["peer"];
+    found.note += cat(found.note.empty() ? "" : "\n", name, ": ");
+    found.note += peer.contains("absent") ? cat("no peer: ", peer["absent"].get<std::string>())
+                                          : cat("largest difference between libtorch and float32 ",
+                                                peer["largest_difference"].get<float>());
+  }
+  found.tables = {std::move(table)};
+  found.charts = {std::move(chart)};
+  return found;
+}
+
+int run_bench_video(const std::vector<std::string>& arguments) {
+  Verb verb("bench video", "Measure networks that make frames of events against libtorch, in the same run.",
+            "e2lf bench video --json");
+  VideoBench options;
+  std::filesystem::path model;
+  std::vector<std::filesystem::path> report_names;
+  add_size_options(verb, options.width, options.height);
+  verb.app()
+      .add_option("--frames", options.frames, "of each; figures are medians")
+      ->check(whole_number(1, 100000))
+      ->capture_default_str();
+  verb.app().add_option("-m,--model", model,
+                        "model file; default: FireNet, E2VID's network and ET-Net with random weights");
+  add_report_option(verb.app(), report_names);
+  return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
+    if (!model.empty()) {
+      E2LF_ASSIGN_OR_RETURN(options.model, model::read_video_model(model));
+    }
+    ProgressBar bar("bench", verb.common().quiet);
+    E2LF_ASSIGN_OR_RETURN(const Json json, bench_video(options, bar.callback()));
+    hide_progress();
+    return finish_bench(verb, json, video_report(json), reports);
+  });
+}
+
+BenchReport simulation_report(const Json& json, const bench::StreamBenchmark& stream) {
+  report::Table table{"Millions of pixels per second; the reference runs on one thread.",
+                      {{"simulation, M pixels/s"}, {"e2lf", true}, {"reference", true}, {"ratio", true}},
+                      {}};
+  for (const auto& [name, values] : json.items()) {
+    if (!values.contains("mpx_per_s")) continue;
+    table.rows.push_back({report::text_cell(name), number_of(values, "mpx_per_s", 1),
+                          number_of(values, "reference_mpx_per_s", 2), number_of(values, "ratio", 1)});
+  }
+  report::Table by_event{
+      "Event by event, physical pixels.",
+      {{"event by event, M events/s"}, {"all threads", true}, {"one thread", true}, {"reference", true}},
+      {}};
+  by_event.rows.push_back({report::text_cell("physical pixels"), report::number_cell(stream.events_per_s * 1e-6, 2),
+                           report::number_cell(stream.one_thread_events_per_s * 1e-6, 2),
+                           report::number_cell(stream.reference_events_per_s * 1e-6, 2)});
+  return {"Speed of simulation",
+          cat(num_threads(), " threads, ", current_isa(), "; the scalar reference in the same run"),
+          {table, by_event},
+          {bars_of(table, 3, "times the scalar reference")}};
+}
+
+int run_bench_simulate(const std::vector<std::string>& arguments) {
+  Verb verb("bench simulate",
+            "Measure the event simulation against the scalar reference on one thread, in the same run.",
+            "e2lf bench simulate --json");
+  bench::SimulationBenchmarkOptions options;
+  std::vector<std::filesystem::path> report_names;
+  add_size_options(verb, options.width, options.height);
+  verb.app().add_option("--seconds", options.seconds, "time for each measurement")->capture_default_str();
+  add_report_option(verb.app(), report_names);
+  return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
+    E2LF_ASSIGN_OR_RETURN(const bench::SimulationBenchmark result, bench::benchmark_simulation(options));
+    RunRecord record("bench simulate");
+    E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera("evk4-lcos", record));
+    E2LF_ASSIGN_OR_RETURN(const bench::StreamBenchmark stream,
+                          bench::benchmark_stream(streams::camera_stream(camera, 1), options.height, options.width));
+    const auto row = [](double ours, double reference) {
+      return Json{{"mpx_per_s", ours}, {"reference_mpx_per_s", reference}, {"ratio", ours / reference}};
+    };
+    const Json json = {{"coded_intensities", row(result.intensities_mpx_per_s, result.reference_intensities_mpx_per_s)},
+                       {"events", row(result.events_mpx_per_s, result.reference_events_mpx_per_s)},
+                       {"light_field_to_events", row(result.simulate_mpx_per_s, result.reference_simulate_mpx_per_s)},
+                       {"event_by_event",
+                        {{"events", stream.events},
+                         {"events_per_s", stream.events_per_s},
+                         {"one_thread_events_per_s", stream.one_thread_events_per_s},
+                         {"reference_events_per_s", stream.reference_events_per_s}}}};
+    return finish_bench(verb, json, simulation_report(json, stream), reports);
+  });
+}
+
+int run_bench_train(const std::vector<std::string>& arguments) {
+  Verb verb("bench train", "Measure training and the synthesis of its data against plain libtorch, in the same run.",
+            "e2lf bench train --batch 8 --json");
+  uint64_t batch = 4, steps = 5;
+  std::vector<std::filesystem::path> report_names;
+  add_report_option(verb.app(), report_names);
+  verb.app().add_option("--batch", batch, "samples of 64x64x8x8 for each step")->check(whole_number(1));
+  verb.app().add_option("--steps", steps, "measured for each loop; figures are medians")->check(whole_number(1));
+  return verb.run(arguments, [&] {
+    std::vector<std::string> call = {"bench", "--batch", std::to_string(batch), "--steps", std::to_string(steps)};
+    if (verb.common().json) call.emplace_back("--json");
+    if (verb.common().overwrite) call.emplace_back("--overwrite");
+    for (const auto& name : report_names) call.insert(call.end(), {"--report", name.string()});
+    return become_trainer(std::move(call), verb.common().threads);
+  });
+}
+
+}  // namespace
+
+int run_bench(const std::vector<std::string>& arguments) {
+  return run_subverb("bench",
+                     {{"camera", "what each imperfection of a camera costs, for each model", run_bench_camera},
+                      {"decode", "RAW recordings, against the scalar reference", run_bench_decode},
+                      {"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
+                      {"rig", "one cycle from light field to light field, each stage", run_bench_rig},
+                      {"simulate", "the event simulation, against the scalar reference", run_bench_simulate},
+                      {"video", "networks that make frames of events, against libtorch", run_bench_video},
+                      {"train", "training steps and the synthesis of data, against plain libtorch", run_bench_train}},
+                     arguments);
+}
+
+}  // namespace e2lf::cli

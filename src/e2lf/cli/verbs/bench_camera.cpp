@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+// e2lf bench camera: scenes before a camera with one imperfection more or less, reconstructed by each model
+#include "e2lf/cli/verbs/bench_camera.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/cli/flags/camera_option.h"
+#include "e2lf/cli/flags/camera_settings.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/model_option.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/scene_input.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/bench_report.h"
+#include "e2lf/eval/best_gain.h"
+#include "e2lf/eval/metrics.h"
+#include "e2lf/lightfield/crop.h"
+#include "e2lf/recon/reconstruct.h"
+#include "e2lf/streams/camera_stream.h"
+#include "e2lf/streams/virtual_rig.h"
+
+namespace e2lf::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using lightfield::LightField;
+
+constexpr size_t kMostMotionPx = 8;                // of camera_settings()
+constexpr size_t kMargin = 2 * kMostMotionPx + 1;  // what comes into view in two cycles
+constexpr double kEvk4Pixels = 1280.0 * 720.0;
+
+struct CameraBench {
+  std::vector<fs::path> scenes, models;
+  fs::path codes;
+  std::string camera = "evk4-lcos", precision = "auto";
+  size_t size = 256;
+  float scene_gain = 1.0F;
+};
+
+/// The scene as it is in view after it moved by so many pixels: the middle rows, columns from `motion_px` on.
+Result<LightField> in_view(const LightField& scene, size_t size, size_t motion_px) {
+  const size_t height = std::min(size, scene.shape().height);
+  const size_t width = std::min(size, scene.shape().width - kMargin);
+  const size_t x = (scene.shape().width - kMargin - width) / 2 + motion_px;
+  return lightfield::crop(scene, {(scene.shape().height - height) / 2, x, height, width});
+}
+
+/// The event images of the second cycle: by then a pixel's reference is what the cycle before left.
+Result<capture::EventImages> play(const CameraSetting& setting, const capture::Codes& codes, const LightField& scene,
+                                  const CameraBench& options, uint64_t seed) {
+  E2LF_ASSIGN_OR_RETURN(const LightField first, in_view(scene, options.size, 0));
+  streams::RigOptions rig_options;
+  rig_options.schedule = cycles::paper_schedule(codes.num_patterns);
+  rig_options.gain = options.scene_gain;
+  rig_options.rise_us = setting.rise_us;
+  rig_options.trigger_channel.reset();
+  streams::MovingScene moving;
+  moving.at = [&](uint64_t knot) { return in_view(scene, options.size, std::min<size_t>(knot, kMargin)); };
+  if (setting.motion_px > 0) {
+    moving.knot_us = rig_options.schedule.cycle_us() / static_cast<int64_t>(setting.motion_px);
+  }
+  streams::StreamOptions stream = streams::camera_stream(setting.camera, seed);
+  stream.defects = setting.defects;
+  stream.readout.events_per_s =
+      setting.readout_events_per_s * static_cast<double>(first.shape().height * first.shape().width) / kEvk4Pixels;
+  E2LF_ASSIGN_OR_RETURN(auto rig,
+                        streams::VirtualRig::create(codes, setting.camera, stream, rig_options, std::move(moving),
+                                                    first.shape().height, first.shape().width));
+  E2LF_ASSIGN_OR_RETURN(recordings::EventBatch batch, rig.play_cycle());
+  E2LF_ASSIGN_OR_RETURN(batch, rig.play_cycle());
+  return rig.sum_windows(batch);
+}
+
+/// The brightness that fits best: a network that was made for another camera is not to lose by that alone.
+LightField fitted_to(const LightField& field, const LightField& truth) {
+  const float gain = eval::best_gain(truth, field);
+  LightField fitted = field;
+  for (float& value : fitted.data()) value *= gain;
+  return fitted;
+}
+
+/// PSNR against the scene at rest; of one that moves, against the best of the places that it had in the cycle.
+Result<double> best_psnr(const LightField& field, const LightField& scene, const CameraBench& options,
+                         size_t motion_px) {
+  double best = 0;
+  for (size_t px = motion_px; px <= 2 * motion_px; ++px) {
+    E2LF_ASSIGN_OR_RETURN(const LightField truth, in_view(scene, options.size, px));
+    E2LF_ASSIGN_OR_RETURN(const auto metrics, eval::compare(truth, fitted_to(field, truth)));
+    best = std::max(best, metrics.mean.psnr_db);
+  }
+  return best;
+}
+
+/// A model as it is told the camera, where it wants to be told.
+Result<recon::Reconstructor> reconstructor_for(model::Model model, const CameraSetting& setting,
+                                               const CameraBench& options) {
+  if (model::is_told_the_camera(model)) model.camera = setting.camera;
+  E2LF_ASSIGN_OR_RETURN(const auto precision, engine::precision_from_name(options.precision));
+  return recon::Reconstructor::create(std::move(model), {.precision = precision});
+}
+
+struct NamedModel {
+  model::Model model;
+  capture::Codes codes;
+};
+
+Result<std::vector<NamedModel>> read_models(const CameraBench& options, RunRecord& record) {
+  std::vector<NamedModel> models;
+  for (const fs::path& path : options.models) {
+    E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(path));
+    const CodesSource source{model.codes && options.codes.empty() ? path : fs::path(), options.codes};
+    E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(source, record));
+    if (!model.codes && options.codes.empty()) {
+      return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera with --codes",
+                   path.string()};
+    }
+    models.push_back({std::move(model), std::move(known.codes)});
+  }
+  return models;
+}
+
+Result<std::vector<LightField>> read_scenes(const CameraBench& options) {
+  std::vector<LightField> scenes;
+  for (const fs::path& path : options.scenes) {
+    E2LF_ASSIGN_OR_RETURN(LightField scene, load_scene(path, SceneOptions{}, true));
+    if (scene.shape().width < kMargin + 16) {
+      return Error{ErrorCode::kShape, cat("the views are narrower than ", kMargin + 16, " px; name larger ones"),
+                   path.string()};
+    }
+    scenes.push_back(std::move(scene));
+  }
+  return scenes;
+}
+
+/// PSNR of every setting, model and scene.
+Result<Json> measure(const CameraBench& options, const capture::Camera& camera, const std::vector<NamedModel>& models,
+                     const std::vector<LightField>& scenes, bool is_quiet) {
+  const std::vector<CameraSetting> settings = camera_settings(camera);
+  ProgressBar bar("bench camera", is_quiet);
+  size_t done = 0;
+  Json rows = Json::array();
+  for (const CameraSetting& setting : settings) {
+    Json row = {{"setting", setting.name}, {"models", Json::array()}};
+    for (const NamedModel& named : models) {
+      E2LF_ASSIGN_OR_RETURN(const auto network, reconstructor_for(named.model, setting, options));
+      Json psnr_db = Json::array();
+      double sum_db = 0;
+      for (size_t i = 0; i < scenes.size(); ++i) {
+        E2LF_ASSIGN_OR_RETURN(const auto images, play(setting, named.codes, scenes[i], options, i + 1));
+        E2LF_ASSIGN_OR_RETURN(const LightField field, network.reconstruct(images));
+        E2LF_ASSIGN_OR_RETURN(const double db, best_psnr(field, scenes[i], options, setting.motion_px));
+        psnr_db.push_back(db);
+        sum_db += db;
+        bar.update(++done, settings.size() * models.size() * scenes.size());
+      }
+      row["models"].push_back({{"model", named.model.name},
+                               {"psnr_db", std::move(psnr_db)},
+                               {"mean_psnr_db", sum_db / static_cast<double>(scenes.size())}});
+    }
+    rows.push_back(std::move(row));
+  }
+  hide_progress();
+  return Json{{"camera", camera.name}, {"size", options.size}, {"scenes", scenes.size()}, {"settings", rows}};
+}
+
+BenchReport camera_report(const Json& json) {
+  report::Table table{"Differences are to the camera itself, the first line.", {{"setting"}}, {}};
+  const Json& base = json["settings"][0]["models"];
+  for (const Json& model : base) {
+    const std::string name = model["model"].get<std::string>();
+    table.columns.push_back({name, true, true, cat(name, " psnr_db")});
+    table.columns.push_back({"difference", true, false, cat(name, " difference_db")});
+  }
+  report::BarChart chart{"mean PSNR, dB", false, 2, {}, {}};
+  for (const Json& model : base) chart.series.push_back({model["model"].get<std::string>(), {}});
+  for (const Json& row : json["settings"]) {
+    table.rows.push_back({report::text_cell(row["setting"].get<std::string>())});
+    chart.groups.push_back(row["setting"].get<std::string>());
+    for (size_t i = 0; i < base.size(); ++i) {
+      const double db = row["models"][i]["mean_psnr_db"].get<double>();
+      table.rows.back().push_back(report::number_cell(db, 2));
+      table.rows.back().push_back(report::number_cell(db - base[i]["mean_psnr_db"].get<double>(), 2));
+      chart.series[i].values.emplace_back(db);
+    }
+  }
+  return {"What each imperfection of a camera costs",
+          cat("mean PSNR over ", json["scenes"].get<size_t>(),
+              " scenes at their best brightness, dB, and the difference to the camera (",
+              json["camera"].get<std::string>(), ") itself"),
+          {table},
+          {chart}};
+}
+
+Result<void> bench(const CameraBench& options, const std::vector<fs::path>& report_names, const Verb& verb) {
+  std::vector<fs::path> inputs = options.scenes;
+  inputs.insert(inputs.end(), options.models.begin(), options.models.end());
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, {.inputs = std::move(inputs),
+                                                                                .overwrite = verb.common().overwrite}));
+  RunRecord record("bench camera");
+  E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera(options.camera, record));
+  if (!camera.is_pixel()) {
+    return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; name another",
+                 "--camera " + options.camera};
+  }
+  E2LF_ASSIGN_OR_RETURN(const auto models, read_models(options, record));
+  E2LF_ASSIGN_OR_RETURN(const auto scenes, read_scenes(options));
+  E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, models, scenes, verb.common().quiet));
+  return finish_bench(verb, json, camera_report(json), reports);
+}
+
+}  // namespace
+
+int run_bench_camera(const std::vector<std::string>& arguments) {
+  Verb verb("bench camera",
+            "What each imperfection of a camera costs in PSNR, for each model; at the brightness that fits best.",
+            "e2lf bench camera scene/ -m e2lf-n4");
+  CameraBench options;
+  std::vector<fs::path> report_names;
+  CLI::App& app = verb.app();
+  add_report_option(app, report_names);
+  app.add_option("scenes,-i,--input", options.scenes, "light fields of any format e2lf reads")->required();
+  add_model_option(app, "-m,--model", options.models, "model files or bundled models; default: e2lf-n4");
+  add_codes_option(app, options.codes, "patterns of models that hold none");
+  app.add_option("--size", options.size, "height and width of the middle part that is used, px")
+      ->check(whole_number(16))
+      ->capture_default_str();
+  app.add_option("--scene-gain", options.scene_gain, "brightness of the scenes")->capture_default_str();
+  app.add_option("--precision", options.precision, "arithmetic of the network")
+      ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
+      ->capture_default_str();
+  add_camera_option(app, options.camera, "the camera; default: evk4-lcos");
+  return verb.run(arguments, [&]() -> Result<void> {
+    if (options.models.empty()) {
+      const auto path = bundled_model();
+      if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; name one with -m", ""};
+      options.models.push_back(*path);
+    }
+    return bench(options, report_names, verb);
+  });
+}
+
+}  // namespace e2lf::cli

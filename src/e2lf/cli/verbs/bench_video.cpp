@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/verbs/bench_video.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include "e2lf/base/isa.h"
+#include "e2lf/base/rng.h"
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/cli/verbs/bench_parts.h"
+#include "e2lf/engine/conv.h"
+#include "e2lf/engine/engine.h"
+#include "e2lf/model/video/event_video_networks.h"
+#include "peers/torch_event_video.h"
+
+namespace e2lf::cli {
+namespace {
+
+using engine::Engine;
+using engine::Precision;
+using model::Op;
+
+struct NamedNetwork {
+  std::string name;
+  model::Network network;
+  model::Weights weights;
+};
+
+std::vector<NamedNetwork> networks_of(const VideoBench& options) {
+  if (options.model) return {{options.model->name, options.model->network, options.model->weights}};
+  const model::Network small = model::firenet(), large = model::event_unet(), wide = model::event_transformer();
+  return {{"FireNet, random weights", small, random_weights(small)},
+          {"E2VID's U-Net, random weights", large, random_weights(large)},
+          {"ET-Net, random weights", wide, random_weights(wide)}};
+}
+
+/// The network for the peer; empty where it has a layer that the peer does not know.
+class PeerNetwork {
+ public:
+  explicit PeerNetwork(const NamedNetwork& named) : weights_(named.weights) {
+    const auto shapes = model::infer_shapes(named.network).value();
+    inputs_.reserve(shapes.size());
+    std::map<std::string, size_t> tensors = {{"input", 0}}, channels = {{"input", named.network.input_channels}};
+    for (size_t i = 0; i < shapes.size(); ++i) {
+      const model::Layer& layer = named.network.layers[i];
+      E2lfTorchVideoLayer peer{};
+      if (!set_op(layer, peer)) {
+        absent_ = cat("the peer does not know layer ", layer.name);
+        return;
+      }
+      std::vector<size_t>& inputs = inputs_.emplace_back();
+      for (const std::string& input : layer.inputs) inputs.push_back(tensors.at(input));
+      peer.inputs = inputs.data();
+      peer.num_inputs = inputs.size();
+      peer.residual = layer.residual.empty() ? 0 : tensors.at(layer.residual) + 1;
+      peer.in_channels = channels.at(layer.inputs[0]);
+      peer.out_channels = layer.out_channels;
+      peer.kernel = layer.kernel;
+      peer.stride = layer.stride;
+      peer.heads = layer.heads;
+      peer.relu = layer.relu ? 1 : 0;
+      tensors[layer.name] = i + 1;
+      channels[layer.name] = shapes[i].channels;
+      layers_.push_back(peer);
+    }
+  }
+
+  [[nodiscard]] const std::vector<E2lfTorchVideoLayer>& layers() const { return layers_; }
+  [[nodiscard]] const std::string& absent() const { return absent_; }
+
+ private:
+  bool set_op(const model::Layer& layer, E2lfTorchVideoLayer& peer) const {
+    switch (layer.op) {
+      case Op::kConv:
+        peer.op = kE2lfConv;
+        set_weights(layer.name, peer.weight, peer.bias);
+        return true;
+      case Op::kConvGru:
+        peer.op = kE2lfGru;
+        set_weights(layer.name + ".gates", peer.weight, peer.bias);
+        set_weights(layer.name + ".candidate", peer.candidate_weight, peer.candidate_bias);
+        return true;
+      case Op::kConvLstm:
+        peer.op = kE2lfLstm;
+        set_weights(layer.name + ".gates", peer.weight, peer.bias);
+        return true;
+      case Op::kUpsampleBilinear:
+        peer.op = kE2lfBilinear;
+        return !layer.relu;
+      case Op::kAdd:
+      case Op::kMean:
+        peer.op = layer.op == Op::kAdd ? kE2lfAdd : kE2lfMean;
+        return !layer.relu;
+      case Op::kLayerNorm:
+        peer.op = kE2lfLayerNorm;
+        set_weights(layer.name, peer.weight, peer.bias);
+        return true;
+      case Op::kPositionCode:
+        peer.op = kE2lfPositionCode;
+        return true;
+      case Op::kAttention:
+        peer.op = kE2lfAttention;
+        return true;
+      case Op::kSigmoid:
+        peer.op = kE2lfSigmoid;
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  void set_weights(const std::string& name, const float*& weight, const float*& bias) const {
+    weight = weights_.at(name + ".weight").data();
+    bias = weights_.at(name + ".bias").data();
+  }
+
+  const model::Weights& weights_;
+  std::vector<std::vector<size_t>> inputs_;
+  std::vector<E2lfTorchVideoLayer> layers_;
+  std::string absent_;
+};
+
+/// Multiply-adds of a frame, with those of attention.
+double products(const model::Network& network, size_t height, size_t width) {
+  double sum = model::macs_per_pixel(network) * static_cast<double>(height * width);
+  const auto shapes = model::infer_shapes(network).value();
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    if (network.layers[i].op != Op::kAttention) continue;
+    const auto pixels = static_cast<double>(height / shapes[i].scale * (width / shapes[i].scale));
+    sum += 2.0 * static_cast<double>(shapes[i].channels) * pixels * pixels;
+  }
+  return sum;
+}
+
+/// One network on one image, by us and by the peer.
+class Bench {
+ public:
+  Bench(const VideoBench& options, const NamedNetwork& named) : options_(options), named_(named) {
+    const size_t multiple = model::size_multiple(named.network);
+    height_ = (options.height + multiple - 1) / multiple * multiple;
+    width_ = (options.width + multiple - 1) / multiple * multiple;
+    const CounterRng rng(2, 0);
+    input_.resize(named.network.input_channels * height_ * width_);
+    for (size_t i = 0; i < input_.size(); ++i) input_[i] = static_cast<float>(rng.below(i, 17)) / 8.0F - 1.0F;
+    output_.resize(height_ * width_);
+  }
+
+  Result<Json> run(const std::function<void()>& advance) {
+    report_ = {{"network", named_.name},
+               {"image", {height_, width_}},
+               {"gmac", products(named_.network, height_, width_) / 1e9}};
+    E2LF_RETURN_IF_ERROR(run_engine(Precision::kFloat32));
+    advance();
+    const std::vector<float> exact = output_;
+    if (engine::bfloat16_supported()) {
+      E2LF_RETURN_IF_ERROR(run_engine(Precision::kBfloat16));
+      report_["bfloat16"]["largest_difference"] = largest_difference(exact);
+    }
+    advance();
+    run_peer(exact);
+    advance();
+    return std::move(report_);
+  }
+
+ private:
+  Result<void> run_engine(Precision precision) {
+    E2LF_ASSIGN_OR_RETURN(const Engine engine, Engine::create(named_.network, named_.weights, {precision}));
+    engine::FrameState state;
+    std::vector<double> seconds;
+    for (size_t i = 0; i <= options_.frames; ++i) {
+      const auto begin = std::chrono::steady_clock::now();
+      E2LF_RETURN_IF_ERROR(engine.run_frame(input_, height_, width_, state, output_));
+      seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    }
+    seconds.erase(seconds.begin());
+    report_[engine::precision_name(precision)] = {{"seconds", to_json(timing_of(seconds))},
+                                                  {"kernels", engine.describe()}};
+    return {};
+  }
+
+  double largest_difference(const std::vector<float>& exact) const {
+    double largest = 0.0;
+    for (size_t i = 0; i < exact.size(); ++i) {
+      largest = std::max(largest, std::abs(static_cast<double>(exact[i]) - output_[i]));
+    }
+    return largest;
+  }
+
+  void run_peer(const std::vector<float>& exact) {
+    Json& peer = report_["peer"];
+    const PeerNetwork network(named_);
+    std::string absent = network.absent();
+    void* const found =
+        absent.empty() ? find_torch_peer(options_.peer_module, "e2lf_torch_event_video", absent) : nullptr;
+    std::vector<double> seconds(options_.frames + 1);
+    if (found != nullptr) {
+      const E2lfTorchVideoJob job{network.layers().size(),
+                                  network.layers().data(),
+                                  named_.network.input_channels,
+                                  height_,
+                                  width_,
+                                  seconds.size(),
+                                  input_.data(),
+                                  output_.data(),
+                                  num_threads(),
+                                  seconds.data()};
+      const char* const problem = reinterpret_cast<decltype(&e2lf_torch_event_video)>(found)(&job);
+      if (problem != nullptr) absent = problem;
+    }
+    if (!absent.empty()) {
+      peer["absent"] = absent;
+      return;
+    }
+    seconds.erase(seconds.begin());
+    const Timing timing = timing_of(seconds);
+    peer = {
+        {"name", "libtorch float32"}, {"seconds", to_json(timing)}, {"largest_difference", largest_difference(exact)}};
+    for (const char* precision : {"float32", "bfloat16"}) {
+      if (!report_.contains(precision)) continue;
+      report_[precision]["ratio_to_peer"] = timing.median / report_[precision]["seconds"]["median"].get<double>();
+    }
+  }
+
+  const VideoBench& options_;
+  const NamedNetwork& named_;
+  size_t height_ = 0, width_ = 0;
+  std::vector<float> input_, output_;
+  Json report_;
+};
+
+}  // namespace
+
+Result<Json> bench_video(const VideoBench& options, const ProgressFn& progress) {
+  const std::vector<NamedNetwork> networks = networks_of(options);
+  Json report = {{"threads", num_threads()}, {"isa", current_isa()}, {"networks", Json::array()}};
+  size_t done = 0;
+  for (const NamedNetwork& named : networks) {
+    Bench bench(options, named);
+    E2LF_ASSIGN_OR_RETURN(Json row, bench.run([&] {
+      if (progress) progress(++done, 3 * networks.size());
+    }));
+    report["networks"].push_back(std::move(row));
+  }
+  return report;
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+// e2lf calibrate: event images of still scenes -> the constants of the camera
+#include "e2lf/calibrate/calibrate.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <optional>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/calibrate/report.h"
+#include "e2lf/cli/flags/camera_option.h"
+#include "e2lf/cli/flags/cycle_input.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/network_choice.h"
+#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/model/model.h"
+#include "e2lf/recon/event_check.h"
+#include "e2lf/recon/reconstruct.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct CalibrateArguments {
+  std::vector<fs::path> inputs;
+  fs::path output, threshold_map, bad_pixels;
+  CodesSource codes;
+  std::string camera = "evk4-lcos", name;
+  std::vector<std::string> held;
+  bool is_even = false, keep_out = false, places = false;
+  CycleFlags cycles;
+};
+
+/// All cycles of an input, and the patterns that it names.
+struct Source {
+  calibrate::StillScene scene;
+  std::optional<capture::Codes> codes;
+};
+
+Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const Verb& verb, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1, verb));
+  if (input.measurement() != capture::MeasurementKind::kEventImages) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("constants come from event images; this is the measurement ",
+                     capture::measurement_name(input.measurement()), "; give a recording or event images"),
+                 path.string()};
+  }
+  Source source;
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, input.setup(path));
+  source.codes = std::move(setup.codes);
+  while (true) {
+    E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> cycle, input.next());
+    if (!cycle) break;
+    source.scene.cycles.push_back(std::move(cycle->images.events));
+  }
+  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, input.report());
+  record.add_input(path);
+  return source;
+}
+
+/// The patterns of all inputs, which must be the same.
+Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const std::vector<Source>& sources,
+                                    RunRecord& record) {
+  std::optional<capture::Codes> codes;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    if (codes && sources[i].codes && *codes != *sources[i].codes) {
+      return Error{ErrorCode::kInvalidValue, "the inputs were made with different patterns; calibrate from each alone",
+                   arguments.inputs[i].string()};
+    }
+    if (sources[i].codes) codes = sources[i].codes;
+  }
+  E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(arguments.codes, model, codes, record));
+  if (!known) {
+    return Error{ErrorCode::kNotFound, "nothing tells the patterns of the events; give --codes FILE", ""};
+  }
+  return std::move(known->codes);
+}
+
+/// Fails where two outputs, or an output and the record of the camera file, have one name.
+Result<void> check_distinct(const CalibrateArguments& arguments) {
+  std::vector<fs::path> names;
+  for (const fs::path& path :
+       {arguments.output, record_path_beside(arguments.output), arguments.threshold_map, arguments.bad_pixels}) {
+    if (path.empty()) continue;
+    std::error_code error;
+    const fs::path name = fs::weakly_canonical(fs::absolute(path, error), error);
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      return Error{ErrorCode::kInvalidValue, "two outputs have this name; give each a name of its own", path.string()};
+    }
+    names.push_back(name);
+  }
+  return {};
+}
+
+Result<std::optional<OutputFile>> open_optional(const fs::path& path, const OutputRules& rules) {
+  if (path.empty()) return std::optional<OutputFile>();
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(path, rules));
+  return std::optional(std::move(output));
+}
+
+template <typename T>
+Result<void> write_map(const OutputFile& output, const calibrate::StillScene& scene, std::span<const T> values) {
+  const capture::EventImages& first = scene.cycles.front();
+  return write_npy(output.path(), make_npy<T>({first.height, first.width}, values));
+}
+
+Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<OutputFile>& bad,
+                        const std::vector<calibrate::StillScene>& scenes, const capture::Codes& codes,
+                        const calibrate::Calibration& calibration, bool is_even) {
+  if (thresholds) {
+    const calibrate::Plane map =
+        calibrate::threshold_map(scenes, codes, calibration.camera, calibration.states, is_even);
+    E2LF_RETURN_IF_ERROR(write_map<float>(*thresholds, scenes.front(), map.values));
+  }
+  if (bad) {
+    std::vector<uint8_t> states;
+    for (const calibrate::PixelState state : calibration.states) states.push_back(static_cast<uint8_t>(state));
+    E2LF_RETURN_IF_ERROR(write_map<uint8_t>(*bad, scenes.front(), states));
+  }
+  return {};
+}
+
+/// How far the light field that a network makes of some events, told a camera, is from explaining them.
+Result<double> error_told(model::Model model, const capture::Camera& camera, const capture::Codes& codes,
+                          const capture::EventImages& events) {
+  model.camera = camera;
+  E2LF_ASSIGN_OR_RETURN(const recon::Reconstructor reconstructor, recon::Reconstructor::create(std::move(model)));
+  E2LF_ASSIGN_OR_RETURN(const auto light_field, reconstructor.reconstruct(capture::Measurement(events)));
+  const recon::EventCheck check{codes, {}, sensor::EventModel::kReferenceAware, camera};
+  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
+  return error.least;
+}
+
+/// Compares both cameras with the events of the first cycle, by the named network or a bundled one: {"start", "found",
+/// "better"}. Null where no network is told the camera and fits these patterns.
+Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture::Codes& codes,
+                             const capture::Camera& start, const capture::Camera& found,
+                             const capture::EventImages& events) {
+  RunRecord unused("calibrate");
+  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, unused));
+  if (!model) {
+    E2LF_ASSIGN_OR_RETURN(model, bundled_network(codes, start, unused));
+  }
+  if (!model || !model::is_told_the_camera(*model) || model->num_patterns != codes.num_patterns ||
+      model->measurement() != capture::MeasurementKind::kEventImages || (model->codes && *model->codes != codes)) {
+    return Json();
+  }
+  E2LF_ASSIGN_OR_RETURN(const double before, error_told(*model, start, codes, events));
+  E2LF_ASSIGN_OR_RETURN(const double after, error_told(std::move(*model), found, codes, events));
+  constexpr double kAlike = 0.01;  // of the error: a smaller difference says nothing
+  const char* better = after > (1.0 + kAlike) * before   ? "start"
+                       : before > (1.0 + kAlike) * after ? "found"
+                                                         : "neither";
+  return Json{{"start", before}, {"found", after}, {"better", better}};
+}
+
+std::string comparison_text(const Json& comparison) {
+  const std::string better = comparison["better"];
+  std::array<char, 128> figures;
+  std::snprintf(figures.data(), figures.size(),
+                "results differ from the events by %.3f with the starting camera, by %.3f with this one: ",
+                comparison["start"].get<double>(), comparison["found"].get<double>());
+  return cat(figures.data(), better == "start"   ? "the starting camera is better; keep it"
+                             : better == "found" ? "this one is better; use it"
+                                                 : "neither is better; either will do");
+}
+
+Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  OutputRules rules{.inputs = arguments.inputs, .overwrite = common.overwrite};
+  rules.inputs.insert(rules.inputs.end(), {arguments.codes.codes, arguments.codes.model, arguments.camera});
+  E2LF_RETURN_IF_ERROR(check_distinct(arguments));
+  rules.ending = ".json";
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
+  rules.ending = ".npy";
+  E2LF_ASSIGN_OR_RETURN(auto thresholds, open_optional(arguments.threshold_map, rules));
+  E2LF_ASSIGN_OR_RETURN(auto bad, open_optional(arguments.bad_pixels, rules));
+  RunRecord record("calibrate");
+  E2LF_ASSIGN_OR_RETURN(capture::Camera start, load_camera(arguments.camera, record));
+  std::vector<Source> sources;
+  for (const fs::path& path : arguments.inputs) {
+    E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, verb, record));
+    sources.push_back(std::move(source));
+  }
+  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, common_codes(arguments, sources, record));
+  std::vector<calibrate::StillScene> scenes;
+  for (Source& source : sources) scenes.push_back(std::move(source.scene));
+  start.name = arguments.name.empty() ? arguments.output.stem().string() : arguments.name;
+  record.end_step("read");
+
+  ProgressBar bar("calibrate", common.quiet || common.json);
+  E2LF_ASSIGN_OR_RETURN(const calibrate::Calibration calibration, calibrate::calibrate(scenes, codes, start,
+                                                                                       {.held = arguments.held,
+                                                                                        .is_even = arguments.is_even,
+                                                                                        .keep_out = arguments.keep_out,
+                                                                                        .progress = bar.callback()}));
+  record.end_step("calibrate");
+  for (const std::string& warning : calibration.warnings) log_warning(warning);
+  E2LF_RETURN_IF_ERROR(write_maps(thresholds, bad, scenes, codes, calibration, arguments.is_even));
+  Json report = calibrate::report_json(calibration);
+  E2LF_ASSIGN_OR_RETURN(report["event_check"],
+                        compare_cameras(arguments, codes, start, calibration.camera, scenes.front().cycles.front()));
+  const bool is_worse = report["event_check"].is_object() && report["event_check"]["better"] == "start";
+  if (is_worse) log_warning(comparison_text(report["event_check"]));
+  record.note("report", report);
+  E2LF_RETURN_IF_ERROR(write_file(output.path(), calibrate::camera_json(calibration).dump(2) + "\n"));
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  for (std::optional<OutputFile>* map : {&thresholds, &bad}) {
+    if (*map) E2LF_RETURN_IF_ERROR((*map)->commit());
+  }
+  E2LF_RETURN_IF_ERROR(output.commit());
+  if (common.json) {
+    std::printf("%s\n", report.dump(2).c_str());
+  } else if (!common.quiet) {
+    std::printf("%s", calibrate::report_text(calibration, arguments.places).c_str());
+    if (report["event_check"].is_object() && !is_worse) {
+      std::printf("%s\n", comparison_text(report["event_check"]).c_str());
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+int run_calibrate(const std::vector<std::string>& arguments) {
+  Verb verb("calibrate",
+            "Find the constants of an event camera behind a coded aperture from event images or recordings of scenes "
+            "that stood still.",
+            "e2lf calibrate events.npz --codes codes.json -o camera.json");
+  CalibrateArguments calibration;
+  CLI::App& app = verb.app();
+  app.add_option("inputs,-i,--input", calibration.inputs,
+                 "event images or recordings of still scenes; all cycles of each are of one scene")
+      ->required();
+  app.add_option("-o,--output", calibration.output, "camera file to write (JSON)")->required();
+  add_codes_options(app, calibration.codes);
+  add_camera_option(app, calibration.camera, "first guess, to which what the data do not determine is kept");
+  app.add_option("--name", calibration.name, "name of the camera; default: that of the file");
+  app.add_option("--hold", calibration.held,
+                 "constants that stay as in the first guess, e.g. receptor_rate_hz or transmission[1]")
+      ->delimiter(',');
+  app.add_flag("--even", calibration.is_even,
+               "the scenes are known to be even, e.g. a card that fills the picture: no search for flat areas");
+  app.add_flag("--keep-out", calibration.keep_out,
+               "fit every second square of 64 px of the picture, and compare on the others");
+  app.add_flag("--places", calibration.places, "also print the comparison by field position");
+  app.add_option("--threshold-map", calibration.threshold_map,
+                 "write each flat pixel's factor on the thresholds (.npy, float32; NaN elsewhere)");
+  app.add_option("--bad-pixels", calibration.bad_pixels, "write which pixels are hot (1) and dead (2) (.npy, uint8)");
+  add_cycle_options(app, calibration.cycles);
+  return verb.run(arguments, [&] { return calibrate_camera(calibration, verb); });
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+// e2lf compare: methods x scenes x sensors x seeds -> tables and a page
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <set>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/cli/flags/camera_option.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/cli/version.h"
+#include "e2lf/compare/measure.h"
+#include "e2lf/compare/pictures.h"
+#include "e2lf/compare/result_page.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/lightfield/image.h"
+
+namespace e2lf::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using lightfield::LightField;
+
+struct CompareArguments {
+  fs::path config, output, data;
+  std::vector<fs::path> merged;
+  std::string shard;
+  bool again = false, json = false;
+};
+
+/// The share of the jobs that this run computes: numbers i of 1..n.
+struct Shard {
+  size_t number = 1, count = 1;
+  [[nodiscard]] bool holds(size_t job) const { return job % count == number - 1; }
+};
+
+Result<Shard> parse_shard(const std::string& text) {
+  Shard shard;
+  if (text.empty()) return shard;
+  const char* const end = text.data() + text.size();
+  const auto number = std::from_chars(text.data(), end, shard.number);
+  const bool has_slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
+  const auto count = std::from_chars(has_slash ? number.ptr + 1 : end, end, shard.count);
+  if (has_slash && count.ec == std::errc() && count.ptr == end && shard.number >= 1 && shard.number <= shard.count) {
+    return shard;
+  }
+  return Error{ErrorCode::kInvalidValue, "a shard is a number of so many, from 1; write e.g. 1/4", "--shard " + text};
+}
+
+/// Finds what a configuration names: beside it, in the folder of data, among what comes with e2lf.
+Result<fs::path> locate(const CompareArguments& arguments, const std::string& name) {
+  std::error_code error;
+  const fs::path path = name;
+  const fs::path beside = arguments.config.parent_path() / path;
+  if (fs::exists(beside, error)) return beside.lexically_normal();
+  if (!arguments.data.empty() && fs::exists(arguments.data / path, error)) return arguments.data / path;
+  if (const auto bundled = bundled_file(name); bundled && path.is_relative()) return *bundled;
+  if (const auto model = bundled_file_named(kBundledModels, name)) return *model;
+  const std::string data =
+      arguments.data.empty() ? "no folder of data is given (--data or E2LF_DATA)" : "in " + arguments.data.string();
+  return Error{ErrorCode::kNotFound,
+               cat("there is no such file or folder beside the configuration, among what comes with e2lf, and ", data,
+                   "; correct the name"),
+               name};
+}
+
+compare::Surroundings surroundings_of(const CompareArguments& arguments) {
+  compare::Surroundings surroundings;
+  surroundings.locate = [&](const std::string& name) { return locate(arguments, name); };
+  surroundings.locate_camera = [&](const std::string& name) -> Result<fs::path> {
+    std::error_code error;
+    const auto camera = locate(arguments, name);
+    return camera && fs::is_regular_file(*camera, error) ? camera : find_camera(name);
+  };
+  surroundings.hash = [](const fs::path& path) { return sha256_of(path); };
+  surroundings.version = kVersion;
+  return surroundings;
+}
+
+Result<compare::Config> configuration(const CompareArguments& arguments, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(Json json, read_json(arguments.config));
+  for (const std::string& assignment : verb.overrides()) E2LF_RETURN_IF_ERROR(apply_override(json, assignment));
+  return compare::config_from_json(json, arguments.config.string());
+}
+
+/// Numbers of the jobs to compute.
+std::vector<size_t> open_jobs(const compare::Plan& plan, const compare::ResultStore& store, const Shard& shard,
+                              bool again) {
+  std::vector<size_t> open;
+  std::set<std::string> keys;  // two jobs may have one result
+  for (size_t i = 0; i < plan.jobs.size(); ++i) {
+    if (!shard.holds(i) || (!again && store.find(plan.jobs[i]))) continue;
+    if (keys.insert(plan.jobs[i].key).second) open.push_back(i);
+  }
+  return open;
+}
+
+/// Computes jobs one after another and keeps each result at once.
+class Runner {
+ public:
+  Runner(const compare::Plan& plan, const compare::ResultStore& store, bool is_quiet)
+      : plan_(plan), store_(store), bar_("compare", is_quiet) {}
+
+  /// Until the end, or until a stop is asked for. Returns how many results were made.
+  Result<size_t> run(const std::vector<size_t>& jobs) {
+    size_t done = 0;
+    for (; done < jobs.size() && !stop_requested(); ++done) {
+      const compare::Job& job = plan_.jobs[jobs[done]];
+      bar_.update(done * kParts, jobs.size() * kParts);
+      E2LF_RETURN_IF_ERROR(load(job.scene));
+      const ProgressFn progress = [&](size_t part, size_t total) {
+        if (total > 0) bar_.update(done * kParts + std::min(part, total) * kParts / total, jobs.size() * kParts);
+      };
+      E2LF_ASSIGN_OR_RETURN(const compare::Measurement measurement, compare::measure(plan_, job, truth_, progress));
+      std::vector<uint8_t> png;
+      if (plan_.pictures && job.seed == plan_.jobs.front().seed) {
+        E2LF_ASSIGN_OR_RETURN(png, picture(measurement.light_field, &truth_));
+      }
+      E2LF_RETURN_IF_ERROR(store_.keep(plan_, job, measurement.figures, png));
+    }
+    hide_progress();
+    return done;
+  }
+
+ private:
+  static constexpr size_t kParts = 1000;
+
+  static Result<std::vector<uint8_t>> picture(const LightField& field, const LightField* truth) {
+    return lightfield::encode_png(compare::look(field, truth), lightfield::PngDepth::k8);
+  }
+
+  Result<void> load(size_t scene) {
+    if (loaded_ == scene) return {};
+    loaded_.reset();
+    E2LF_ASSIGN_OR_RETURN(truth_, compare::load_scene(plan_.scenes[scene]));
+    loaded_ = scene;
+    if (!plan_.pictures) return {};
+    E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> png, picture(truth_, nullptr));
+    return store_.keep_picture(compare::truth_key(plan_.scenes[scene]), png);
+  }
+
+  const compare::Plan& plan_;
+  const compare::ResultStore& store_;
+  ProgressBar bar_;
+  LightField truth_;
+  std::optional<size_t> loaded_;
+};
+
+Result<void> take_over(const CompareArguments& arguments, const compare::Plan& plan,
+                       const compare::ResultStore& store) {
+  std::vector<std::string> pictures;
+  for (const compare::Scene& scene : plan.scenes) pictures.push_back(compare::truth_key(scene));
+  for (const fs::path& folder : arguments.merged) {
+    if (!is_our_record(folder / "run.json")) {
+      return Error{ErrorCode::kNotFound, "this is no folder of results of e2lf compare; name one", folder.string()};
+    }
+    E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder), pictures));
+    log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " taken over"));
+  }
+  return {};
+}
+
+constexpr const char* kTables[] = {"index.html", "table.csv", "table.json", "table.tex"};
+
+Result<void> write_tables(const CompareArguments& arguments, const fs::path& folder, const compare::Plan& plan,
+                          const compare::Results& results, const compare::ResultStore& store) {
+  std::string latex;
+  for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
+    latex += report::table_latex(compare::quality_table(plan, results, sensor));
+  }
+  const std::string command = cat("e2lf compare ", arguments.config.string(), " -o ", arguments.output.string());
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.csv", report::table_csv(compare::result_table(plan, results))));
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.json", json_text(compare::all_json(plan, results))));
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.tex", latex));
+  return write_file(folder / "index.html", compare::result_page(plan, results, store, command));
+}
+
+void print(const compare::Plan& plan, const compare::Results& results) {
+  for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
+    for (const report::Table& table :
+         {compare::quality_table(plan, results, sensor), compare::cost_table(plan, results, sensor)}) {
+      if (table.columns.size() < 2) continue;
+      std::printf("%s\n%s\n", table.caption.c_str(), report::table_text(table).c_str());
+    }
+  }
+}
+
+/// Says what is there and how to go on.
+void tell(const CompareArguments& arguments, const compare::Plan& plan, const compare::Results& results,
+          size_t new_results, const Verb& verb) {
+  const auto there = static_cast<size_t>(
+      std::count_if(results.begin(), results.end(), [](const auto& result) { return result.has_value(); }));
+  if (arguments.json) {
+    Json json = compare::all_json(plan, results);
+    json["new_results"] = new_results;
+    json["missing_results"] = results.size() - there;
+    std::printf("%s", json_text(json).c_str());
+  } else if (!verb.common().quiet) {
+    print(plan, results);
+    std::printf("%zu new results, %zu of %zu there. In %s: index.html, table.csv, table.json, table.tex, results/\n",
+                new_results, there, results.size(), arguments.output.c_str());
+  }
+  if (there < results.size() && (arguments.shard.empty() || stop_requested())) {
+    log_warning(cat(results.size() - there, " of ", results.size(),
+                    " results are missing; give the same command again to go on"));
+  }
+}
+
+Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
+  const char* const data = std::getenv("E2LF_DATA");
+  if (arguments.data.empty() && data != nullptr) arguments.data = data;
+  E2LF_ASSIGN_OR_RETURN(const Shard shard, parse_shard(arguments.shard));
+  E2LF_ASSIGN_OR_RETURN(const compare::Config config, configuration(arguments, verb));
+  RunRecord record("compare");
+  E2LF_ASSIGN_OR_RETURN(const compare::Plan plan, compare::make_plan(config, surroundings_of(arguments)));
+  OutputRules rules;
+  rules.inputs = plan.files;
+  rules.inputs.push_back(arguments.config);
+  rules.inputs.insert(rules.inputs.end(), arguments.merged.begin(), arguments.merged.end());
+  GrowingFolder folder{"compare", {std::begin(kTables), std::end(kTables)}};
+  E2LF_RETURN_IF_ERROR(folder.open(arguments.output, rules, record.json_so_far(verb)));
+  record.end_step("plan");
+  const compare::ResultStore store(folder.path());
+  E2LF_RETURN_IF_ERROR(take_over(arguments, plan, store));
+  const std::vector<size_t> jobs = open_jobs(plan, store, shard, arguments.again);
+  Runner runner(plan, store, verb.common().quiet);
+  E2LF_ASSIGN_OR_RETURN(const size_t new_results, runner.run(jobs));
+  record.end_step("measure");
+  compare::Results results;
+  for (const compare::Job& job : plan.jobs) results.push_back(store.find(job));
+  E2LF_RETURN_IF_ERROR(write_tables(arguments, folder.path(), plan, results, store));
+  record.end_step("write");
+  record.add_input(arguments.config);
+  for (const fs::path& file : plan.files) record.add_input(file);
+  record.note("new_results", new_results);
+  record.note("results", results.size());
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_RETURN_IF_ERROR(folder.write_record(std::move(about)));
+  tell(arguments, plan, results, new_results, verb);
+  return {};
+}
+
+}  // namespace
+
+int run_compare(const std::vector<std::string>& arguments) {
+  Verb verb(
+      "compare",
+      "Compare methods over scenes, sensors and seeds: tables and a page. Results that are there are not computed "
+      "again; docs/compare.md explains the configuration, whose keys --set changes (--set seeds=[1,2]).",
+      "e2lf compare configs/compare.json -o out/compare");
+  CompareArguments compare_arguments;
+  verb.keep_overrides();
+  CLI::App& app = verb.app();
+  app.add_option("config", compare_arguments.config, "configuration (.json)")->required()->check(CLI::ExistingFile);
+  app.add_option("-o,--output", compare_arguments.output, "folder that results are kept in, new or of an earlier run")
+      ->required();
+  app.add_option("--data", compare_arguments.data, "folder of scenes and models; default: E2LF_DATA");
+  app.add_option("--shard", compare_arguments.shard, "compute a share: 1/4 is the first of four");
+  app.add_option("--merge", compare_arguments.merged, "take over the results of these folders")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_flag("--again", compare_arguments.again, "compute results that are there, too");
+  app.add_flag("--json", compare_arguments.json, "print the result as JSON");
+  verb.stop_gently();
+  return verb.run(arguments, [&] { return compare_methods(compare_arguments, verb); });
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: MIT
+// e2lf convert: between event formats, between formats of event images, or between light-field formats
+#include "e2lf/recordings/convert.h"
+
+#include <cctype>
+#include <cstdio>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/cli/flags/file_kind.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/recording_place.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct ConvertArguments {
+  fs::path input, output;
+  std::string format;
+  bool shift_time = false, colour = false;
+  RecordingFlags recording;
+  LightFieldFlags light_field{.views = 0};
+};
+
+/// What --format says, else the extension. A folder of views is what has none: "x.mat" is meant to be something else.
+Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& arguments) {
+  if (!arguments.format.empty()) return lightfield::parse_format(arguments.format);
+  const lightfield::LightFieldFormat format = lightfield::format_of_path(arguments.output);
+  const std::string extension = arguments.output.extension().string();
+  const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
+  if (format != lightfield::LightFieldFormat::kPng8 || !is_named) return format;
+  return Error{ErrorCode::kUnsupported,
+               "no light-field format that is written has this extension; take .npy, .mat, .h5, .png (a lenslet "
+               "mosaic), a folder's name, or give --format",
+               arguments.output.string()};
+}
+
+Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  lightfield::ReadOptions read = read_options(arguments.light_field);
+  read.colour = arguments.colour;
+  read.range = lightfield::RangePolicy::kKeep;
+  lightfield::WriteOptions write;
+  E2LF_ASSIGN_OR_RETURN(write.format, light_field_format(arguments));
+  const OutputRules rules{.inputs = {arguments.input}, .overwrite = common.overwrite};
+  std::optional<ResultFolder> folder;
+  std::optional<OutputFile> file;
+  if (lightfield::is_folder_format(write.format)) {
+    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, rules));
+  } else {
+    E2LF_ASSIGN_OR_RETURN(file, OutputFile::create(arguments.output, rules));
+  }
+  RunRecord record("convert");
+  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field,
+                        read_with_progress(arguments.input, read, common.quiet));
+  ProgressBar bar("write", common.quiet);
+  if (folder) {
+    E2LF_RETURN_IF_ERROR(lightfield::write_views(folder->path(), light_field, write.format, bar.callback()));
+    record.end_step("convert");
+    E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+    E2LF_RETURN_IF_ERROR(folder->commit(std::move(about)));
+  } else {
+    bar.update(0, 1);
+    E2LF_RETURN_IF_ERROR(lightfield::write_light_field(file->path(), light_field, write));
+    record.end_step("convert");
+    E2LF_RETURN_IF_ERROR(record.write(file->record_path(), verb));
+    E2LF_RETURN_IF_ERROR(file->commit());
+  }
+  hide_progress();
+  const lightfield::Shape& shape = light_field.shape();
+  if (common.json) {
+    const Json json = {{"views", {shape.views_y, shape.views_x}}, {"height", shape.height}, {"width", shape.width}};
+    std::printf("%s", json_text(json).c_str());
+  } else if (!common.quiet) {
+    std::printf("%zux%zu views of %zux%zu px in %s\n", shape.views_y, shape.views_x, shape.width, shape.height,
+                arguments.output.c_str());
+  }
+  return {};
+}
+
+/// Writes the record of a converted recording, with the patterns and the camera that the input says, and with its views
+/// as `given` says beyond that.
+Result<void> write_record(RunRecord& record, const fs::path& input, const OrientationFlags& given,
+                          const recordings::RecordingReader& reader, const OutputFile& output, const Verb& verb) {
+  record.add_input(input);
+  record.note("left_out", losses_json(reader.summary()));
+  record.note("read_as", reading_json(reader.info()));
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.info()));
+  setup.views = given.after(setup.views);
+  note_setup(record, setup, output.path());
+  note_colour_filter(record, recorded_colour_filter(input), output.path());
+  return record.write(output.record_path(), verb);
+}
+
+/// The part of a recording that is written to one file.
+struct ConvertedPart {
+  fs::path named;  ///< its place in the end
+  OutputFile output;
+  recordings::ConvertReport report;
+};
+
+/// NAME_2.raw for the second part of NAME.raw.
+fs::path part_path(const fs::path& output, size_t number) {
+  return number == 1 ? output
+                     : output.parent_path() / cat(output.stem().string(), "_", number, output.extension().string());
+}
+
+Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::RecordingPlace& place,
+                                  size_t number, const CommonOptions& common) {
+  const fs::path named = part_path(arguments.output, number);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, {.inputs = {arguments.input},
+                                                                      .overwrite = common.overwrite,
+                                                                      .streams = place.streams,
+                                                                      .side_file = place.side_file,
+                                                                      .recover = recover_recording(place)}));
+  if (number > 1 && output.is_stream()) {
+    return Error{ErrorCode::kUnsupported, "a stream has room for one part of the recording; name a file",
+                 arguments.output.string()};
+  }
+  return ConvertedPart{named, std::move(output), {}};
+}
+
+/// Converts what the reader gives up to its end, or to where the clock starts again.
+Result<void> convert_part(const ConvertArguments& arguments, recordings::RecordingReader& reader, ConvertedPart& part,
+                          const Verb& verb) {
+  RunRecord record("convert");
+  ProgressBar bar("convert", verb.common().quiet, "events");
+  E2LF_ASSIGN_OR_RETURN(part.report,
+                        recordings::convert_recording(reader, part.output.path(),
+                                                      {.format = arguments.format, .progress = bar.callback()}));
+  hide_progress();
+  record.end_step("convert");
+  return part.output.is_stream()
+             ? Result<void>{}
+             : write_record(record, arguments.input, arguments.light_field.orientation, reader, part.output, verb);
+}
+
+Json part_json(const ConvertedPart& part) {
+  const recordings::ConvertReport& report = part.report;
+  fs::path trigger_file = report.trigger_file;
+  if (!trigger_file.empty()) trigger_file = part.named.parent_path() / trigger_file;
+  return {{"file", part.named.string()},
+          {"events", report.events},
+          {"triggers", report.triggers},
+          {"lost_triggers", report.lost_triggers},
+          {"trigger_file", trigger_file.string()},
+          {"left_out", losses_json(report.summary)},
+          {"restarts", restarts_json(report.summary)},
+          {"sensor_events_in", report.summary.sensor_events_in},
+          {"sensor_events_sent", report.summary.sensor_events_sent},
+          {"sorted", report.summary.out_of_order},
+          {"warnings", report.warnings}};
+}
+
+void say_part(const ConvertedPart& part, std::FILE* to) {
+  std::fprintf(to, "%llu events and %llu triggers in %s%s\n", static_cast<unsigned long long>(part.report.events),
+               static_cast<unsigned long long>(part.report.triggers), part.named.c_str(),
+               sorted_text(part.report.summary).c_str());
+  const std::string sensor = recordings::sensor_text(part.report.summary);
+  if (!sensor.empty()) std::fprintf(to, "the sensor %s; its counts are not in the output\n", sensor.c_str());
+}
+
+Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place,
+                        recordings::place_of_recording(arguments.output, arguments.format));
+  E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording, true));
+  // Before a stream is opened, which does not come again.
+  std::vector<ConvertedPart> parts;
+  E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, place, 1, common));
+  parts.push_back(std::move(first));
+  // What is replayed can be replayed again.
+  if (place.is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
+    log_warning(cat(arguments.output.string(),
+                    ": this format is written at the end of a recording, and a crash leaves ",
+                    "nothing of it; record to .raw to be safe"));
+  }
+  open.counts_reports = true;
+  open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
+  E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(arguments.input.string(), open));
+  say_assumptions(*reader);
+  for (bool more = true; more;) {
+    E2LF_RETURN_IF_ERROR(convert_part(arguments, *reader, parts.back(), verb));
+    E2LF_ASSIGN_OR_RETURN(more, reader->next_part());
+    if (!more) break;
+    E2LF_ASSIGN_OR_RETURN(ConvertedPart next, create_part(arguments, place, parts.size() + 1, common));
+    parts.push_back(std::move(next));
+  }
+  Json json;
+  for (ConvertedPart& part : parts) {
+    E2LF_RETURN_IF_ERROR(part.output.commit());
+    warn_of_losses(arguments.input, part.report.summary);
+    if (!common.json && !common.quiet) say_part(part, part.output.text());
+    json["parts"].push_back(part_json(part));
+  }
+  if (!common.json) return {};
+  if (parts.size() == 1) json = part_json(parts.front());
+  std::fprintf(parts.front().output.text(), "%s", json_text(json).c_str());
+  return {};
+}
+
+/// What --format says, else the extension; the name that the format is written under.
+Result<std::string> event_image_extension(const ConvertArguments& arguments) {
+  const std::string extension =
+      arguments.format.empty() ? arguments.output.extension().string() : cat(".", arguments.format);
+  if (extension == ".npz" || extension == ".mat") return extension;
+  return Error{
+      ErrorCode::kUnsupported,
+      "this is event images, which are written as .npz or .mat; signed whole numbers of 8 or 16 bits are counts, "
+      "store a light field as uint16 or float32",
+      arguments.input.string()};
+}
+
+Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  E2LF_ASSIGN_OR_RETURN(const std::string extension, event_image_extension(arguments));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
+                                                                                 .overwrite = common.overwrite}));
+  RunRecord record("convert");
+  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
+  if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
+    E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup,
+                          recorded_setup({{}, {}, file.camera, file.views}, arguments.input));
+    file.views = capture::views_to_npy(*given.after(setup.views));
+  }
+  if (extension == ".mat") {
+    E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(output.path(), file));
+  } else {
+    E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
+  }
+  record.end_step("convert");
+  note_colour_filter(record, recorded_colour_filter(arguments.input), output.path());
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(output.commit());
+  const capture::EventImages& first = file.cycles.front();
+  if (common.json) {
+    const Json json = {{"cycles", file.cycles.size()},
+                       {"transitions", first.transitions},
+                       {"height", first.height},
+                       {"width", first.width}};
+    std::printf("%s", json_text(json).c_str());
+  } else if (!common.quiet) {
+    std::printf("%zu cycles of %zu event images of %zux%zu px in %s\n", file.cycles.size(), first.transitions,
+                first.width, first.height, arguments.output.c_str());
+  }
+  return {};
+}
+
+Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
+  switch (kind) {
+    case FileKind::kRecording:
+      E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+      return convert_events(arguments, verb);
+    case FileKind::kLightField:
+      E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+      return convert_light_field(arguments, verb);
+    case FileKind::kEventImages:
+      E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+      E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+      return convert_event_images(arguments, verb);
+    case FileKind::kImages:
+      return Error{ErrorCode::kUnsupported,
+                   cat("there is no other format for ", kind_text(kind), "; other programs read .npz"),
+                   arguments.input.string()};
+    case FileKind::kCycles:
+      return lightfield::detect_kind(arguments.input).error();
+    case FileKind::kTrainingRun:
+    case FileKind::kDisplay:
+    case FileKind::kResults:
+      return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
+    case FileKind::kModel:
+      break;
+  }
+  return Error{ErrorCode::kUnsupported,
+               cat("this is ", kind_text(kind), "; other programs take it as ONNX, which `e2lf model export` writes"),
+               arguments.input.string()};
+}
+
+}  // namespace
+
+int run_convert(const std::vector<std::string>& arguments) {
+  Verb verb("convert",
+            "Convert a recording to another event format, event images or a light field to another format of these.",
+            "e2lf convert recording.raw recording.hdf5");
+  ConvertArguments conversion;
+  CLI::App& app = verb.app();
+  app.add_option(
+         "input,-i,--input", conversion.input,
+         "recording (- for a pipe, tcp://127.0.0.1:PORT, camera://NAME, replay:FILE), event images or light field")
+      ->required();
+  app.add_option("output,-o,--output", conversion.output, "file or folder to write; its extension says the format")
+      ->required();
+  app.add_option("--format", conversion.format,
+                 "of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz; of event images npz, mat; png, "
+                 "png16, hci, stanford, npy, "
+                 "lenslet, mat, h5");
+  app.add_flag("--shift-time", conversion.shift_time, "begin at 0 instead of the sensor's own time")
+      ->group(kRecordingOptions);
+  app.add_flag("--colour", conversion.colour, "keep colour")->group(kLightFieldOptions);
+  add_recording_options(app, conversion.recording, kRecordingOptions);
+  add_light_field_options(app, conversion.light_field, /*has_views=*/true);
+  add_orientation_options(app, conversion.light_field.orientation);
+  verb.stop_gently();
+  return verb.run(arguments, [&] { return convert(conversion, verb); });
+}
+
+}  // namespace e2lf::cli

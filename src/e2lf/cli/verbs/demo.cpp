@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// e2lf demo: the whole loop on a procedural scene
+#include <cstdio>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/cli/flags/model_option.h"
+#include "e2lf/cli/output/light_field_output.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/pictures.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/eval/report.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/refocus.h"
+#include "e2lf/model/model.h"
+#include "e2lf/recon/linear_estimate.h"
+#include "e2lf/recon/reconstruct.h"
+#include "e2lf/sensor/event_model.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+using lightfield::LightField;
+namespace {
+
+struct DemoArguments {
+  fs::path output = "out/demo", model;
+  size_t width = 512, height = 384;
+};
+
+/// The camera of the demo: a model's patterns and network, the bundled one's, or built-in patterns and the closed form.
+struct Camera {
+  capture::Codes codes = capture::default_codes();
+  capture::SensorConstants constants;
+  sensor::EventModel event_model = sensor::EventModel::kReferenceAware;
+  std::optional<recon::Reconstructor> network;
+  std::string method = "closed-form inversion (no trained model is bundled)";
+};
+
+Result<Camera> make_camera(const std::optional<fs::path>& path, RunRecord& record) {
+  Camera camera;
+  if (!path) return camera;
+  record.add_input(*path);
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
+  if (!model.codes) {
+    return Error{ErrorCode::kNotFound,
+                 "the model holds no aperture patterns, which the demo's camera needs; name a model that has them",
+                 path->string()};
+  }
+  camera.codes = *model.codes;
+  camera.constants = model.constants;
+  E2LF_ASSIGN_OR_RETURN(camera.event_model, sensor::event_model_from_name(model.event_model));
+  camera.method = "network " + model.name;
+  E2LF_ASSIGN_OR_RETURN(camera.network, recon::Reconstructor::create(std::move(model)));
+  return camera;
+}
+
+Result<LightField> reconstruct(const Camera& camera, const capture::EventImages& images, const ProgressFn& progress) {
+  if (camera.network) return camera.network->reconstruct(images, progress);
+  return recon::reconstruct_by_inversion(images, camera.codes, camera.constants);
+}
+
+/// Pictures focused on the front and on the back of the scene.
+Result<void> write_refocused(const fs::path& folder, const LightField& light_field) {
+  const lightfield::Aperture open = lightfield::full_aperture(light_field.shape());
+  E2LF_RETURN_IF_ERROR(
+      lightfield::write_png(folder / "refocus_near.png", lightfield::refocus(light_field, -1.0F, open)));
+  return lightfield::write_png(folder / "refocus_far.png", lightfield::refocus(light_field, 1.2F, open));
+}
+
+void print_result(const DemoArguments& arguments, const Camera& camera, const eval::EvalRow& row) {
+  std::printf("method: %s\n%s\nin %s:\n", camera.method.c_str(),
+              report::table_text(eval::quality_table({&row, 1})).c_str(), arguments.output.c_str());
+  std::printf("  scene/             the true light field, 8x8 views\n");
+  std::printf("  events.npz         what the camera records of it (look at events.png)\n");
+  std::printf("  recon/             the reconstructed light field: views, contact_sheet.png, epi.png\n");
+  std::printf("  refocus_near.png   the reconstruction focused on the front; refocus_far.png: on the back\n");
+}
+
+Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  const auto model = arguments.model.empty() ? bundled_model() : arguments.model;
+  const OutputRules rules{.inputs = {model.value_or("")}, .overwrite = common.overwrite};
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
+  RunRecord record("demo");
+  E2LF_ASSIGN_OR_RETURN(const Camera camera, make_camera(model, record));
+  const lightfield::Shape shape{8, 8, arguments.height, arguments.width, 1};
+  const LightField scene = lightfield::render_light_field(lightfield::demo_scene(common.seed), shape);
+  record.end_step("render");
+
+  sensor::EventModelOptions sensor;
+  sensor.model = camera.event_model;
+  sensor.constants = camera.constants;
+  sensor.seed = common.seed;
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, sensor::simulate_events(camera.codes, scene, sensor));
+  record.end_step("simulate");
+
+  LightField light_field;
+  {
+    ProgressBar bar("reconstruct", common.quiet);
+    E2LF_ASSIGN_OR_RETURN(light_field, reconstruct(camera, images, bar.callback()));
+  }
+  record.end_step("reconstruct");
+  eval::EvalRow row{camera.network ? camera.network->model().name : "inversion", "demo scene", {}, {}};
+  E2LF_ASSIGN_OR_RETURN(row.quality, eval::compare(scene, light_field));
+  row.events = eval::event_statistics(images);
+  record.end_step("evaluate");
+
+  const fs::path& folder = output.path();
+  std::error_code ignored;
+  fs::create_directory(folder / "scene", ignored);
+  E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
+  capture::Camera recorded;
+  recorded.event_model = sensor::event_model_name(camera.event_model);
+  recorded.constants = camera.constants;
+  E2LF_RETURN_IF_ERROR(capture::write_event_images(
+      folder / "events.npz", {{images}, capture::codes_to_npy(camera.codes), capture::camera_to_npy(recorded)}));
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
+  fs::create_directory(folder / "recon", ignored);
+  E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}, {}));
+  E2LF_RETURN_IF_ERROR(write_refocused(folder, light_field));
+  record.end_step("write");
+  record.note("quality", eval::to_json(row));
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));
+  if (common.json) {
+    std::printf("%s", json_text(eval::to_json(row)).c_str());
+  } else if (!common.quiet) {
+    print_result(arguments, camera, row);
+  }
+  return {};
+}
+
+}  // namespace
+
+int run_demo(const std::vector<std::string>& arguments) {
+  Verb verb("demo", "Render a scene, simulate the events of a coded-aperture camera, reconstruct the light field.",
+            "e2lf demo -o out/demo --overwrite");
+  DemoArguments demo_arguments;
+  verb.app().add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
+  add_model_option(verb.app(), "-m,--model", demo_arguments.model, "model file or bundled model; default: e2lf-n4");
+  verb.app()
+      .add_option("--width", demo_arguments.width, "of each view, px")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str();
+  verb.app()
+      .add_option("--height", demo_arguments.height, "of each view, px")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str();
+  return verb.run(arguments, [&] { return demo(demo_arguments, verb); });
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/verbs/describe.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement_io.h"
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cli/output/pictures.h"
+#include "e2lf/cli/output/report_output.h"
+#include "e2lf/eval/event_statistics.h"
+#include "e2lf/eval/report.h"
+#include "e2lf/files/safetensors.h"
+#include "e2lf/learn/data/packed_data.h"
+#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/epi.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/orient.h"
+#include "e2lf/model/model.h"
+#include "e2lf/model/summary.h"
+#include "e2lf/model/video/video_model.h"
+#include "e2lf/report/chart.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+std::string orientation_text(const std::optional<capture::Orientation>& views) {
+  return views ? capture::orientation_name(*views) : "not told";
+}
+
+/// How many of the values lie in each of the bins of equal width.
+std::string histogram(const char* label, std::span<const float> values, float low, float high, size_t bins) {
+  report::LineChart chart{label, "share, %", {{"", {}, /*is_filled=*/true}}};
+  std::vector<double> counts(bins);
+  const float width = std::max(high - low, 1e-6F) / static_cast<float>(bins);
+  for (const float value : values) {
+    if (!std::isfinite(value)) continue;
+    const float bin = std::clamp((value - low) / width, 0.0F, static_cast<float>(bins - 1));
+    counts[static_cast<size_t>(bin)] += 100.0 / static_cast<double>(values.size());
+  }
+  for (size_t i = 0; i < bins; ++i) {
+    for (const size_t edge : {i, i + 1}) {
+      chart.lines[0].points.push_back({static_cast<double>(low + width * static_cast<float>(edge)), counts[i]});
+    }
+  }
+  return report::chart_svg(chart);
+}
+
+Result<void> show(const capture::EventImageFile& file, const std::string& name, report::Page& page) {
+  const capture::EventImages& first = file.cycles.front();
+  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
+  E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(first), "event images"}}, 1600, page));
+  page.drawing(transition_bars(eval::event_statistics(first).events_per_pixel));
+  constexpr float kMost = 16.5F;
+  const std::vector<float> counts(first.counts.begin(), first.counts.end());
+  page.drawing(histogram("events of a pixel in a transition, ON less OFF; those beyond 16 at the ends", counts, -kMost,
+                         kMost, 33));
+  if (!file.codes) return {};
+  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, capture::codes_from_npy(*file.codes, name));
+  page.heading("Patterns");
+  add_patterns(codes, page);
+  return {};
+}
+
+Result<void> show(const lightfield::LightField& field, float low, float high, report::Page& page) {
+  page.heading("Views");
+  E2LF_RETURN_IF_ERROR(
+      add_pictures({{lightfield::contact_sheet(field), "all views, in the order of the aperture"}}, 1600, page));
+  page.heading("Parallax");
+  E2LF_RETURN_IF_ERROR(
+      add_pictures({{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
+                     "the middle view; below and beside it the EPIs of the cuts in the colours of their frames"}},
+                   1200, page));
+  page.heading("Values").drawing(histogram("value", field.data(), std::min(low, 0.0F), std::max(high, 1.0F), 128));
+  return {};
+}
+
+Result<Description> describe_model(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
+  if (is_video) {
+    E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(path));
+    Json json = model::summary_json(model);
+    json["kind"] = "model of frames";
+    return Description{model::summary_text(model), std::move(json), {}};
+  }
+  E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
+  Json json = model::summary_json(model);
+  json["kind"] = "model";
+  const auto show_patterns = [codes = model.codes](report::Page& page) -> Result<void> {
+    if (codes) {
+      page.heading("Patterns");
+      add_patterns(*codes, page);
+    }
+    return {};
+  };
+  return Description{model::summary_text(model), std::move(json), show_patterns};
+}
+
+/// Data to train on, as `e2lf pack` writes it.
+Result<Description> describe_packed_data(Safetensors file, const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const learn::PackedData data, learn::sort_packed_data(std::move(file), path.string()));
+  Json light_fields = Json::array();
+  std::string text =
+      cat("data to train on: ", data.light_fields.size(), " light fields, ", data.textures.size(), " photographs\n");
+  for (const learn::PackedPicture& field : data.light_fields) {
+    light_fields.push_back({{"name", field.name}, {"shape", field.pixels.shape}});
+    text += cat("  ", field.name, ": ", shape_text(field.pixels.shape), "\n");
+  }
+  return Description{
+      std::move(text),
+      {{"kind", "training data"}, {"light_fields", std::move(light_fields)}, {"textures", data.textures.size()}},
+      {}};
+}
+
+Result<Description> describe_safetensors(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(Safetensors file, read_safetensors(path));
+  if (learn::is_packed_data(file)) return describe_packed_data(std::move(file), path);
+  return describe_model(path);
+}
+
+Result<Description> describe_event_images(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(capture::EventImageFile read, capture::read_event_images(path));
+  const auto kept = std::make_shared<const capture::EventImageFile>(std::move(read));
+  const capture::EventImageFile& file = *kept;
+  const capture::EventImages& first = file.cycles.front();
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup({{}, {}, file.camera, file.views}, path));
+  const eval::EventStatistics statistics = eval::event_statistics(first);
+  Json json = {{"kind", "event images"},
+               {"cycles", file.cycles.size()},
+               {"transitions", first.transitions},
+               {"height", first.height},
+               {"width", first.width},
+               {"codes", file.codes.has_value()},
+               {"orientation", orientation_text(setup.views)},
+               {"first_cycle", eval::to_json(statistics)}};
+  std::string text =
+      cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ", first.transitions,
+          " transitions, ", first.width, "x", first.height, " px, codes ", file.codes ? "included" : "not included",
+          ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
+  for (const double count : statistics.events_per_pixel) text += cat(" ", count);
+  text += cat(", total ", statistics.total_events_per_pixel, "\n");
+  return Description{std::move(text), std::move(json),
+                     [kept, name = path.string()](report::Page& page) { return show(*kept, name, page); }};
+}
+
+/// A measurement with intensity images.
+Result<Description> describe_images(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const capture::MeasurementFile file, capture::read_measurements(path));
+  const capture::Measurement& first = file.cycles.front();
+  const auto [low, high] = std::minmax_element(first.images.values.begin(), first.images.values.end());
+  Json json = {{"kind", "measurement"},
+               {"measurement", capture::measurement_name(first.kind)},
+               {"cycles", file.cycles.size()},
+               {"transitions", first.events.transitions},
+               {"images", first.images.num_patterns},
+               {"height", first.height()},
+               {"width", first.width()},
+               {"codes", file.codes.has_value()},
+               {"min", *low},
+               {"max", *high}};
+  std::string text = cat("measurement (", capture::measurement_name(first.kind), "): ", file.cycles.size(), " cycle",
+                         file.cycles.size() == 1 ? "" : "s", " of ", first.images.num_patterns, " intensity image",
+                         first.images.num_patterns == 1 ? "" : "s");
+  if (first.events.transitions > 0) text += cat(" and ", first.events.transitions, " event images");
+  text += cat(", ", first.width(), "x", first.height(), " px, intensities ", *low, "..", *high, ", codes ",
+              file.codes ? "included" : "not included", "\n");
+  if (first.events.transitions > 0) {
+    const eval::EventStatistics statistics = eval::event_statistics(first.events);
+    json["first_cycle"] = eval::to_json(statistics);
+    text += cat("events per pixel in the first cycle: ", statistics.total_events_per_pixel, "\n");
+  }
+  return Description{std::move(text), std::move(json)};
+}
+
+Result<Description> describe_light_field(const fs::path& path, const LightFieldFlags& flags) {
+  E2LF_ASSIGN_OR_RETURN(const auto kind, lightfield::detect_kind(path));
+  lightfield::ReadOptions options = read_options(flags);
+  options.range = lightfield::RangePolicy::kKeep;
+  options.colour = true;
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField read, lightfield::read_light_field(path, options));
+  const auto light_field = std::make_shared<const lightfield::LightField>(std::move(read));
+  const lightfield::Shape& shape = light_field->shape();
+  E2LF_ASSIGN_OR_RETURN(const capture::Orientation stored, lightfield::stored_orientation(path));
+  const auto [low, high] = std::minmax_element(light_field->data().begin(), light_field->data().end());
+  Json json = {{"kind", "light field"},
+               {"format", lightfield::kind_name(kind)},
+               {"views", {shape.views_y, shape.views_x}},
+               {"height", shape.height},
+               {"width", shape.width},
+               {"channels", shape.channels},
+               {"stored_orientation", capture::orientation_name(stored)},
+               {"min", *low},
+               {"max", *high}};
+  return Description{
+      cat("light field (", lightfield::kind_name(kind), "): ", shape.views_y, "x", shape.views_x, " views of ",
+          shape.width, "x", shape.height, " px, ", shape.channels == 1 ? "grey" : "colour", ", values ", *low, "..",
+          *high, stored.is_upright() ? "" : cat(", views stored ", capture::orientation_name(stored)), "\n"),
+      std::move(json),
+      [light_field, low = *low, high = *high](report::Page& page) { return show(*light_field, low, high, page); }};
+}
+
+Result<Description> describe_cycles(const fs::path& path, const LightFieldFlags& flags) {
+  const std::vector<fs::path> folders = lightfield::cycle_folders(path);
+  E2LF_ASSIGN_OR_RETURN(Description first, describe_light_field(folders.front(), flags));
+  Json json = {{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}};
+  return Description{cat("light fields of ", folders.size(), " cycle", folders.size() == 1 ? "" : "s", "; ",
+                         folders.front().filename().string(), ": ", first.text),
+                     std::move(json), std::move(first.show)};
+}
+
+}  // namespace
+
+Result<Description> describe(FileKind kind, const fs::path& path, const DescribeOptions& options) {
+  switch (kind) {
+    case FileKind::kModel:
+      return describe_safetensors(path);
+    case FileKind::kEventImages:
+      return describe_event_images(path);
+    case FileKind::kImages:
+      return describe_images(path);
+    case FileKind::kCycles:
+      return describe_cycles(path, options.light_field);
+    case FileKind::kRecording:
+      return describe_recording(path, options);
+    case FileKind::kTrainingRun:
+    case FileKind::kDisplay:
+    case FileKind::kResults:
+      return describe_folder(kind, path);
+    case FileKind::kLightField:
+      break;
+  }
+  return describe_light_field(path, options.light_field);
+}
+
+Result<Description> describe(const fs::path& path, const DescribeOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+  return describe(kind, path, options);
+}
+
+}  // namespace e2lf::cli

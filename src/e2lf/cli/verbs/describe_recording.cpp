@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include <cstdio>
+
+#include "e2lf/base/printable.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/verbs/describe.h"
+#include "e2lf/cli/verbs/recording_statistics.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+Json assumptions_json(const recordings::RecordingInfo& info) {
+  Json texts = Json::array();
+  for (const recordings::Assumption& assumption : info.assumptions) texts.push_back(assumption_text(assumption));
+  return texts;
+}
+
+Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
+             const RecordingStatistics& statistics, Json parts) {
+  Json json = {{"kind", "recording"}, {"format", info.format}, {"width", info.width}, {"height", info.height}};
+  Json counts = summary_json(summary);
+  const Json left_out = std::move(counts["left_out"]);
+  counts.erase("left_out");
+  json.update(counts);
+  json["trigger_channels"] = statistics.triggers_json();
+  json["extents"] = {{"width", statistics.width()}, {"height", statistics.height()}};
+  json["assumptions"] = assumptions_json(info);
+  json["read_as"] = reading_json(info);
+  json["left_out"] = left_out;
+  json["parts"] = std::move(parts);
+  Json header = Json::object();
+  for (const auto& [key, value] : info.header) header[key] = value;
+  json["header"] = std::move(header);
+  return json;
+}
+
+std::string size_text(const recordings::RecordingInfo& info, const RecordingStatistics& statistics) {
+  if (info.width != 0) return cat(info.width, "x", info.height, " px");
+  if (statistics.width() == 0) return "of unknown size";
+  return cat("of unknown size; its events reach ", statistics.width(), "x", statistics.height(), " px");
+}
+
+std::string time_text(const recordings::DecodeSummary& summary) {
+  const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
+  const double rate = duration_s > 0 ? static_cast<double>(summary.events()) * 1e-6 / duration_s : 0.0;
+  char text[160];
+  std::snprintf(text, sizeof text, "%lld .. %lld us (%.6f s), %.3f M events/s",
+                static_cast<long long>(summary.first_t_us), static_cast<long long>(summary.last_t_us), duration_s,
+                rate);
+  return text;
+}
+
+std::string to_text(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
+                    const RecordingStatistics& statistics) {
+  const std::vector<recordings::Loss> losses = recordings::losses(summary);
+  std::string text = cat("recording: ", info.format, ", sensor ", size_text(info, statistics), "\n",             //
+                         "events:    ", summary.events(), " (", summary.events_on, " ON, ", summary.events_off,  //
+                         " OFF)\n",                                                                              //
+                         "triggers:  ", summary.triggers, "\n", statistics.triggers_text(),                      //
+                         "time:      ", time_text(summary), "\n");
+  if (const std::string restarts = recordings::restart_text(summary); !restarts.empty()) {
+    text += cat("restarts:  ", restarts, "\n");
+  }
+  if (const std::string sensor = recordings::sensor_text(summary); !sensor.empty()) {
+    text += cat("sensor:    ", sensor, "\n");
+  }
+  if (summary.out_of_order > 0) text += cat("sorted:    ", summary.out_of_order, " events were out of order\n");
+  text += cat("left out:  ", losses.empty() ? "nothing" : recordings::loss_text(losses), "\n");
+  if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " stretches of time are incomplete\n");
+  if (info.table) {
+    text +=
+        cat("read as:   ", info.table->columns, "; times in ", info.table->time_unit, "; ", info.table->polarity, "\n");
+  }
+  for (const recordings::Assumption& assumption : info.assumptions) {
+    text += cat("assumed:   ", assumption_text(assumption), "\n");
+  }
+  for (const auto& [key, value] : info.header) text += cat("header:    ", key, " = ", value, "\n");
+  return text;
+}
+
+/// One part of a recording whose clock starts again, kept apart.
+std::string part_text(size_t number, const recordings::DecodeSummary& part) {
+  return cat("part ", number, ":    ", part.events(), " events, ", part.triggers, " triggers, ", time_text(part), "\n");
+}
+
+}  // namespace
+
+Json summary_json(const recordings::DecodeSummary& summary) {
+  return {{"events", summary.events()},
+          {"events_on", summary.events_on},
+          {"events_off", summary.events_off},
+          {"triggers", summary.triggers},
+          {"first_t_us", summary.first_t_us},
+          {"last_t_us", summary.last_t_us},
+          {"dropped_words", summary.dropped_words},
+          {"time_loops", summary.time_loops},
+          {"gaps", summary.num_gaps},
+          {"sorted", summary.out_of_order},
+          {"restarts", restarts_json(summary)},
+          {"sensor_events_in", summary.sensor_events_in},
+          {"sensor_events_sent", summary.sensor_events_sent},
+          {"left_out", losses_json(summary)}};
+}
+
+Result<Description> describe_recording(const fs::path& path, const DescribeOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(path, options.recording, true));
+  open.counts_reports = true;
+  E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(path.string(), open));
+  RecordingStatistics statistics;
+  recordings::DecodeSummary summary;
+  recordings::EventBatch batch;
+  std::string parts;
+  Json parts_json = Json::array();
+  for (bool more_parts = true; more_parts;) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
+    if (more) {
+      statistics.add(batch);
+      if (options.on_batch) options.on_batch(batch);
+      if (options.progress) options.progress(summary.events() + reader->summary().events(), 0);
+      continue;
+    }
+    const recordings::DecodeSummary part = reader->summary();
+    summary.append(part);
+    parts += part_text(parts_json.size() + 1, part);
+    parts_json.push_back({{"events", part.events()},
+                          {"triggers", part.triggers},
+                          {"first_t_us", part.first_t_us},
+                          {"last_t_us", part.last_t_us}});
+    E2LF_ASSIGN_OR_RETURN(more_parts, reader->next_part());
+  }
+  if (parts_json.size() == 1) parts.clear();
+  return Description{printable(to_text(reader->info(), summary, statistics) + parts),
+                     to_json(reader->info(), summary, statistics, std::move(parts_json)),
+                     {}};
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: MIT
+// e2lf eval: a reconstruction against the truth
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <span>
+
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/scene_input.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/report_output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/compare/pictures.h"
+#include "e2lf/eval/best_gain.h"
+#include "e2lf/eval/metrics.h"
+#include "e2lf/eval/report.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/files/result_folder.h"
+#include "e2lf/report/chart.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct EvalArguments {
+  fs::path truth, reconstruction, events, output;
+  std::vector<std::string> named;  ///< "NAME=PATH"
+  bool no_clamp = false, csv = false, fit_gain = false;
+  std::vector<fs::path> reports;
+};
+
+/// A reconstruction to compare, and what it is called.
+struct Candidate {
+  std::string name;
+  fs::path path;
+};
+
+Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
+  std::vector<Candidate> found;
+  if (!arguments.reconstruction.empty()) {
+    found.push_back({arguments.reconstruction.string(), arguments.reconstruction});
+  }
+  for (const std::string& named : arguments.named) {
+    const size_t equals = named.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == named.size()) {
+      return Error{ErrorCode::kInvalidValue, "a reconstruction with a name is written NAME=PATH",
+                   cat("--name ", named)};
+    }
+    found.push_back({named.substr(0, equals), named.substr(equals + 1)});
+  }
+  if (!found.empty()) return found;
+  return Error{ErrorCode::kInvalidValue, "there is nothing to compare; give a reconstruction, or several with --name",
+               ""};
+}
+
+/// The gain that the record of `e2lf reconstruct` beside a reconstruction tells: that of the cycle, or of all.
+std::optional<double> recorded_gain(const fs::path& path) {
+  std::error_code error;
+  const fs::path folder = fs::is_directory(path, error) ? path : path.parent_path();
+  const auto record = read_json(folder / "run.json");
+  if (!record || !is_our_record(folder / "run.json")) return std::nullopt;
+  for (const char* place : {"/cycle/gain", "/options/gain"}) {
+    const Json::json_pointer at(place);
+    if (record->contains(at) && record->at(at).is_number()) return record->at(at).get<double>();
+  }
+  return std::nullopt;
+}
+
+/// A number of each view in the order of the aperture.
+std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metrics::*metric, int decimals) {
+  report::CellGrid grid;
+  grid.columns = 0;
+  grid.low = INFINITY;
+  grid.high = -INFINITY;
+  for (const eval::ViewMetrics& view : quality.views) {
+    const double value = view.metrics.*metric;
+    grid.values.push_back(value);
+    if (view.view_y == quality.views.front().view_y) ++grid.columns;
+    if (!std::isfinite(value)) continue;
+    grid.low = std::min(grid.low, value);
+    grid.high = std::max(grid.high, value);
+  }
+  grid.decimals = decimals;
+  grid.cell_px = 46;
+  return report::grid_svg(grid);
+}
+
+/// What was compared: the figures, and the reconstruction for pictures.
+struct Compared {
+  eval::EvalRow row;
+  lightfield::LightField field;
+};
+
+std::vector<eval::EvalRow> rows_of(const std::vector<Compared>& all) {
+  std::vector<eval::EvalRow> rows;
+  for (const Compared& compared : all) rows.push_back(compared.row);
+  return rows;
+}
+
+/// A line for each gain other than 1: such a reconstruction has another brightness than the method gave it.
+std::string gain_text(const std::vector<eval::EvalRow>& rows) {
+  std::string text;
+  for (const eval::EvalRow& row : rows) {
+    if (row.gain && *row.gain != 1.0) {
+      text += cat(row.method, ": a gain of ", *row.gain, " was applied when it was reconstructed (run.json)",
+                  row.fitted_gain ? ""
+                                  : "; --fit-gain compares with the best one, `e2lf reconstruct --gain 1` makes "
+                                    "it without",
+                  "\n");
+    }
+    if (row.fitted_gain)
+      text += cat(row.method, ": compared times ", *row.fitted_gain, ", the gain of least squares\n");
+  }
+  return text;
+}
+
+Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfield::LightField& truth) {
+  const std::vector<eval::EvalRow> rows = rows_of(all);
+  std::vector<std::string> names;
+  for (const eval::EvalRow& row : rows) names.push_back(row.method);
+  report::Page page = verb_page(cat(join(names), " against ", rows.front().scene));
+  const lightfield::Shape& shape = truth.shape();
+  page.paragraph(cat(shape.views_y, "x", shape.views_x, " views of ", shape.width, "x", shape.height, " px, ",
+                     shape.channels == 1 ? "grey" : "colour"));
+  page.table(eval::quality_table(rows));
+  if (const std::string gains = gain_text(rows); !gains.empty()) page.paragraph(gains);
+  page.heading("Views").paragraph("Each view in the order of the aperture.");
+  for (const eval::EvalRow& row : rows) {
+    page.begin_row();
+    page.drawing(view_grid(row.quality, &eval::Metrics::psnr_db, 1), cat(row.method, ": PSNR, dB"));
+    page.drawing(view_grid(row.quality, &eval::Metrics::ssim_uniform7, 3), cat(row.method, ": SSIM, windows of 7x7"));
+    page.end_row();
+  }
+  page.heading("Pictures")
+      .paragraph(
+          "The upper left view, its middle enlarged; below it the EPI of the middle row, which has straight lines "
+          "where "
+          "views agree. Beside a reconstruction its error: black is none, white 0.2 and more.");
+  std::vector<NamedImage> pictures = {{compare::look(truth, nullptr), cat("truth: ", rows.front().scene)}};
+  for (const Compared& compared : all) {
+    pictures.push_back({compare::look(compared.field, &truth), compared.row.method});
+  }
+  E2LF_RETURN_IF_ERROR(add_pictures(pictures, 700, page));
+  if (const auto& events = rows.front().events) {
+    page.heading("Events").facts(eval::to_json(*events)).drawing(transition_bars(events->events_per_pixel));
+  }
+  return page;
+}
+
+Json json_of(const eval::EvalRow& row, size_t channels) {
+  Json json = eval::to_json(row);
+  json["channels"] = channels;
+  return json;
+}
+
+void print_result(const std::vector<eval::EvalRow>& rows, size_t channels, const EvalArguments& arguments,
+                  const CommonOptions& common) {
+  if (common.json) {
+    Json json = json_of(rows.front(), channels);
+    if (rows.size() > 1) {
+      json = Json{{"methods", Json::array()}};
+      for (const eval::EvalRow& row : rows) json["methods"].push_back(json_of(row, channels));
+    }
+    std::printf("%s", json_text(json).c_str());
+  } else if (arguments.csv) {
+    std::printf("%s", report::table_csv(eval::quality_table(rows)).c_str());
+  } else if (!common.quiet) {
+    std::printf("%s%s", report::table_text(eval::quality_table(rows)).c_str(), gain_text(rows).c_str());
+    for (const eval::EvalRow& row : rows) {
+      const std::string of = rows.size() > 1 ? cat(" of ", row.method) : "";
+      std::printf("\nPSNR of each view%s in dB:\n%s", of.c_str(), eval::view_grid_text(row.quality).c_str());
+    }
+  }
+}
+
+Result<eval::EventStatistics> read_events(const fs::path& path, const lightfield::Shape& shape) {
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
+  const capture::EventImages& images = file.cycles.front();
+  if (images.width == shape.width && images.height == shape.height) return eval::event_statistics(images);
+  return Error{ErrorCode::kShape,
+               cat("event images of ", images.width, "x", images.height, " px are not of a light field of ",
+                   shape.width, "x", shape.height, " px; give those it was made from"),
+               path.string()};
+}
+
+Result<lightfield::LightField> read_candidate(const Candidate& candidate, bool quiet) {
+  lightfield::ReadOptions all = read_options({.views = 0});
+  all.range = lightfield::RangePolicy::kKeep;
+  all.colour = true;
+  return read_with_progress(candidate.path, all, quiet);
+}
+
+Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField field,
+                             const lightfield::LightField& truth, const EvalArguments& arguments, bool quiet) {
+  Compared compared{{candidate.name, arguments.truth.string(), {}}, std::move(field)};
+  if (!(compared.field.shape() == truth.shape())) {
+    const auto text = [](const lightfield::Shape& shape) {
+      return cat(shape.views_y, "x", shape.views_x, " views of ", shape.width, "x", shape.height, " px");
+    };
+    return Error{ErrorCode::kShape,
+                 cat("has ", text(compared.field.shape()), ", but the true light field has ", text(truth.shape()),
+                     "; compare light fields of one size"),
+                 candidate.path.string()};
+  }
+  compared.row.gain = recorded_gain(candidate.path);
+  if (arguments.fit_gain) {
+    const float gain = eval::best_gain(truth, compared.field);
+    for (float& value : compared.field.data()) value *= gain;
+    compared.row.fitted_gain = double{gain};
+  }
+  ProgressBar bar("compare", quiet);
+  E2LF_ASSIGN_OR_RETURN(compared.row.quality,
+                        eval::compare(truth, compared.field, {.clamp = !arguments.no_clamp}, bar.callback()));
+  return compared;
+}
+
+Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
+  const bool quiet = verb.common().quiet;
+  E2LF_ASSIGN_OR_RETURN(const std::vector<Candidate> candidates, candidates_of(arguments));
+  OutputRules rules{.inputs = {arguments.truth, arguments.events}, .overwrite = verb.common().overwrite};
+  for (const Candidate& candidate : candidates) rules.inputs.push_back(candidate.path);
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
+  std::optional<OutputFile> output;
+  rules.streams = true;
+  if (!arguments.output.empty()) {
+    rules.ending = ".json";
+    E2LF_ASSIGN_OR_RETURN(output, OutputFile::create(arguments.output, rules));
+  }
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField first, read_candidate(candidates.front(), quiet));
+  // Of the truth as many views, and its colours where the reconstruction has some.
+  const lightfield::Shape shape = first.shape();
+  const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, same, quiet));
+  std::vector<Compared> all;
+  E2LF_ASSIGN_OR_RETURN(Compared of_first, compare_one(candidates.front(), std::move(first), truth, arguments, quiet));
+  all.push_back(std::move(of_first));
+  for (const Candidate& candidate : std::span(candidates).subspan(1)) {
+    E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, read_candidate(candidate, quiet));
+    E2LF_ASSIGN_OR_RETURN(Compared further, compare_one(candidate, std::move(field), truth, arguments, quiet));
+    all.push_back(std::move(further));
+  }
+  if (!arguments.events.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const eval::EventStatistics events, read_events(arguments.events, truth.shape()));
+    for (Compared& compared : all) compared.row.events = events;
+  }
+  const std::vector<eval::EvalRow> rows = rows_of(all);
+  if (output) {
+    Json json = eval::to_json(rows.front());
+    if (rows.size() > 1) {
+      json = Json{{"methods", Json::array()}};
+      for (const eval::EvalRow& row : rows) json["methods"].push_back(eval::to_json(row));
+    }
+    E2LF_RETURN_IF_ERROR(write_file(output->path(), json_text(json)));
+    E2LF_RETURN_IF_ERROR(output->commit());
+  }
+  if (reports.is_wanted()) {
+    E2LF_ASSIGN_OR_RETURN(const report::Page page, eval_page(all, truth));
+    E2LF_RETURN_IF_ERROR(reports.write(page));
+  }
+  print_result(rows, shape.channels, arguments, verb.common());
+  return {};
+}
+
+}  // namespace
+
+int run_eval(const std::vector<std::string>& arguments) {
+  Verb verb("eval",
+            "Compare a reconstructed light field with the true one: PSNR and SSIM of each view and their means.",
+            "e2lf eval scene/ out/recon --events events.npz --report quality.html");
+  EvalArguments evaluation;
+  CLI::App& app = verb.app();
+  app.add_option("truth", evaluation.truth, "the true light field")->required();
+  app.add_option("reconstruction", evaluation.reconstruction, "the reconstructed light field");
+  app.add_option("--name", evaluation.named,
+                 "NAME=PATH: a reconstruction and what tables and pictures call it; may be given several times")
+      ->allow_extra_args(false);
+  app.add_flag("--fit-gain", evaluation.fit_gain,
+               "multiply each reconstruction with the gain of least squared error, which is reported");
+  app.add_option("--events", evaluation.events, "event images: adds event counts, measurement time and data rate");
+  app.add_option("-o,--output", evaluation.output, "also write the result to this JSON file");
+  add_report_option(app, evaluation.reports);
+  app.add_flag("--csv", evaluation.csv, "print comma-separated values");
+  app.add_flag("--no-clamp", evaluation.no_clamp, "do not clamp the reconstruction to [0, 1] before measuring");
+  return verb.run(arguments, [&] { return evaluate(evaluation, verb); });
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/verbs/live_view.h"
+
+#include <cstdio>
+#include <thread>
+#include <vector>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/view/server.h"
+
+namespace e2lf::cli {
+
+bool has_viewer() {
+  return true;
+}
+
+class LiveView::Impl {
+ public:
+  Impl(std::string name, const std::filesystem::path& folder, view::Server server)
+      : name_(std::move(name)), server_(std::move(server)) {
+    cycles_->set_folder(folder);
+    thread_ = std::thread([this] { result_ = server_.run(); });
+  }
+  ~Impl() { end(); }
+
+  void add(const std::string& cycle, lightfield::LightField light_field, const std::string& note) {
+    if (const auto fits = view::check_browser_memory(light_field.shape(), name_); !fits) {
+      if (!has_warned_) log_warning("nothing is shown: " + fits.error().message);
+      has_warned_ = true;
+      return;
+    }
+    cycles_->add(cycle, std::move(light_field));
+    notes_.push_back(note);
+    show(/*is_growing=*/true);
+  }
+
+  void set_folder(const std::filesystem::path& folder) { cycles_->set_folder(folder); }
+
+  Result<void> finish() {
+    show(/*is_growing=*/false);
+    if (!stop_requested()) {
+      hide_progress();
+      std::fprintf(stderr, "all is done and shown at %s; Ctrl-C ends\n", server_.url().c_str());
+      thread_.join();
+    }
+    end();
+    return result_;
+  }
+
+  [[nodiscard]] std::string url() const { return server_.url(); }
+
+ private:
+  void show(bool is_growing) {
+    view::Document document;
+    if (cycles_->size() > 0) document.add_light_field(name_, cycles_, notes_);
+    if (is_growing) document.set_growing();
+    server_.replace(std::move(document));
+  }
+
+  void end() {
+    server_.end();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  std::string name_;
+  std::shared_ptr<view::LightFieldCycles> cycles_ = std::make_shared<view::LightFieldCycles>();
+  std::vector<std::string> notes_;
+  view::Server server_;
+  Result<void> result_;
+  bool has_warned_ = false;
+  std::thread thread_;
+};
+
+LiveView::LiveView(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LiveView::LiveView(LiveView&&) noexcept = default;
+LiveView::~LiveView() = default;
+
+Result<LiveView> LiveView::start(const std::string& name, const std::filesystem::path& folder, uint16_t port) {
+  view::Document nothing_yet;
+  nothing_yet.set_growing();
+  E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(std::move(nothing_yet), port));
+  std::fprintf(stderr, "open %s in a browser to see each cycle as it comes\n", server.url().c_str());
+  return LiveView(std::make_unique<Impl>(name, folder, std::move(server)));
+}
+
+void LiveView::add(const std::string& cycle, lightfield::LightField light_field, const std::string& note) {
+  impl_->add(cycle, std::move(light_field), note);
+}
+
+void LiveView::set_folder(const std::filesystem::path& folder) {
+  impl_->set_folder(folder);
+}
+
+Result<void> LiveView::finish() {
+  return impl_->finish();
+}
+
+}  // namespace e2lf::cli

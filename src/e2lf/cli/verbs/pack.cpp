@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// e2lf pack: light fields and photographs -> one file to train on
+#include "e2lf/learn/data/pack.h"
+
+#include <cstdio>
+
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+
+int run_pack(const std::vector<std::string>& arguments) {
+  Verb verb("pack", "Put light fields and photographs into one file to train on, 8-bit grey.",
+            "e2lf pack scenes/* --textures photos/ -o packed.safetensors");
+  learn::PackOptions options;
+  fs::path output;
+  CLI::App& app = verb.app();
+  app.add_option("light-fields,-i,--input", options.light_fields, "light fields of any kind that e2lf reads")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--textures", options.textures, "photographs, or folders of them, for synthesised light fields")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("-o,--output", output, "file to write (.safetensors)")->required();
+  return verb.run(arguments, [&]() -> Result<void> {
+    OutputRules rules{.inputs = options.light_fields, .overwrite = verb.common().overwrite, .ending = ".safetensors"};
+    rules.inputs.insert(rules.inputs.end(), options.textures.begin(), options.textures.end());
+    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, rules));
+    RunRecord record("pack");
+    for (const fs::path& input : rules.inputs) record.add_input(input);
+    ProgressBar bar("pack", verb.common().quiet);
+    E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));
+    hide_progress();
+    record.end_step("pack");
+    E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
+    E2LF_RETURN_IF_ERROR(file.commit());
+    if (verb.common().json) {
+      std::printf("{\"light_fields\": %zu, \"textures\": %zu, \"bytes\": %zu}\n", summary.light_fields,
+                  summary.textures, summary.bytes);
+    } else if (!verb.common().quiet) {
+      std::printf("packed %zu light fields and %zu photographs, %.0f MB\n", summary.light_fields, summary.textures,
+                  static_cast<double>(summary.bytes) / 1e6);
+    }
+    return {};
+  });
+}
+
+}  // namespace e2lf::cli

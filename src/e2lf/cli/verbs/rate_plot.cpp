@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/verbs/rate_plot.h"
+
+#include <algorithm>
+
+#include "e2lf/base/text.h"
+#include "e2lf/report/axis.h"
+
+namespace e2lf::cli {
+namespace {
+
+enum LineNumber : size_t { kOff, kOn };
+
+/// A step for each bin; `sign` is -1 for what lies below the axis.
+report::Line steps(const char* name, const recordings::EventRate& rate, const std::vector<uint64_t>& counts,
+                   double sign) {
+  report::Line line{name, {}, /*is_filled=*/true};
+  const double bin_us = static_cast<double>(rate.bin_us);
+  for (size_t i = 0; i < counts.size(); ++i) {
+    const double per_us = sign * static_cast<double>(counts[i]) / bin_us;  // events per us = M events/s
+    line.points.push_back({static_cast<double>(i) * bin_us / 1000.0, per_us});
+    line.points.push_back({static_cast<double>(i + 1) * bin_us / 1000.0, per_us});
+  }
+  return line;
+}
+
+double after_ms(const recordings::EventRate& rate, int64_t t_us) {
+  return static_cast<double>(t_us - rate.begin_us) / 1000.0;
+}
+
+/// The surer a cycle is, the darker.
+report::Bands shaded(const std::vector<FoundCycle>& cycles, const recordings::EventRate& rate) {
+  report::Bands bands{"cycles: number, confidence", {}};
+  for (size_t i = 0; i < std::min(cycles.size(), kMaxDrawn); ++i) {
+    const FoundCycle& cycle = cycles[i];
+    const double confidence = static_cast<double>(cycle.confidence);
+    std::string text = cat(cycle.number, ": ", report::tick_text(confidence, 2));
+    for (const cycles::TimeSlice& slice : cycle.slices) {
+      bands.bands.push_back({after_ms(rate, slice.begin_us), after_ms(rate, slice.end_us), 0.1 + 0.15 * confidence,
+                             std::exchange(text, {})});
+    }
+  }
+  return bands;
+}
+
+/// Triggers and bursts by their sign.
+std::vector<report::Marks> signed_marks(const std::vector<cycles::Mark>& marks, const recordings::EventRate& rate) {
+  std::vector<report::Marks> kinds = {{"marks, OFF", {}, kOff}, {"marks, ON", {}, kOn}, {"marks", {}, {}}};
+  for (size_t i = 0; i < std::min(marks.size(), kMaxDrawn); ++i) {
+    const cycles::Mark& mark = marks[i];
+    report::Marks& kind = kinds[!mark.on_share ? 2 : *mark.on_share > 0.5F ? 1 : 0];
+    kind.marks.push_back({after_ms(rate, mark.t_us), 0.3 + 0.7 * static_cast<double>(mark.confidence)});
+  }
+  return kinds;
+}
+
+}  // namespace
+
+report::LineChart rate_chart(const recordings::EventRate& rate, const FoundCycles& found) {
+  report::LineChart chart;
+  const bool is_empty = rate.on.empty();
+  chart.x_label = cat("ms after ", rate.begin_us, " us");
+  chart.y_label =
+      is_empty ? "no events"
+               : cat("M events/s in bins of ", static_cast<double>(rate.bin_us) / 1000.0, " ms: ON above, OFF below");
+  chart.lines = {steps("OFF", rate, rate.off, -1), steps("ON", rate, rate.on, 1)};
+  // The axis begins with the first trigger, which may come before the first event.
+  if (!is_empty && !found.marks.empty() && found.marks.front().t_us < rate.begin_us) {
+    for (report::Line& line : chart.lines) {
+      line.points.insert(line.points.begin(), {after_ms(rate, found.marks.front().t_us), 0.0});
+    }
+  }
+  chart.has_signs = false;
+  chart.bands = shaded(found.cycles, rate);
+  chart.marks = signed_marks(found.marks, rate);
+  return chart;
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+// e2lf video: a recording as frames
+#include <chrono>
+#include <cstdio>
+#include <optional>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/file_kind.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/cycles/event_windows.h"
+#include "e2lf/cycles/voxelise.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/lightfield/image.h"
+#include "e2lf/recon/tone.h"
+#include "e2lf/recon/video/event_video.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int64_t kDefaultWindowUs = 40000;  // 25 frames a second
+
+struct VideoArguments {
+  fs::path input, output, model;
+  bool is_plain = false;
+  std::optional<int64_t> window_us;
+  std::optional<uint64_t> window_events;
+  bool window_triggers = false;
+  std::string edge = "rising", tone = "auto", precision = "float32";
+  std::optional<uint16_t> channel;
+  int full_scale = 4;
+  uint64_t max_frames = 0;
+  RecordingFlags recording;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+cycles::TriggerEdge edge_of(const std::string& name) {
+  if (name == "falling") return cycles::TriggerEdge::kFalling;
+  return name == "both" ? cycles::TriggerEdge::kBoth : cycles::TriggerEdge::kRising;
+}
+
+Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
+  const int kinds =
+      (arguments.window_us ? 1 : 0) + (arguments.window_events ? 1 : 0) + (arguments.window_triggers ? 1 : 0);
+  if (kinds > 1) {
+    return Error{ErrorCode::kInvalidValue, "windows are by time, by count or between triggers; give one of the three",
+                 "--window-us, --window-events, --window-triggers"};
+  }
+  cycles::WindowOptions options;
+  options.edge = edge_of(arguments.edge);
+  options.channel = arguments.channel;
+  if (arguments.window_triggers) {
+    options.kind = cycles::WindowKind::kTriggers;
+  } else if (arguments.window_events) {
+    options.kind = cycles::WindowKind::kCount;
+    options.events = *arguments.window_events;
+  } else {
+    options.kind = cycles::WindowKind::kTime;
+    options.duration_us = arguments.window_us.value_or(kDefaultWindowUs);
+    const RecordingFlags& flags = arguments.recording;
+    if (flags.from_us != INT64_MIN && !flags.is_relative) options.origin_us = flags.from_us;
+  }
+  return options;
+}
+
+/// Makes a picture of each window.
+class FrameMaker {
+ public:
+  /// Of signed events: `full_scale` events more or less than none are white or black.
+  FrameMaker(size_t height, size_t width, int full_scale)
+      : height_(height), width_(width), full_scale_(static_cast<float>(full_scale)) {}
+  FrameMaker(size_t height, size_t width, recon::EventVideo video, model::Tone tone)
+      : height_(height), width_(width), video_(std::move(video)), tone_(tone) {}
+
+  Result<lightfield::ByteImage> make(const cycles::EventWindow& window) {
+    lightfield::Image frame(width_, height_, 1);
+    if (video_) {
+      const auto begin = std::chrono::steady_clock::now();
+      E2LF_ASSIGN_OR_RETURN(frame.pixels,
+                            video_->next(cycles::voxelise(window.events, video_->model().bins, height_, width_)));
+      network_s_ += seconds_since(begin);
+      recon::apply_tone(tone_, frame.pixels);
+    } else {
+      frame.pixels = cycles::signed_counts(window.events, height_, width_);
+      for (float& value : frame.pixels) value = 0.5F + 0.5F * value / full_scale_;
+    }
+    return lightfield::to_bytes(frame);
+  }
+
+  [[nodiscard]] bool has_network() const { return video_.has_value(); }
+  /// Seconds that voxel grids and the network took.
+  [[nodiscard]] double network_s() const { return network_s_; }
+
+ private:
+  size_t height_, width_;
+  float full_scale_ = 1.0F;
+  std::optional<recon::EventVideo> video_;
+  model::Tone tone_ = model::Tone::kNone;
+  double network_s_ = 0.0;
+};
+
+Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recordings::RecordingInfo& info,
+                                    RunRecord& record) {
+  if (arguments.is_plain || arguments.model.empty()) {
+    if (arguments.is_plain && !arguments.model.empty()) {
+      return Error{ErrorCode::kInvalidValue, "plain frames need no model; leave out -m or --plain", "--plain"};
+    }
+    if (arguments.tone != "auto") {
+      return Error{ErrorCode::kInvalidValue, "plain frames have one tone; leave it out or name a model with -m",
+                   "--tone"};
+    }
+    return FrameMaker(info.height, info.width, arguments.full_scale);
+  }
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(arguments.model));
+  record.add_input(arguments.model, bytes);
+  E2LF_ASSIGN_OR_RETURN(model::VideoModel model, model::decode_video_model(bytes, arguments.model.string()));
+  model::Tone tone = model.tone;
+  if (arguments.tone != "auto") {
+    E2LF_ASSIGN_OR_RETURN(tone, model::tone_from_name(arguments.tone));
+  }
+  record.resolve("tone", model::tone_name(tone));
+  E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
+  E2LF_ASSIGN_OR_RETURN(recon::EventVideo video,
+                        recon::EventVideo::create(std::move(model), info.height, info.width, {.precision = precision}));
+  return FrameMaker(info.height, info.width, std::move(video), tone);
+}
+
+std::string frame_name(uint64_t number) {
+  std::string digits = std::to_string(number);
+  digits.insert(0, digits.size() < 6 ? 6 - digits.size() : 0, '0');
+  return cat("frame_", digits, ".png");
+}
+
+/// What was made.
+struct VideoReport {
+  uint64_t frames = 0, events = 0, empty = 0;
+  std::string table = "frame,begin_us,end_us,events\n";
+};
+
+Result<VideoReport> write_frames(const VideoArguments& arguments, cycles::WindowReader& windows, FrameMaker& maker,
+                                 const fs::path& folder, ProgressBar& bar) {
+  VideoReport report;
+  cycles::EventWindow window;
+  while (!stop_requested() && (arguments.max_frames == 0 || report.frames < arguments.max_frames)) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, windows.next(window));
+    if (!more) break;
+    E2LF_ASSIGN_OR_RETURN(const lightfield::ByteImage frame, maker.make(window));
+    E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / frame_name(report.frames), frame));
+    report.table += cat(report.frames, ",", window.begin_us, ",", window.end_us, ",", window.events.size(), "\n");
+    report.events += window.events.size();
+    report.empty += window.events.empty() ? 1 : 0;
+    bar.update(++report.frames, 0);
+  }
+  return report;
+}
+
+Error no_frame_error(const VideoArguments& arguments, const cycles::WindowReader& windows) {
+  const std::string input = arguments.input.string();
+  if (arguments.window_triggers) {
+    return {ErrorCode::kInvalidValue,
+            cat("there are ", windows.triggers(), " triggers of the edge and input, and a frame needs two; choose ",
+                "others with --edge and --channel, or give --window-us"),
+            input};
+  }
+  return {ErrorCode::kInvalidValue, "there is no event, so there is no frame; check --from-us and --to-us", input};
+}
+
+Result<std::unique_ptr<recordings::RecordingReader>> open_input(const VideoArguments& arguments) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
+  if (kind != FileKind::kRecording) {
+    return other_kind_error(arguments.input, kind, "a recording of events");
+  }
+  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(arguments.input, arguments.recording));
+  E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(arguments.input.string(), open));
+  say_assumptions(*reader);
+  if (reader->info().width == 0 || reader->info().height == 0) {
+    Error error{ErrorCode::kInvalidValue,
+                "the recording does not say how large the sensor is; give its width and height",
+                arguments.input.string()};
+    error.setting = Setting::kSensorSize;
+    return error;
+  }
+  return reader;
+}
+
+Json report_json(const VideoArguments& arguments, const VideoReport& report, const cycles::WindowReader& windows,
+                 const FrameMaker& maker) {
+  Json json = {{"frames", report.frames},
+               {"empty_windows", report.empty},
+               {"events", report.events},
+               {"left_out", losses_json(windows.recording().summary())}};
+  if (arguments.window_triggers) {
+    json["triggers"] = windows.triggers();
+    json["events_outside_of_windows"] = windows.events_outside();
+  }
+  if (maker.has_network()) json["network_s"] = maker.network_s();
+  return json;
+}
+
+Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  E2LF_ASSIGN_OR_RETURN(cycles::WindowOptions options, window_options(arguments));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output,
+                        open_output_folder(arguments.output, {.inputs = {arguments.input, arguments.model},
+                                                              .overwrite = common.overwrite}));
+  RunRecord record("video");
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_input(arguments));
+  E2LF_ASSIGN_OR_RETURN(FrameMaker maker, make_frame_maker(arguments, reader->info(), record));
+  if (options.kind == cycles::WindowKind::kTime) record.resolve("window-us", options.duration_us);
+  cycles::WindowReader windows(std::move(reader), std::move(options));
+  record.end_step("open");
+  ProgressBar bar("video", common.quiet, "frames");
+  E2LF_ASSIGN_OR_RETURN(const VideoReport report, write_frames(arguments, windows, maker, output.path(), bar));
+  hide_progress();
+  warn_of_losses(arguments.input, windows.recording().summary());
+  if (report.frames == 0) return no_frame_error(arguments, windows);
+  E2LF_RETURN_IF_ERROR(write_file(output.path() / "frames.csv", report.table));
+  record.end_step("frames");
+  Json json = report_json(arguments, report, windows, maker);
+  record.note("video", json);
+  record.note("read_as", reading_json(windows.recording().info()));
+  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));
+  if (common.json) {
+    json["output"] = arguments.output.string();
+    std::printf("%s", json_text(json).c_str());
+  } else if (!common.quiet) {
+    std::printf("%llu frames of %llu events in %s: frame_000000.png ..., frames.csv, run.json\n",
+                static_cast<unsigned long long>(report.frames), static_cast<unsigned long long>(report.events),
+                arguments.output.c_str());
+  }
+  return {};
+}
+
+void add_window_options(CLI::App& app, VideoArguments& video) {
+  app.add_option("--window-us", video.window_us,
+                 cat("a frame of so much time of events each; without any window: ", kDefaultWindowUs))
+      ->check(whole_number(1));
+  app.add_option("--window-events", video.window_events, "a frame of so many events each")->check(whole_number(1));
+  app.add_flag("--window-triggers", video.window_triggers, "a frame of the events from one trigger to the next");
+  app.add_option("--edge", video.edge, "of the triggers: rising, falling, both")
+      ->check(CLI::IsMember({"rising", "falling", "both"}))
+      ->capture_default_str();
+  app.add_option("--channel", video.channel, "trigger input; default: all");
+}
+
+}  // namespace
+
+int run_video(const std::vector<std::string>& arguments) {
+  Verb verb(
+      "video",
+      "Make grey frames of a recording, with a network that remembers the frames before, or plainly of the signed "
+      "events. Constant memory.",
+      "e2lf video recording.raw -m firenet.safetensors -o out/frames --window-us 20000");
+  VideoArguments video;
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", video.input, "recording of events")->required();
+  app.add_option("-o,--output", video.output, "folder to write: frame_000000.png ..., frames.csv, run.json")
+      ->required();
+  app.add_option("-m,--model", video.model,
+                 "network that makes frames (`e2lf model import --checkpoint`); without one, plain frames");
+  app.add_flag("--plain", video.is_plain, "frames of signed events: grey = as many ON as OFF, white = more ON");
+  add_window_options(app, video);
+  app.add_option("--tone", video.tone,
+                 "range of the network's frames: auto (as the model says), none, robust (1 % and 99 % of the pixels to "
+                 "black and white), standard (the extremes), exp-robust")
+      ->check(CLI::IsMember({"auto", "none", "robust", "standard", "exp-robust"}))
+      ->capture_default_str();
+  app.add_option("--full-scale", video.full_scale, "plain frames: so many ON events more than OFF are white")
+      ->check(whole_number(1, 1000000))
+      ->capture_default_str();
+  app.add_option("--precision", video.precision, "arithmetic of the network: float32 or bfloat16")
+      ->check(CLI::IsMember({"float32", "bfloat16"}))
+      ->capture_default_str();
+  app.add_option("--max-frames", video.max_frames, "stop after so many; 0 = all")->capture_default_str();
+  add_recording_options(app, video.recording, kRecordingOptions);
+  verb.stop_gently();
+  return verb.run(arguments, [&] { return make_video(video, verb); });
+}
+
+}  // namespace e2lf::cli

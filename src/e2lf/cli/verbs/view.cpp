@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+// e2lf view: serves the viewer to a browser, or writes it as one HTML file
+#include <cstdio>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/flags/disparity_input.h"
+#include "e2lf/cli/flags/file_kind.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/view/page.h"
+#include "e2lf/view/recording_item.h"
+#include "e2lf/view/server.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct ViewArguments {
+  std::vector<fs::path> things;
+  fs::path page, disparity;
+  uint16_t port = 0;
+  size_t frames = 200;
+  LightFieldFlags light_field{.views = 0};
+  CycleFlags cycles;
+};
+
+/// A light field of the document, to compare it with others.
+struct Shown {
+  size_t item = 0;
+  std::shared_ptr<view::LightFieldCycles> cycles;
+};
+
+/// What a thing is called on its tab: the end of its path, with its folder where the end alone says little.
+std::string name_of(const fs::path& path) {
+  const fs::path whole = (path.has_filename() ? path : path.parent_path()).lexically_normal();
+  const fs::path folder = whole.parent_path().filename();
+  return folder.empty() || folder == ".." ? whole.filename().string() : (folder / whole.filename()).string();
+}
+
+class DocumentMaker {
+ public:
+  explicit DocumentMaker(const ViewArguments& arguments) : arguments_(arguments) {}
+
+  Result<void> add(const fs::path& path) {
+    if (is_live(path)) {
+      return Error{ErrorCode::kUnsupported, "a live recording cannot be shown; convert it to a file first",
+                   path.string()};
+    }
+    E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+    switch (kind) {
+      case FileKind::kModel:
+        return add_model(path);
+      case FileKind::kEventImages:
+        return add_event_images(path);
+      case FileKind::kImages:
+        return Error{ErrorCode::kUnsupported,
+                     "the viewer shows no measurement with intensity images; reconstruct a light field of it",
+                     path.string()};
+      case FileKind::kLightField:
+      case FileKind::kCycles:
+        return add_light_field(path);
+      case FileKind::kRecording:
+        break;
+      case FileKind::kTrainingRun:
+      case FileKind::kDisplay:
+      case FileKind::kResults:
+        return other_kind_error(path, kind, "something that can be seen");
+    }
+    return add_recording(path);
+  }
+
+  /// Compares every light field with the first one of its shape.
+  Result<void> compare() {
+    for (size_t second = 1; second < light_fields_.size(); ++second) {
+      for (size_t first = 0; first < second; ++first) {
+        if (!(light_fields_[first].cycles->shape() == light_fields_[second].cycles->shape())) continue;
+        E2LF_RETURN_IF_ERROR(compare(light_fields_[first], light_fields_[second]));
+        break;
+      }
+    }
+    return {};
+  }
+
+  /// Lays a disparity map over the first light field.
+  Result<void> add_disparity(const fs::path& path) {
+    if (light_fields_.empty()) {
+      return Error{ErrorCode::kInvalidValue, "a disparity map is shown on a light field; give one, too", "--disparity"};
+    }
+    const Shown& shown = light_fields_.front();
+    E2LF_ASSIGN_OR_RETURN(const DisparityMaps found, read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
+    document_.add_disparity(shown.item, found.maps, found.view.y, found.view.x);
+    return {};
+  }
+
+  view::Document take() { return std::move(document_); }
+
+ private:
+  Result<void> add_model(const fs::path& path) {
+    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
+    document_.add_model(model);
+    return {};
+  }
+
+  Result<void> add_event_images(const fs::path& path) {
+    E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
+    std::optional<capture::Codes> codes;
+    if (file.codes) {
+      E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_npy(*file.codes, path.string()));
+    }
+    document_.add_event_images(name_of(path), file.cycles, codes ? &*codes : nullptr);
+    return {};
+  }
+
+  Result<void> add_light_field(const fs::path& path) {
+    lightfield::ReadOptions options = read_options(arguments_.light_field);
+    options.range = lightfield::RangePolicy::kKeep;
+    options.colour = true;
+    E2LF_ASSIGN_OR_RETURN(auto cycles, view::LightFieldCycles::open(path, options));
+    light_fields_.push_back({document_.num_items(), cycles});
+    document_.add_light_field(name_of(path), cycles);
+    return {};
+  }
+
+  Result<void> add_recording(const fs::path& path) {
+    const CycleFlags& flags = arguments_.cycles;
+    const auto open = [&](size_t width, size_t height) -> Result<std::unique_ptr<recordings::RecordingReader>> {
+      E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions options, open_options(path, flags.recording));
+      if (options.width == 0) {
+        options.width = width;
+        options.height = height;
+      }
+      return recordings::open_named_recording(path.string(), options);
+    };
+    return view::add_recording(document_, name_of(path), {open, [&] { return open_cycles(path, flags); }},
+                               arguments_.frames);
+  }
+
+  Result<void> compare(const Shown& first, const Shown& second) {
+    const bool is_one_truth = first.cycles->size() == 1;
+    const size_t count = is_one_truth ? second.cycles->size() : std::min(first.cycles->size(), second.cycles->size());
+    std::vector<std::vector<double>> psnr_db;
+    for (size_t cycle = 0; cycle < count; ++cycle) {
+      E2LF_ASSIGN_OR_RETURN(const auto truth, first.cycles->read(is_one_truth ? 0 : cycle));
+      E2LF_ASSIGN_OR_RETURN(const auto reconstruction, second.cycles->read(cycle));
+      psnr_db.push_back(view::psnr_of_views(*truth, *reconstruction));
+    }
+    document_.add_comparison(first.item, second.item, psnr_db);
+    return {};
+  }
+
+  const ViewArguments& arguments_;
+  view::Document document_;
+  std::vector<Shown> light_fields_;
+};
+
+Result<view::Document> make_document(const ViewArguments& arguments) {
+  DocumentMaker maker(arguments);
+  for (const fs::path& thing : arguments.things) E2LF_RETURN_IF_ERROR(maker.add(thing));
+  if (!arguments.disparity.empty()) E2LF_RETURN_IF_ERROR(maker.add_disparity(arguments.disparity));
+  E2LF_RETURN_IF_ERROR(maker.compare());
+  return maker.take();
+}
+
+Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  std::vector<fs::path> inputs = arguments.things;
+  if (!arguments.disparity.empty()) inputs.push_back(arguments.disparity);
+  E2LF_ASSIGN_OR_RETURN(
+      OutputFile output,
+      OutputFile::create(arguments.page, {.inputs = inputs, .overwrite = common.overwrite, .ending = ".html"}));
+  RunRecord record("view");
+  for (const fs::path& input : inputs) record.add_input(input);
+  E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments));
+  record.end_step("read");
+  {
+    ProgressBar bar("write", common.quiet);
+    E2LF_RETURN_IF_ERROR(view::write_page(output.path(), document, bar.callback()));
+  }
+  record.end_step("write");
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(output.commit());
+  if (!common.quiet) std::printf("%s: open it in a browser\n", arguments.page.c_str());
+  return {};
+}
+
+Result<void> serve(const ViewArguments& arguments, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(view::Document document, make_document(arguments));
+  E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(std::move(document), arguments.port));
+  if (verb.common().json) {
+    std::printf("%s\n", Json{{"url", server.url()}}.dump().c_str());
+  } else {
+    std::printf("open %s in a browser; Ctrl-C ends\n", server.url().c_str());
+  }
+  std::fflush(stdout);
+  return server.run();
+}
+
+}  // namespace
+
+int run_view(const std::vector<std::string>& arguments) {
+  Verb verb("view",
+            "Look at light fields, folders of cycles, event images, recordings and models in a browser. Two light "
+            "fields of one shape are compared; the first one is the truth.",
+            "e2lf view out/demo/scene out/demo/recon");
+  ViewArguments view_arguments;
+  verb.app().add_option("things", view_arguments.things, "files and folders to look at, or bundled models")->required();
+  verb.app().add_option("--disparity", view_arguments.disparity,
+                        "disparity map to lay over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
+  verb.app().add_option("--export", view_arguments.page, "write one HTML file with all data in it; serve nothing");
+  verb.app()
+      .add_option("--port", view_arguments.port, "of 127.0.0.1 to serve on; 0 = a free one")
+      ->capture_default_str();
+  verb.app()
+      .add_option("--frames", view_arguments.frames, "recordings: how many pictures over time")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  add_light_field_options(verb.app(), view_arguments.light_field, /*has_views=*/true);
+  add_orientation_options(verb.app(), view_arguments.light_field.orientation);
+  add_cycle_options(verb.app(), view_arguments.cycles);
+  verb.stop_gently();
+  return verb.run(arguments, [&] {
+    std::ranges::transform(view_arguments.things, view_arguments.things.begin(), thing_named);
+    return view_arguments.page.empty() ? serve(view_arguments, verb) : export_page(view_arguments, verb);
+  });
+}
+
+}  // namespace e2lf::cli

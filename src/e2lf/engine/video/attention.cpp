@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/video/attention.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/engine/pack.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/engine/video/attention.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/kernels/vector-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::engine {
+namespace HWY_NAMESPACE {
+namespace {
+
+using namespace kernels::HWY_NAMESPACE;
+
+// Queries of one block, which are the lanes of all vectors; keys at a time: their scores stay in the first-level cache.
+constexpr size_t kQueries = 64;
+constexpr size_t kKeys = 8 * kGemmRows;
+
+// Queries whose sums are in registers at a time, and channels of values beside them.
+constexpr size_t kQueryGroup = kGemmVectors * kLanes;
+constexpr size_t kValueRows = 4;
+static_assert(kQueries % kQueryGroup == 0);
+
+HWY_INLINE float as_float(float value) {
+  return value;
+}
+HWY_INLINE float as_float(Bfloat16 value) {
+  return to_float(value);
+}
+HWY_INLINE void assign(float value, float& to) {
+  to = value;
+}
+HWY_INLINE void assign(float value, Bfloat16& to) {
+  to = to_bfloat16(value);
+}
+
+/// 2^x for x <= 0, within 2e-7 of its value; below 2^-125 whatever is small.
+HWY_INLINE FloatVec power_of_two(FloatVec x) {
+  const FloatTag d;
+  const hn::RebindToSigned<FloatTag> di;
+  x = hn::Max(x, hn::Set(d, -125.0F));
+  const auto whole = hn::NearestInt(x);
+  const auto rest = hn::Sub(x, hn::ConvertTo(d, whole));
+  // The polynomial of degree 5 with the least relative error on [-1/2, 1/2] that is 1 at 0.
+  auto y = hn::Set(d, 1.326472731e-3F);
+  y = hn::MulAdd(y, rest, hn::Set(d, 9.671512991e-3F));
+  y = hn::MulAdd(y, rest, hn::Set(d, 5.550733581e-2F));
+  y = hn::MulAdd(y, rest, hn::Set(d, 2.402224243e-1F));
+  y = hn::MulAdd(y, rest, hn::Set(d, 6.931470037e-1F));
+  y = hn::MulAdd(y, rest, hn::Set(d, 1.0F));
+  return hn::BitCast(d, hn::Add(hn::BitCast(di, y), hn::ShiftLeft<23>(whole)));
+}
+
+/// What a thread keeps of one block; `size` = channels of a head. Queries are the columns of all but keys and values.
+struct Scratch {
+  float *queries, *sums;  ///< [size, kQueries]
+  float *keys, *values;   ///< [kKeys, size]
+  float* shares;          ///< [kKeys, kQueries]: scores, then their powers
+  float *tops, *totals;   ///< [kQueries]: the largest score so far, the sum of powers
+  float* factors;         ///< [kQueries]: what makes sums relative to the last top relative to this one
+
+  static size_t floats(size_t size) { return (2 * size + kKeys + 3) * kQueries + 2 * kKeys * size; }
+
+  Scratch(std::byte* memory, size_t size) {
+    auto* next = reinterpret_cast<float*>(memory);
+    const auto take = [&](size_t count) {
+      float* const taken = next;
+      next += count;
+      return taken;
+    };
+    queries = take(size * kQueries);
+    sums = take(size * kQueries);
+    shares = take(kKeys * kQueries);
+    tops = take(kQueries);
+    totals = take(kQueries);
+    factors = take(kQueries);
+    keys = take(kKeys * size);
+    values = take(kKeys * size);
+  }
+};
+
+/// One block is one head of some pixels that follow one another in the strip.
+template <class Element>
+class AttentionKernel final : public Kernel {
+ public:
+  AttentionKernel(size_t channels, size_t heads)
+      : channels_(channels), heads_(heads), size_(channels / heads), step_(padded_channels(channels)) {}
+
+  std::string describe() const override {
+    return "attention of " + std::to_string(heads_) + " heads " + hwy::TargetName(HWY_TARGET);
+  }
+  Reach reach() const override { return {}; }
+  bool needs_all(size_t input) const override { return input > 0; }
+  bool needs_whole_rows() const override { return true; }
+  size_t scratch_bytes() const override { return Scratch::floats(size_) * sizeof(float); }
+  size_t num_blocks(const Strip& strip) const override { return heads_ * blocks_per_head(strip); }
+
+  void run_block(const Strip& strip, size_t block, std::byte* scratch) const override {
+    const size_t head = block / blocks_per_head(strip);
+    const size_t first = strip.begin * strip.width + block % blocks_per_head(strip) * kQueries;
+    const size_t count = HWY_MIN(kQueries, strip.end * strip.width - first);
+    const Scratch memory(scratch, size_);
+    load_queries(strip, first, count, head, memory);
+    std::fill_n(memory.sums, size_ * kQueries, 0.0F);
+    std::fill_n(memory.totals, kQueries, 0.0F);
+    std::fill_n(memory.tops, kQueries, std::numeric_limits<float>::lowest());
+    const size_t pixels = strip.height * strip.width;
+    for (size_t key = 0; key < pixels; key += kKeys) {
+      const size_t keys = HWY_MIN(kKeys, pixels - key);
+      load_pixels(strip.inputs[1], strip.width, key, keys, head, memory.keys);
+      load_pixels(strip.inputs[2], strip.width, key, keys, head, memory.values);
+      for (size_t query = 0; query < count; query += kQueryGroup) {
+        score(keys, query, memory);
+        for (size_t j = 0; j < kGemmVectors; ++j) weigh(keys, query + j * kLanes, memory);
+        add_values(keys, query, memory);
+      }
+    }
+    store(strip, first, count, head, memory);
+  }
+
+ private:
+  size_t blocks_per_head(const Strip& strip) const {
+    return ((strip.end - strip.begin) * strip.width + kQueries - 1) / kQueries;
+  }
+
+  /// The head's channels of a pixel, by its number in the image.
+  template <class Pixel>
+  HWY_INLINE Pixel* pixel(const Rows& rows, size_t width, size_t number, size_t head) const {
+    return rows.row<Pixel>(static_cast<ptrdiff_t>(number / width)) + number % width * step_ + head * size_;
+  }
+
+  /// Turned, and scaled so that scores are exponents of two.
+  void load_queries(const Strip& strip, size_t first, size_t count, size_t head, const Scratch& to) const {
+    constexpr double kLog2E = 1.4426950408889634;
+    const auto scale = static_cast<float>(kLog2E / std::sqrt(static_cast<double>(size_)));
+    std::fill_n(to.queries, size_ * kQueries, 0.0F);
+    for (size_t i = 0; i < count; ++i) {
+      const auto* from = pixel<const Element>(strip.inputs[0], strip.width, first + i, head);
+      for (size_t c = 0; c < size_; ++c) to.queries[c * kQueries + i] = scale * as_float(from[c]);
+    }
+  }
+
+  /// Pixels are far apart in memory; beside one another they do not compete for the same cache sets.
+  void load_pixels(const Rows& rows, size_t width, size_t first, size_t count, size_t head, float* to) const {
+    for (size_t i = 0; i < count; ++i, to += size_) {
+      const auto* from = pixel<const Element>(rows, width, first + i, head);
+      for (size_t c = 0; c < size_; ++c) to[c] = as_float(from[c]);
+    }
+  }
+
+  /// Shares of keys behind the last one are made, too, of what is there, and not read.
+  HWY_INLINE void score(size_t keys, size_t query, const Scratch& memory) const {
+    for (size_t key = 0; key < keys; key += kGemmRows) {
+      FloatVec sums[kGemmRows][kGemmVectors];
+      clear(sums);
+      multiply_accumulate<FloatProducts>(memory.keys + key * size_, size_, memory.queries + query, kQueries, size_,
+                                         sums);
+      E2LF_UNROLL
+      for (size_t i = 0; i < kGemmRows; ++i) {
+        E2LF_UNROLL
+        for (size_t j = 0; j < kGemmVectors; ++j) {
+          store_floats(sums[i][j], memory.shares + (key + i) * kQueries + query + j * kLanes);
+        }
+      }
+    }
+  }
+
+  /// Scores to powers relative to the largest score so far.
+  HWY_INLINE void weigh(size_t keys, size_t query, const Scratch& memory) const {
+    float* const shares = memory.shares + query;
+    const auto before = load_floats(memory.tops + query);
+    auto top = before;
+    for (size_t key = 0; key < keys; ++key) top = hn::Max(top, load_floats(shares + key * kQueries));
+    const auto factor = power_of_two(hn::Sub(before, top));
+    auto total = hn::Mul(load_floats(memory.totals + query), factor);
+    for (size_t key = 0; key < keys; ++key) {
+      const auto share = power_of_two(hn::Sub(load_floats(shares + key * kQueries), top));
+      store_floats(share, shares + key * kQueries);
+      total = hn::Add(total, share);
+    }
+    store_floats(top, memory.tops + query);
+    store_floats(factor, memory.factors + query);
+    store_floats(total, memory.totals + query);
+  }
+
+  HWY_INLINE void add_values(size_t keys, size_t query, const Scratch& memory) const {
+    size_t c = 0;
+    for (; c + kValueRows <= size_; c += kValueRows) add_value_rows<kValueRows>(keys, query, c, memory);
+    for (; c < size_; ++c) add_value_rows<1>(keys, query, c, memory);
+  }
+
+  template <size_t kRows>
+  HWY_INLINE void add_value_rows(size_t keys, size_t query, size_t c, const Scratch& memory) const {
+    const FloatTag d;
+    FloatVec sums[kRows][kGemmVectors];
+    E2LF_UNROLL
+    for (size_t j = 0; j < kGemmVectors; ++j) {
+      const auto factor = load_floats(memory.factors + query + j * kLanes);
+      E2LF_UNROLL
+      for (size_t i = 0; i < kRows; ++i) {
+        sums[i][j] = hn::Mul(load_floats(memory.sums + (c + i) * kQueries + query + j * kLanes), factor);
+      }
+    }
+    const float* value = memory.values + c;
+    const float* share = memory.shares + query;
+    for (size_t key = 0; key < keys; ++key, value += size_, share += kQueries) {
+      FloatVec shares[kGemmVectors];
+      E2LF_UNROLL
+      for (size_t j = 0; j < kGemmVectors; ++j) shares[j] = load_floats(share + j * kLanes);
+      E2LF_UNROLL
+      for (size_t i = 0; i < kRows; ++i) {
+        const auto row = hn::Set(d, value[i]);
+        E2LF_UNROLL
+        for (size_t j = 0; j < kGemmVectors; ++j) sums[i][j] = hn::MulAdd(row, shares[j], sums[i][j]);
+      }
+    }
+    E2LF_UNROLL
+    for (size_t i = 0; i < kRows; ++i) {
+      E2LF_UNROLL
+      for (size_t j = 0; j < kGemmVectors; ++j) {
+        store_floats(sums[i][j], memory.sums + (c + i) * kQueries + query + j * kLanes);
+      }
+    }
+  }
+
+  void store(const Strip& strip, size_t first, size_t count, size_t head, const Scratch& memory) const {
+    for (size_t i = 0; i < count; ++i) {
+      auto* to = pixel<Element>(strip.output, strip.width, first + i, head);
+      const float scale = 1.0F / memory.totals[i];
+      for (size_t c = 0; c < size_; ++c) assign(memory.sums[c * kQueries + i] * scale, to[c]);
+      if (head + 1 == heads_) std::fill_n(to + size_, step_ - channels_, Element{});
+    }
+  }
+
+  size_t channels_, heads_, size_, step_;
+};
+
+}  // namespace
+
+std::unique_ptr<Kernel> MakeAttention(size_t channels, size_t heads, ElementType type) {
+#if E2LF_TARGET_HAS_BF16
+  if (type == ElementType::kBfloat16) return std::make_unique<AttentionKernel<Bfloat16>>(channels, heads);
+#endif
+  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
+  return std::make_unique<AttentionKernel<float>>(channels, heads);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::engine
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::engine {
+
+HWY_EXPORT(MakeAttention);
+
+std::unique_ptr<Kernel> make_attention(size_t channels, size_t heads, ElementType type) {
+  return HWY_DYNAMIC_DISPATCH(MakeAttention)(channels, heads, type);
+}
+
+}  // namespace e2lf::engine
+#endif

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/video/dynamic_filter.h"
+
+#include <algorithm>
+#include <string>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/engine/pack.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/engine/video/dynamic_filter.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/kernels/vector-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::engine {
+namespace HWY_NAMESPACE {
+namespace {
+
+using namespace kernels::HWY_NAMESPACE;
+
+HWY_INLINE float as_float(float value) {
+  return value;
+}
+
+HWY_INLINE float as_float(Bfloat16 value) {
+  return to_float(value);
+}
+
+/// One block is one row.
+template <class Element>
+class DynamicFilterKernel final : public Kernel {
+ public:
+  DynamicFilterKernel(size_t channels, size_t filter_values, size_t kernel)
+      : channels_(channels), filters_(filter_values / (kernel * kernel)), kernel_(kernel) {}
+
+  std::string describe() const override { return std::string("dynamic filter ") + hwy::TargetName(HWY_TARGET); }
+  Reach reach() const override { return {kernel_ / 2, kernel_ / 2, 1, 1}; }
+  size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
+
+  void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
+    const size_t y = strip.begin + block;
+    const size_t out_step = padded_channels(filters_ * channels_);
+    const size_t filter_step = padded_channels(filters_ * kernel_ * kernel_);
+    const auto* filters = strip.inputs[1].row<const Element>(static_cast<ptrdiff_t>(y));
+    auto* output = strip.output.row<Element>(static_cast<ptrdiff_t>(y));
+    for (size_t x = 0; x < strip.width; ++x) {
+      Element* pixel = output + x * out_step;
+      for (size_t m = 0; m < filters_; ++m) {
+        filter_pixel(strip, y, x, filters + x * filter_step + m * kernel_ * kernel_, pixel + m * channels_);
+      }
+      std::fill(pixel + filters_ * channels_, pixel + out_step, Element{});
+    }
+  }
+
+ private:
+  /// What one filter makes of all channels.
+  HWY_INLINE void filter_pixel(const Strip& strip, size_t y, size_t x, const Element* filter, Element* to) const {
+    constexpr size_t kVectors = 4;
+    size_t c = 0;
+    for (; c + kVectors * kLanes <= channels_; c += kVectors * kLanes) add_taps<kVectors>(strip, y, x, filter, c, to);
+    for (; c < channels_; c += kLanes) add_taps<1>(strip, y, x, filter, c, to);
+  }
+
+  template <size_t kVectors>
+  HWY_INLINE void add_taps(const Strip& strip, size_t y, size_t x, const Element* filter, size_t c, Element* to) const {
+    const FloatTag d;
+    const size_t in_step = padded_channels(channels_);
+    const auto radius = static_cast<ptrdiff_t>(kernel_ / 2);
+    FloatVec sums[kVectors];
+    E2LF_UNROLL
+    for (size_t i = 0; i < kVectors; ++i) sums[i] = hn::Zero(d);
+    for (size_t dy = 0; dy < kernel_; ++dy) {
+      const auto* row = strip.inputs[0].template row<const Element>(static_cast<ptrdiff_t>(y + dy) - radius);
+      const auto* from = row + (static_cast<ptrdiff_t>(x) - radius) * static_cast<ptrdiff_t>(in_step) + c;
+      for (size_t dx = 0; dx < kernel_; ++dx, from += in_step) {
+        const auto weight = hn::Set(d, as_float(filter[dy * kernel_ + dx]));
+        E2LF_UNROLL
+        for (size_t i = 0; i < kVectors; ++i) sums[i] = hn::MulAdd(weight, load_floats(from + i * kLanes), sums[i]);
+      }
+    }
+    if (c + kVectors * kLanes > channels_) {
+      // Lanes of the padding: where they would go is the next filter's result, or another pixel's.
+      Element lanes[kLanes];
+      store_floats(sums[0], lanes);
+      std::copy_n(lanes, channels_ - c, to + c);
+      return;
+    }
+    E2LF_UNROLL
+    for (size_t i = 0; i < kVectors; ++i) store_floats(sums[i], to + c + i * kLanes);
+  }
+
+  size_t channels_, filters_, kernel_;
+};
+
+}  // namespace
+
+std::unique_ptr<Kernel> MakeDynamicFilter(size_t channels, size_t filter_values, size_t kernel, ElementType type) {
+#if E2LF_TARGET_HAS_BF16
+  if (type == ElementType::kBfloat16) {
+    return std::make_unique<DynamicFilterKernel<Bfloat16>>(channels, filter_values, kernel);
+  }
+#endif
+  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
+  return std::make_unique<DynamicFilterKernel<float>>(channels, filter_values, kernel);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::engine
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::engine {
+
+HWY_EXPORT(MakeDynamicFilter);
+
+std::unique_ptr<Kernel> make_dynamic_filter(size_t channels, size_t filter_values, size_t kernel, ElementType type) {
+  return HWY_DYNAMIC_DISPATCH(MakeDynamicFilter)(channels, filter_values, kernel, type);
+}
+
+}  // namespace e2lf::engine
+#endif

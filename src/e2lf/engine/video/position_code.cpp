@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/engine/video/position_code.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "e2lf/engine/pack.h"
+
+namespace e2lf::engine {
+namespace {
+
+float sum(float value, double more) {
+  return value + static_cast<float>(more);
+}
+Bfloat16 sum(Bfloat16 value, double more) {
+  return to_bfloat16(to_float(value) + static_cast<float>(more));
+}
+
+/// One block is one row.
+template <class Element>
+class PositionCodeKernel final : public Kernel {
+ public:
+  explicit PositionCodeKernel(size_t channels) : channels_(channels) {
+    for (size_t c = 0; c < channels; c += 2) {
+      frequencies_.push_back(std::pow(10000.0, -static_cast<double>(c) / static_cast<double>(channels)));
+      steps_.push_back(std::polar(1.0, frequencies_.back()));
+    }
+  }
+
+  std::string describe() const override { return "position code"; }
+  Reach reach() const override { return {}; }
+  bool needs_whole_rows() const override { return true; }
+  size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
+
+  void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
+    const size_t y = strip.begin + block, step = padded_channels(channels_);
+    const auto* from = strip.inputs[0].row<const Element>(static_cast<ptrdiff_t>(y));
+    auto* to = strip.output.row<Element>(static_cast<ptrdiff_t>(y));
+    std::copy_n(from, strip.width * step, to);
+    for (size_t i = 0; i < steps_.size(); ++i) {
+      // From pixel to pixel the code turns by an angle. In double precision a row of turns loses nothing that float32
+      // would show, and sines and cosines are needed once for a row.
+      auto code = std::polar(1.0, static_cast<double>(y * strip.width) * frequencies_[i]);
+      const double turn_cos = steps_[i].real(), turn_sin = steps_[i].imag();
+      for (size_t x = 0; x < strip.width; ++x) {
+        Element* pixel = to + x * step + 2 * i;
+        pixel[0] = sum(pixel[0], code.imag());
+        if (2 * i + 1 < channels_) pixel[1] = sum(pixel[1], code.real());
+        code = {code.real() * turn_cos - code.imag() * turn_sin, code.real() * turn_sin + code.imag() * turn_cos};
+      }
+    }
+  }
+
+ private:
+  size_t channels_;
+  std::vector<double> frequencies_;
+  std::vector<std::complex<double>> steps_;
+};
+
+}  // namespace
+
+std::unique_ptr<Kernel> make_position_code(size_t channels, ElementType type) {
+  if (type == ElementType::kFloat32) return std::make_unique<PositionCodeKernel<float>>(channels);
+  return std::make_unique<PositionCodeKernel<Bfloat16>>(channels);
+}
+
+}  // namespace e2lf::engine

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/data/batches.h"
+
+#include <algorithm>
+
+namespace e2lf::learn {
+namespace {
+
+enum SeedPurpose : uint64_t { kNoise = 1, kSynthesis = 2, kSamples = 3 };
+constexpr uint64_t kFirstPool = 32;  // light fields synthesised before the first step
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+int64_t scene_stride(const DataConfig& data) {
+  return static_cast<int64_t>(std::max<uint64_t>(1, data.patch_stride));
+}
+
+/// How many patches begin along `length` px.
+uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
+  return static_cast<uint64_t>((length - patch) / stride + 1);
+}
+
+/// The camera with each constant somewhere within its uncertainty, and a transmission for every lit pattern.
+capture::Camera draw_camera(capture::Camera camera, const SensorConfig& sensor, size_t num_codes, Draws& draws) {
+  const double spread = draws.chance(sensor.camera_nominal_share) ? 0.0 : sensor.camera_spread;
+  const auto vary = [&](float value, float uncertainty) {
+    return value * static_cast<float>(std::exp(draws.uniform(-1.0, 1.0) * spread * uncertainty));
+  };
+  for (size_t i = 0; i < camera.pixel.values.size(); ++i) {
+    camera.pixel.values[i] = vary(camera.pixel.values[i], camera.uncertainty.values[i]);
+  }
+  camera.transmission.resize(num_codes - 1, 1.0F);
+  for (size_t k = 1; k < camera.transmission.size(); ++k) {
+    camera.transmission[k] = vary(camera.transmission[k], camera.transmission_uncertainty);
+  }
+  using enum capture::PixelConstant;
+  camera.constants.eps = camera.pixel[kEps];
+  camera.constants.tau = 0.5F * (camera.pixel[kThresholdOn] + camera.pixel[kThresholdOff]);
+  return camera;
+}
+
+/// A better camera than the stated one: each of its faults is as it was, with even chances, or down to none.
+/// Rates are up to 1000 times as high, which is no lag at all.
+capture::Camera draw_wide(capture::Camera camera, Draws& draws) {
+  using enum capture::PixelConstant;
+  const auto scale = [&](std::initializer_list<capture::PixelConstant> names, double factor) {
+    for (const auto name : names) camera.pixel[name] *= static_cast<float>(factor);
+  };
+  if (draws.chance(0.5)) scale({kReceptorRate, kAmplifierRate}, draws.log_uniform(1.0, 1000.0));
+  if (draws.chance(0.5)) scale({kMismatch, kMismatchEach}, draws.uniform(0.0, 1.0));
+  if (draws.chance(0.5)) scale({kNoise, kShotNoise, kDarkOff, kDarkOn}, draws.uniform(0.0, 1.0));
+  if (draws.chance(0.5)) scale({kLeak}, draws.uniform(0.0, 1.0));
+  return camera;
+}
+
+/// What black and the lit patterns pass at one place of the field, which differs from what the camera file tells.
+std::vector<float> draw_field(const std::vector<float>& told, double spread, Draws& draws) {
+  std::vector<float> passed = {1.0F};
+  for (const float share : told)
+    passed.push_back(share * static_cast<float>(std::exp(spread * draws.uniform(-1.0, 1.0))));
+  return passed;
+}
+
+}  // namespace
+
+Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
+  Batches batches(config, std::move(dataset), device);
+  using List = std::pair<const char*, const std::vector<std::string>*>;
+  for (const auto& [key, names] :
+       {List("data.validation", &config.data.validation), List("data.exclude", &config.data.exclude)}) {
+    for (const std::string& name : *names) {
+      const auto found = batches.dataset_.find(name);
+      if (!found) return Error{found.error().code, cat(found.error().message, " Or take it out of this list"), key};
+    }
+  }
+  if (!config.sensor.camera.empty()) {
+    E2LF_ASSIGN_OR_RETURN(batches.camera_, capture::read_camera(config.sensor.camera));
+    if (!batches.camera_->is_pixel() || !config.patterns.black_first) {
+      return Error{ErrorCode::kInvalidValue, "training takes cameras of the event model \"pixel\", with black first",
+                   config.sensor.camera};
+    }
+  }
+  const auto patch = static_cast<int64_t>(config.train.patch);
+  const int64_t stride = scene_stride(config.data);
+  double places = 0;
+  for (size_t i = 0; i < batches.dataset_.scenes.size(); ++i) {
+    const Scene& scene = batches.dataset_.scenes[i];
+    if (contains(config.data.validation, scene.name) || contains(config.data.exclude, scene.name)) continue;
+    if (scene.views.size(1) < patch || scene.views.size(2) < patch) continue;
+    batches.scenes_.push_back(i);
+    places += static_cast<double>(num_places(scene.views.size(1), patch, stride) *
+                                  num_places(scene.views.size(2), patch, stride));
+    batches.cumulative_places_.push_back(places);
+  }
+  if (batches.scenes_.empty() && config.data.synthetic_share < 1.0) {
+    return Error{ErrorCode::kInvalidValue,
+                 "no light field of the data is left to train on; add some or set data.synthetic_share to 1",
+                 config.data.file};
+  }
+  return batches;
+}
+
+void Batches::advance_pool(uint64_t step) {
+  if (config_.data.synthetic_share <= 0.0) return;
+  const auto end = kFirstPool + static_cast<uint64_t>(static_cast<double>(step) * config_.data.pool_per_step);
+  pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
+  for (; pool_end_ < end; ++pool_end_) {
+    pool_.push_back(views_last(synthesise(dataset_.textures, config_.data.synthesiser,
+                                          mix_seed(config_.seed, kSynthesis, pool_end_), device_)));
+    if (pool_.size() > config_.data.pool) pool_.pop_front();
+  }
+}
+
+torch::Tensor Batches::random_crop(const torch::Tensor& views, int64_t stride, Draws& draws) const {
+  const auto patch = static_cast<int64_t>(config_.train.patch);
+  const auto random_offset = [&](int64_t length) {
+    return stride * static_cast<int64_t>(draws.below(num_places(length, patch, stride)));
+  };
+  const auto y = random_offset(views.size(1)), x = random_offset(views.size(2));
+  return views.slice(1, y, y + patch).slice(2, x, x + patch);
+}
+
+torch::Tensor Batches::random_patch(Draws& draws) const {
+  torch::Tensor crop;
+  if (draws.chance(config_.data.synthetic_share)) {
+    crop = random_crop(pool_[draws.below(pool_.size())], 1, draws);
+  } else {
+    const double pick = draws.uniform(0.0, cumulative_places_.back());
+    const auto found = std::upper_bound(cumulative_places_.begin(), cumulative_places_.end() - 1, pick);
+    const Scene& scene = dataset_.scenes[scenes_[static_cast<size_t>(found - cumulative_places_.begin())]];
+    crop = random_crop(scene.views, scene_stride(config_.data), draws);
+  }
+  return transform_views(crop, draws.below(8));
+}
+
+Batches::Conditions Batches::random_conditions(Draws& draws) const {
+  const SensorConfig& sensor = config_.sensor;
+  std::vector<float> gain, residue, tau, sigma_w, sigma_z;
+  for (uint64_t i = 0; i < config_.train.batch; ++i) {
+    const bool nominal = draws.chance(sensor.nominal_share);
+    const bool noise_free = draws.chance(sensor.noise_free_share) && !nominal;
+    const auto pick = [&](float usual, const std::array<double, 2>& range) {
+      const auto drawn = static_cast<float>(draws.uniform(range[0], range[1]));
+      return nominal ? usual : drawn;
+    };
+    const float noise = noise_free ? 0.0F : 1.0F;
+    tau.push_back(pick(sensor.nominal.tau, sensor.tau));
+    sigma_w.push_back(noise * pick(sensor.nominal.sigma_w, sensor.sigma_w));
+    sigma_z.push_back(noise * pick(sensor.nominal.sigma_z, sensor.sigma_z));
+    const bool full = draws.chance(sensor.full_gain_share);
+    const auto drawn_gain = static_cast<float>(draws.log_uniform(sensor.gain[0], sensor.gain[1]));
+    gain.push_back(full ? 1.0F : drawn_gain);
+    // Half of them whole thresholds, as the change to black leaves them, the others any part of one.
+    const double thresholds = std::min(1.0, draws.uniform(0.0, 2.0));
+    residue.push_back(draws.chance(sensor.residue_share) && !nominal ? static_cast<float>(thresholds) : 0.0F);
+  }
+  const auto on_device = [&](const std::vector<float>& values) {
+    return torch::tensor(at::ArrayRef<float>(values)).reshape({-1, 1, 1}).to(device_);
+  };
+  return {on_device(gain).flatten(),
+          on_device(residue).flatten(),
+          {torch::full({static_cast<int64_t>(gain.size()), 1, 1}, sensor.nominal.eps, torch::device(device_)),
+           on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
+}
+
+/// Of the paper's models; apply_camera() replaces those of physical pixels. One pattern alone makes no events.
+void Batches::tell_traits(Conditions& conditions) const {
+  if (config_.patterns.num_patterns < 2) {
+    conditions.constants.traits = torch::zeros({conditions.gain.size(0), 0}, torch::device(device_));
+    return;
+  }
+  const SampleConstants& constants = conditions.constants;
+  const auto value = [](const torch::Tensor& values, int64_t i) { return values.flatten()[i].item<float>(); };
+  std::vector<torch::Tensor> rows;
+  for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
+    const auto traits = capture::camera_traits({.constants = {value(constants.eps, i), value(constants.tau, i),
+                                                              value(constants.sigma_w, i), value(constants.sigma_z, i)},
+                                                .residue = value(conditions.residue, i)},
+                                               config_.patterns.num_patterns);
+    rows.push_back(torch::tensor(at::ArrayRef<float>(traits)));
+  }
+  conditions.constants.traits = torch::stack(rows).to(device_);
+}
+
+/// Makes a share of the samples ones of the camera, its constants drawn from what they may be. Has draws of its own,
+/// so that runs without a camera see what they always saw.
+void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
+  const SensorConfig& sensor = config_.sensor;
+  const size_t num_patterns = config_.patterns.num_patterns;
+  Draws draws(mix_seed(config_.seed, kSamples, step), 1);
+  const size_t cycles = draws.chance(sensor.cycles_share) ? size_t{2} << draws.below(4) : 1;
+  const auto row = [&](const std::vector<float>& values) { return torch::tensor(at::ArrayRef<float>(values)); };
+  std::vector<torch::Tensor> constants, transmissions, is_pixel;
+  for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
+    capture::Camera drawn = draw_camera(*camera_, sensor, config_.patterns.num_codes(), draws);
+    if (draws.chance(sensor.camera_wide_share)) drawn = draw_wide(std::move(drawn), draws);
+    const bool chosen = draws.chance(sensor.camera_share);
+    const auto gain = static_cast<float>(draws.log_uniform(sensor.camera_gain[0], sensor.camera_gain[1]));
+    is_pixel.push_back(torch::tensor(chosen));
+    constants.push_back(row({drawn.pixel.values.begin(), drawn.pixel.values.end()}));
+    transmissions.push_back(row(draw_field(drawn.transmission, sensor.camera_field_spread, draws)));
+    if (!chosen) continue;
+    conditions.gain[i] = gain;
+    conditions.constants.eps[i] = drawn.constants.eps;
+    conditions.constants.tau[i] = drawn.constants.tau;
+    conditions.constants.traits[i] = row(capture::camera_traits(drawn, num_patterns, cycles)).to(device_);
+  }
+  conditions.constants.pixel = {torch::stack(is_pixel).to(device_), torch::stack(constants).to(device_),
+                                torch::stack(transmissions).to(device_), static_cast<int64_t>(cycles)};
+}
+
+Batch Batches::at(uint64_t step, Share share) {
+  torch::NoGradGuard no_grad;
+  advance_pool(step);
+  // Everything is drawn for the whole batch, so that a sample does not depend on the number of shares.
+  Draws draws(mix_seed(config_.seed, kSamples, step), 0);
+  std::vector<torch::Tensor> patches;
+  for (uint64_t i = 0; i < config_.train.batch; ++i) patches.push_back(random_patch(draws));
+  Conditions conditions = random_conditions(draws);
+  tell_traits(conditions);
+  if (camera_) apply_camera(step, conditions);
+  const auto& [gain, most_residue, constants] = conditions;
+  torch::manual_seed(mix_seed(config_.seed, kNoise, step));
+  const auto size = static_cast<int64_t>(config_.train.batch), patch = static_cast<int64_t>(config_.train.patch);
+  const auto kind = model::measurement_of(config_.input).value();
+  const auto num_patterns = static_cast<int64_t>(config_.patterns.num_patterns);
+  const auto noise = draw_noise(kind, size, num_patterns, patch, patch, device_);
+  const auto residue = torch::rand({size, patch, patch}, torch::device(device_)) * most_residue.reshape({-1, 1, 1});
+
+  const int64_t length = size / share.size, first = share.rank * length;
+  const auto own = [&](const torch::Tensor& values) { return values.narrow(0, first, length); };
+  Batch batch;
+  batch.gain = own(gain);
+  batch.constants = {own(constants.eps), own(constants.tau), own(constants.sigma_w), own(constants.sigma_z)};
+  batch.constants.traits = own(constants.traits);
+  if (camera_) {
+    const PixelSamples& pixel = constants.pixel;
+    batch.constants.pixel = {own(pixel.is_pixel), own(pixel.constants), own(pixel.transmission), pixel.cycles};
+  }
+  if (noise.w.defined()) batch.noise = {own(noise.w), own(noise.z), own(residue)};
+  if (noise.image.defined()) batch.noise.image = own(noise.image);
+  // Stacked with the views last in memory, which is how they and the network's result are used.
+  for (auto& field : patches) field = field.permute({1, 2, 0});
+  batch.light_field = torch::stack(std::vector(patches.begin() + first, patches.begin() + first + length))
+                          .to(torch::kFloat)
+                          .permute({0, 3, 1, 2})
+                          .mul_((batch.gain / 255.0).reshape({-1, 1, 1, 1}));
+  return batch;
+}
+
+}  // namespace e2lf::learn

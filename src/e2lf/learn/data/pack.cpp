@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/data/pack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/safetensors.h"
+#include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/light_field_io.h"
+
+namespace e2lf::learn {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr size_t kSmallestTexture = 64;
+
+/// A folder's or file's name without extension; of "scene/" too.
+std::string name_of(const fs::path& path) {
+  const fs::path clean = path.has_filename() ? path : path.parent_path();
+  return fs::is_directory(clean) ? clean.filename().string() : clean.stem().string();
+}
+
+bool is_picture(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
+
+Result<std::vector<fs::path>> list_pictures(const std::vector<fs::path>& roots) {
+  std::vector<fs::path> pictures;
+  for (const fs::path& root : roots) {
+    std::error_code status;
+    if (!fs::exists(root, status))
+      return Error{ErrorCode::kNotFound, "no such file or folder; check the path", root.string()};
+    if (!fs::is_directory(root)) {
+      pictures.push_back(root);
+      continue;
+    }
+    for (const auto& entry : fs::recursive_directory_iterator(root, status)) {
+      if (entry.is_regular_file() && is_picture(entry.path())) pictures.push_back(entry.path());
+    }
+    if (status) return Error{ErrorCode::kIo, cat("cannot list the folder; ", status.message()), root.string()};
+  }
+  std::sort(pictures.begin(), pictures.end());
+  return pictures;
+}
+
+std::vector<uint8_t> to_bytes(std::span<const float> values) {
+  std::vector<uint8_t> bytes(values.size());
+  std::transform(values.begin(), values.end(), bytes.begin(),
+                 [](float value) { return static_cast<uint8_t>(std::lround(255.0F * std::clamp(value, 0.0F, 1.0F))); });
+  return bytes;
+}
+
+Result<void> insert(Safetensors& file, const std::string& name, std::vector<size_t> shape,
+                    std::span<const float> values, const fs::path& source) {
+  const bool fresh = file.tensors.try_emplace(name, make_tensor(std::move(shape), to_bytes(values))).second;
+  if (fresh) return {};
+  return Error{ErrorCode::kInvalidValue, cat("a second input named \"", name, "\"; rename one"), source.string()};
+}
+
+Result<void> add_light_field(Safetensors& file, const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto field, lightfield::read_light_field(path));
+  const auto& shape = field.shape();
+  return insert(file, "lightfield/" + name_of(path), {shape.views_y, shape.views_x, shape.height, shape.width},
+                field.data(), path);
+}
+
+Result<void> add_texture(Safetensors& file, const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(auto image, lightfield::read_image(path));
+  if (std::min(image.width, image.height) < kSmallestTexture) {
+    return Error{ErrorCode::kInvalidValue, "the picture is smaller than 64x64 px; leave it out", path.string()};
+  }
+  image = lightfield::to_grey(std::move(image));
+  return insert(file, cat("texture/", path.parent_path().filename().string(), "/", path.stem().string()),
+                {image.height, image.width}, image.pixels, path);
+}
+
+}  // namespace
+
+Result<PackSummary> pack(const fs::path& output, const PackOptions& options, const ProgressFn& progress) {
+  E2LF_RETURN_IF_ERROR(check_output(output, options.overwrite));
+  E2LF_ASSIGN_OR_RETURN(const auto pictures, list_pictures(options.textures));
+  const size_t total = options.light_fields.size() + pictures.size();
+  if (total == 0) return Error{ErrorCode::kInvalidValue, "nothing to pack; name light fields or pictures", ""};
+
+  Safetensors file;
+  size_t done = 0;
+  const auto report = [&] {
+    if (progress) progress(++done, total);
+  };
+  for (const fs::path& path : options.light_fields) {
+    E2LF_RETURN_IF_ERROR(add_light_field(file, path));
+    report();
+  }
+  for (const fs::path& path : pictures) {
+    E2LF_RETURN_IF_ERROR(add_texture(file, path));
+    report();
+  }
+  PackSummary summary{options.light_fields.size(), pictures.size(), 0};
+  for (const auto& [name, tensor] : file.tensors) summary.bytes += tensor.bytes.size();
+  E2LF_RETURN_IF_ERROR(write_safetensors(output, file));
+  return summary;
+}
+
+}  // namespace e2lf::learn

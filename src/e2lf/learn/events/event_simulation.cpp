@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/events/event_simulation.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr int64_t kViewsPerSide = 8, kViews = 64;
+constexpr double kStartAmplitude = 0.4, kStartRadius = 2.0;
+constexpr double kMinThreshold = 0.01;  // as in the released simulator
+
+/// Positive within kStartRadius cells of a point, negative outside, soft: the start of a pattern [views].
+torch::Tensor soft_disc(const torch::Tensor& centre) {
+  const auto cells = torch::arange(kViewsPerSide, torch::kFloat);
+  const auto distance = (cells - centre[0]).square().unsqueeze(1) + (cells - centre[1]).square().unsqueeze(0);
+  return (kStartAmplitude * (1.0 - distance / (kStartRadius * kStartRadius)).clamp_min(-1.0)).reshape({kViews});
+}
+
+/// A random point of the aperture that keeps away from earlier ones: the best of a few candidates.
+torch::Tensor distant_point(const std::vector<torch::Tensor>& earlier) {
+  torch::Tensor best;
+  double best_distance = -1;
+  for (int candidate = 0; candidate < 8; ++candidate) {
+    const auto point = 1.0 + 5.0 * torch::rand({2});
+    double nearest = static_cast<double>(kViews);
+    for (const auto& other : earlier) nearest = std::min(nearest, (point - other).norm().item<double>());
+    if (nearest > best_distance) best = point;
+    best_distance = std::max(best_distance, nearest);
+  }
+  return best;
+}
+
+}  // namespace
+
+SampleConstants repeat_constants(const capture::SensorConstants& constants, int64_t batch, torch::Device device) {
+  const auto repeat = [&](float value) { return torch::full({batch, 1, 1}, value, torch::device(device)); };
+  return {repeat(constants.eps), repeat(constants.tau), repeat(constants.sigma_w), repeat(constants.sigma_z)};
+}
+
+SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t num_codes, size_t cycles,
+                          torch::Device device) {
+  SampleConstants sample = repeat_constants(camera.constants, 1, device);
+  const auto row = [&](const std::vector<float>& values) {
+    return torch::tensor(at::ArrayRef<float>(values)).unsqueeze(0).to(device);
+  };
+  if (num_patterns >= 2) sample.traits = row(capture::camera_traits(camera, num_patterns, cycles));
+  if (!camera.is_pixel()) return sample;
+  std::vector<float> transmission = {1.0F};
+  for (size_t n = 0; n + 1 < num_codes; ++n) {
+    transmission.push_back(n < camera.transmission.size() ? camera.transmission[n] : 1.0F);
+  }
+  sample.pixel = {torch::ones({1}, torch::device(device).dtype(torch::kBool)),
+                  row({camera.pixel.values.begin(), camera.pixel.values.end()}), row(transmission),
+                  static_cast<int64_t>(cycles)};
+  return sample;
+}
+
+Patterns::Patterns(size_t num_patterns, PatternTie tie, torch::Device device) : tie_(tie) {
+  E2LF_REQUIRE(num_patterns >= (tie == PatternTie::kBlackFirst ? 2 : 1), "there is nothing to learn");
+  E2LF_REQUIRE(tie != PatternTie::kComplementary || num_patterns % 2 == 0, "complementary patterns come in pairs");
+  size_t num_free = num_patterns;
+  if (tie == PatternTie::kBlackFirst) num_free = num_patterns - 1;
+  if (tie == PatternTie::kComplementary) num_free = num_patterns / 2;
+  if (tie == PatternTie::kWholeCycle) num_free = (num_patterns - 1) / 2 - 1;
+  std::vector<torch::Tensor> discs, centres;
+  for (size_t i = 0; i < num_free; ++i) {
+    centres.push_back(distant_point(centres));
+    discs.push_back(soft_disc(centres.back()));
+  }
+  parameters_ = torch::stack(discs).to(device).set_requires_grad(true);
+}
+
+void Patterns::start_at(const torch::Tensor& codes) {
+  torch::NoGradGuard no_grad;
+  const bool skips_black = tie_ == PatternTie::kBlackFirst || tie_ == PatternTie::kWholeCycle;
+  const auto free = codes.slice(0, skips_black ? 1 : 0, codes.size(0), tie_ == PatternTie::kComplementary ? 2 : 1);
+  parameters_.slice(0, 0, free.size(0)).copy_((free - 0.5) * (2.0 * kStartAmplitude));
+}
+
+void Patterns::start_at_noise(double width) {
+  torch::NoGradGuard no_grad;
+  parameters_.normal_(0.0, width);
+}
+
+torch::Tensor Patterns::tied(const torch::Tensor& free) const {
+  switch (tie_) {
+    case PatternTie::kBlackFirst:
+      return torch::cat({torch::zeros_like(free.slice(0, 0, 1)), free});
+    case PatternTie::kComplementary:
+      return torch::stack({free, 1.0 - free}, 1).flatten(0, 1);
+    case PatternTie::kWholeCycle: {
+      const auto black = torch::zeros_like(free.slice(0, 0, 1));
+      return torch::cat({black, free, 1.0 - black, 1.0 - free, black});
+    }
+    case PatternTie::kNone:
+      break;
+  }
+  return free;
+}
+
+torch::Tensor Patterns::codes(double scale) const {
+  return tied(torch::sigmoid(parameters_ * scale));
+}
+
+torch::Tensor Patterns::binary_codes() const {
+  return tied((parameters_.detach() > 0).to(torch::kFloat));
+}
+
+torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::Tensor& codes) {
+  const auto rays = light_field.permute({0, 2, 3, 1});
+  return torch::matmul(rays, codes.t() / static_cast<double>(codes.size(1))).permute({0, 3, 1, 2}).contiguous();
+}
+
+SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device) {
+  const auto w = torch::randn(shape, torch::device(device));
+  return {w, torch::randn(shape, torch::device(device))};
+}
+
+SensorNoise draw_noise(capture::MeasurementKind measurement, int64_t batch, int64_t num_patterns, int64_t height,
+                       int64_t width, torch::Device device) {
+  SensorNoise noise;
+  // Events first: measurements that have no images draw what they always drew.
+  if (capture::has_events(measurement)) noise = draw_noise({batch, num_patterns - 1, height, width}, device);
+  const auto images = static_cast<int64_t>(capture::num_images(measurement, static_cast<size_t>(num_patterns)));
+  if (images > 0) noise.image = torch::randn({batch, images, height, width}, torch::device(device));
+  return noise;
+}
+
+torch::Tensor measure_images(capture::MeasurementKind kind, const torch::Tensor& light_field,
+                             const torch::Tensor& intensities, double sigma, const torch::Tensor& noise) {
+  switch (kind) {
+    case capture::MeasurementKind::kEventImages:
+      break;
+    case capture::MeasurementKind::kCodedImages:
+      return intensities + sigma * noise;
+    case capture::MeasurementKind::kHybrid:
+      return intensities.sum(1, true) + sigma * noise;
+    case capture::MeasurementKind::kLensArray:
+      return torch::pixel_shuffle(torch::avg_pool2d(light_field, capture::kLensPixels), capture::kLensPixels) +
+             sigma * noise;
+  }
+  return {};
+}
+
+torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleConstants& constants,
+                              const SensorNoise& noise, EventModel event_model) {
+  const auto log_intensity = torch::log(intensities + constants.eps.unsqueeze(1));
+  const bool reference_aware = event_model == EventModel::kReferenceAware;
+  auto reference = log_intensity.select(1, 0);
+  if (noise.residue.defined()) reference = reference + constants.tau * noise.residue;
+  std::vector<torch::Tensor> events;
+  for (int64_t n = 1; n < intensities.size(1); ++n) {
+    const auto now = log_intensity.select(1, n);
+    const auto threshold = (constants.tau + constants.sigma_z * noise.z.select(1, n - 1)).clamp_min(kMinThreshold);
+    const auto steps = (now - reference + constants.sigma_w * noise.w.select(1, n - 1)) / threshold;
+    // Straight through: the value is rounded toward zero, the gradient is that of `steps`.
+    events.push_back(steps + (steps.trunc() - steps).detach());
+    reference = reference_aware ? reference + constants.tau * events.back() : now;
+  }
+  return torch::stack(events, 1);
+}
+
+torch::Tensor to_tensor(const capture::Codes& codes, torch::Device device) {
+  return torch::tensor(at::ArrayRef<float>(codes.values))
+      .reshape({static_cast<int64_t>(codes.num_patterns), static_cast<int64_t>(codes.pattern_size())})
+      .to(device);
+}
+
+capture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views_x) {
+  capture::Codes result(static_cast<size_t>(codes.size(0)), views_y, views_x);
+  const auto values = codes.detach().to(torch::kCPU, torch::kFloat).contiguous();
+  std::copy_n(values.data_ptr<float>(), result.values.size(), result.values.begin());
+  return result;
+}
+
+}  // namespace e2lf::learn

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/kernels/winograd_conv.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <hwy/aligned_allocator.h>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/learn/kernels/winograd_conv.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/kernels/winograd-inl.h"
+#include "e2lf/learn/kernels/matrix_product-inl.h"
+#include "e2lf/learn/kernels/winograd_adjoint-inl.h"
+
+#ifndef E2LF_LEARN_WINOGRAD_CONV_ONCE
+#define E2LF_LEARN_WINOGRAD_CONV_ONCE
+namespace e2lf::learn {
+
+using kernels::kTileSize, kernels::kWinogradMatrices, kernels::kWinogradPoints, kernels::padded_channels;
+
+/// Tiles that go through all steps together, so that what lies between the steps stays in the cache.
+constexpr size_t kBlockTiles = 24;
+
+/// Where a tile's pixels are: images, then rows, then columns of tiles.
+struct Tile {
+  size_t image, y, x;
+};
+
+inline Tile tile_at(const ConvShape& shape, size_t index) {
+  const size_t columns = (shape.width + kTileSize - 1) / kTileSize, in_image = index % tiles_per_image(shape);
+  return {index / tiles_per_image(shape), in_image / columns * kTileSize, in_image % columns * kTileSize};
+}
+
+/// The pixels of a tile with `before` more above and to the left of it, kSide x kSide; null outside the image.
+template <size_t kSide, class T>
+struct Pixels {
+  T* at[kSide][kSide];
+
+  Pixels(const ConvShape& shape, T* tensor, size_t channels, const Tile& tile, size_t before) {
+    for (size_t i = 0; i < kSide; ++i) {
+      for (size_t j = 0; j < kSide; ++j) {
+        const size_t y = tile.y + i - before, x = tile.x + j - before;  // wraps below zero
+        const bool inside = tensor != nullptr && y < shape.height && x < shape.width;
+        at[i][j] = inside ? tensor + ((tile.image * shape.height + y) * shape.width + x) * channels : nullptr;
+      }
+    }
+  }
+};
+
+/// Calls run(first, count) for blocks of nearly the same size.
+template <class Run>
+void for_blocks(size_t first, size_t end, const Run& run) {
+  const size_t count = end - first, blocks = (count + kBlockTiles - 1) / kBlockTiles;
+  for (size_t block = 0; block < blocks; ++block) {
+    const size_t begin = first + count * block / blocks;
+    run(begin, first + count * (block + 1) / blocks - begin);
+  }
+}
+
+}  // namespace e2lf::learn
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::learn {
+namespace HWY_NAMESPACE {
+namespace {
+
+using Square = FloatVec[kWinogradPoints][kWinogradPoints];
+
+/// Access to kLanes channels of a pixel.
+struct WholeVector {
+  HWY_INLINE FloatVec load(const float* from) const { return hn::LoadU(FloatTag(), from); }
+  HWY_INLINE void store(FloatVec value, float* to) const { hn::StoreU(value, FloatTag(), to); }
+};
+
+/// Access to fewer: the last channels. Masked loads read beyond where the instruction set has none.
+struct PartOfVector {
+  size_t count;
+  HWY_INLINE FloatVec load(const float* from) const {
+    alignas(64) float values[kLanes] = {};
+    for (size_t i = 0; i < count; ++i) values[i] = from[i];
+    return hn::Load(FloatTag(), values);
+  }
+  HWY_INLINE void store(FloatVec value, float* to) const {
+    alignas(64) float values[kLanes];
+    hn::Store(value, FloatTag(), values);
+    for (size_t i = 0; i < count; ++i) to[i] = values[i];
+  }
+};
+
+/// Calls run(first channel, access) for all channels.
+template <class Run>
+HWY_INLINE void for_channels(size_t channels, const Run& run) {
+  size_t channel = 0;
+  for (; channel + kLanes <= channels; channel += kLanes) run(channel, WholeVector());
+  if (channel < channels) run(channel, PartOfVector{channels - channel});
+}
+
+template <class Access>
+HWY_INLINE FloatVec load_pixel(const float* pixel, size_t channel, const Access& access) {
+  return pixel == nullptr ? hn::Zero(FloatTag()) : access.load(pixel + channel);
+}
+
+/// Transforms the 6x6 pixels that a tile depends on; point p goes to `to` + p * step.
+void transform_tile(const Pixels<kWinogradPoints, const float>& pixels, size_t channels, float* to, size_t step) {
+  for_channels(channels, [&](size_t channel, const auto& access) HWY_ATTR {
+    Square half;
+    E2LF_UNROLL
+    for (size_t j = 0; j < kWinogradPoints; ++j) {
+      FloatVec column[kWinogradPoints], v[kWinogradPoints];
+      E2LF_UNROLL
+      for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_pixel(pixels.at[i][j], channel, access);
+      kn::transform_input(column, v);
+      E2LF_UNROLL
+      for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = v[i];
+    }
+    float* point = to + channel;
+    E2LF_UNROLL
+    for (size_t i = 0; i < kWinogradPoints; ++i) {
+      FloatVec v[kWinogradPoints];
+      kn::transform_input(half[i], v);
+      E2LF_UNROLL
+      for (size_t j = 0; j < kWinogradPoints; ++j, point += step) hn::StoreU(v[j], FloatTag(), point);
+    }
+  });
+}
+
+/// The 4x4 outputs of a tile from the sums at its points.
+void finish_tile(const ConvShape& shape, const ConvForward& job, const Tile& tile, const float* sums, size_t step) {
+  const Pixels<kTileSize, float> outputs(shape, job.y, shape.out_channels, tile, 0);
+  const Pixels<kTileSize, const float> residuals(shape, job.residual, shape.out_channels, tile, 0);
+  const FloatTag d;
+  const auto floor = hn::Set(d, job.relu ? 0.0F : -std::numeric_limits<float>::infinity());
+  for_channels(shape.out_channels, [&](size_t channel, const auto& access) HWY_ATTR {
+    FloatVec half[kTileSize][kWinogradPoints];
+    const float* point = sums + channel;
+    E2LF_UNROLL
+    for (size_t i = 0; i < kWinogradPoints; ++i) {
+      FloatVec row[kWinogradPoints], v[kTileSize];
+      E2LF_UNROLL
+      for (size_t j = 0; j < kWinogradPoints; ++j, point += step) row[j] = hn::LoadU(d, point);
+      kn::transform_output(row, v);
+      E2LF_UNROLL
+      for (size_t j = 0; j < kTileSize; ++j) half[j][i] = v[j];
+    }
+    const auto bias = access.load(job.bias + channel);
+    E2LF_UNROLL
+    for (size_t j = 0; j < kTileSize; ++j) {
+      FloatVec v[kTileSize];
+      kn::transform_output(half[j], v);
+      E2LF_UNROLL
+      for (size_t i = 0; i < kTileSize; ++i) {
+        if (outputs.at[i][j] == nullptr) continue;
+        const auto sum = hn::Add(hn::Add(v[i], bias), load_pixel(residuals.at[i][j], channel, access));
+        access.store(hn::Max(sum, floor), outputs.at[i][j] + channel);
+      }
+    }
+  });
+}
+
+/// Spreads the gradient of a tile's outputs over its points, and adds it to the bias's.
+void spread_tile(const ConvShape& shape, const ConvBackward& job, const Tile& tile, float* to, size_t step) {
+  const Pixels<kTileSize, const float> gradients(shape, job.dy, shape.out_channels, tile, 0);
+  const Pixels<kTileSize, const float> outputs(shape, job.y, shape.out_channels, tile, 0);
+  const FloatTag d;
+  for_channels(shape.out_channels, [&](size_t channel, const auto& access) HWY_ATTR {
+    FloatVec half[kWinogradPoints][kTileSize];
+    auto sum = access.load(job.dbias + channel);
+    E2LF_UNROLL
+    for (size_t j = 0; j < kTileSize; ++j) {
+      FloatVec column[kTileSize], m[kWinogradPoints];
+      E2LF_UNROLL
+      for (size_t i = 0; i < kTileSize; ++i) {
+        column[i] = load_pixel(gradients.at[i][j], channel, access);
+        if (outputs.at[i][j] != nullptr) {
+          const auto output = access.load(outputs.at[i][j] + channel);
+          column[i] = hn::IfThenElseZero(hn::Gt(output, hn::Zero(d)), column[i]);
+        }
+        sum = hn::Add(sum, column[i]);
+      }
+      spread_output(column, m);
+      E2LF_UNROLL
+      for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = m[i];
+    }
+    access.store(sum, job.dbias + channel);
+    float* point = to + channel;
+    E2LF_UNROLL
+    for (size_t i = 0; i < kWinogradPoints; ++i) {
+      FloatVec m[kWinogradPoints];
+      spread_output(half[i], m);
+      E2LF_UNROLL
+      for (size_t j = 0; j < kWinogradPoints; ++j, point += step) hn::StoreU(m[j], d, point);
+    }
+  });
+}
+
+/// Adds to the gradient of the 6x6 pixels that a tile depends on what its points give.
+void collect_tile(const ConvShape& shape, float* dx, const Tile& tile, const float* points, size_t step) {
+  const Pixels<kWinogradPoints, float> pixels(shape, dx, shape.in_channels, tile, 1);
+  const FloatTag d;
+  for_channels(shape.in_channels, [&](size_t channel, const auto& access) HWY_ATTR {
+    Square half;
+    const float* point = points + channel;
+    E2LF_UNROLL
+    for (size_t i = 0; i < kWinogradPoints; ++i) {
+      FloatVec row[kWinogradPoints], x[kWinogradPoints];
+      E2LF_UNROLL
+      for (size_t j = 0; j < kWinogradPoints; ++j, point += step) row[j] = hn::LoadU(d, point);
+      spread_input(row, x);
+      E2LF_UNROLL
+      for (size_t j = 0; j < kWinogradPoints; ++j) half[j][i] = x[j];
+    }
+    E2LF_UNROLL
+    for (size_t j = 0; j < kWinogradPoints; ++j) {
+      FloatVec x[kWinogradPoints];
+      spread_input(half[j], x);
+      E2LF_UNROLL
+      for (size_t i = 0; i < kWinogradPoints; ++i) {
+        if (pixels.at[i][j] == nullptr) continue;
+        float* to = pixels.at[i][j] + channel;
+        access.store(hn::Add(access.load(to), x[i]), to);
+      }
+    }
+  });
+}
+
+void TapsToMatrices(const float* taps, size_t rows, size_t columns, float* matrices) {
+  const size_t width = padded_channels(columns), step = rows * width;
+  for (size_t row = 0; row < rows; ++row) {
+    for_channels(columns, [&](size_t column, const auto& access) HWY_ATTR {
+      FloatVec half[kWinogradPoints][kTaps];
+      E2LF_UNROLL
+      for (size_t j = 0; j < kTaps; ++j) {
+        FloatVec g[kTaps], u[kWinogradPoints];
+        E2LF_UNROLL
+        for (size_t i = 0; i < kTaps; ++i) g[i] = access.load(taps + ((i * kTaps + j) * rows + row) * columns + column);
+        transform_taps(g, u);
+        E2LF_UNROLL
+        for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = u[i];
+      }
+      float* to = matrices + row * width + column;
+      E2LF_UNROLL
+      for (size_t i = 0; i < kWinogradPoints; ++i) {
+        FloatVec u[kWinogradPoints];
+        transform_taps(half[i], u);
+        E2LF_UNROLL
+        for (size_t j = 0; j < kWinogradPoints; ++j, to += step) hn::StoreU(u[j], FloatTag(), to);
+      }
+    });
+  }
+}
+
+void MatricesToTaps(const float* matrices, size_t rows, size_t columns, float* taps) {
+  const size_t width = padded_channels(columns), step = rows * width;
+  for (size_t row = 0; row < rows; ++row) {
+    for_channels(columns, [&](size_t column, const auto& access) HWY_ATTR {
+      FloatVec half[kTaps][kWinogradPoints];
+      const float* from = matrices + row * width + column;
+      E2LF_UNROLL
+      for (size_t i = 0; i < kWinogradPoints; ++i) {
+        FloatVec u[kWinogradPoints], g[kTaps];
+        E2LF_UNROLL
+        for (size_t j = 0; j < kWinogradPoints; ++j, from += step) u[j] = hn::LoadU(FloatTag(), from);
+        collect_taps(u, g);
+        E2LF_UNROLL
+        for (size_t j = 0; j < kTaps; ++j) half[j][i] = g[j];
+      }
+      E2LF_UNROLL
+      for (size_t j = 0; j < kTaps; ++j) {
+        FloatVec g[kTaps];
+        collect_taps(half[j], g);
+        E2LF_UNROLL
+        for (size_t i = 0; i < kTaps; ++i) access.store(g[i], taps + ((i * kTaps + j) * rows + row) * columns + column);
+      }
+    });
+  }
+}
+
+/// Memory for the points of a block of tiles: [36, tile, padded channel].
+struct BlockPoints {
+  explicit BlockPoints(size_t channels)
+      : width(padded_channels(channels)),
+        step(kBlockTiles * width),
+        memory(hwy::AllocateAligned<float>(kWinogradMatrices * step)) {}
+
+  [[nodiscard]] float* tile(size_t index) const { return memory.get() + index * width; }
+  [[nodiscard]] float* matrix(size_t point) const { return memory.get() + point * step; }
+
+  size_t width, step;
+  hwy::AlignedFreeUniquePtr<float[]> memory;
+};
+
+void transform_block(const ConvShape& shape, const float* x, size_t first, size_t count, const BlockPoints& points) {
+  for (size_t i = 0; i < count; ++i) {
+    const Pixels<kWinogradPoints, const float> pixels(shape, x, shape.in_channels, tile_at(shape, first + i), 1);
+    transform_tile(pixels, shape.in_channels, points.tile(i), points.step);
+  }
+}
+
+void Forward(const ConvShape& shape, const ConvForward& job, size_t first_tile, size_t end_tile) {
+  const BlockPoints inputs(shape.in_channels), sums(shape.out_channels);
+  for_blocks(first_tile, end_tile, [&](size_t first, size_t count) {
+    transform_block(shape, job.x, first, count, inputs);
+    for (size_t point = 0; point < kWinogradMatrices; ++point) {
+      multiply<false>({inputs.matrix(point), inputs.width, 1}, count, shape.in_channels,
+                      job.matrices + point * shape.in_channels * sums.width, sums.width, sums.matrix(point));
+    }
+    for (size_t i = 0; i < count; ++i) finish_tile(shape, job, tile_at(shape, first + i), sums.tile(i), sums.step);
+  });
+}
+
+void Backward(const ConvShape& shape, const ConvBackward& job, size_t first_image, size_t end_image) {
+  const BlockPoints inputs(shape.in_channels), outputs(shape.out_channels);
+  const size_t tiles = tiles_per_image(shape);
+  for_blocks(first_image * tiles, end_image * tiles, [&](size_t first, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      spread_tile(shape, job, tile_at(shape, first + i), outputs.tile(i), outputs.step);
+    }
+    transform_block(shape, job.x, first, count, inputs);
+    for (size_t point = 0; point < kWinogradMatrices; ++point) {
+      multiply<true>({inputs.matrix(point), 1, inputs.width}, shape.in_channels, count, outputs.matrix(point),
+                     outputs.width, job.dmatrices + point * shape.in_channels * outputs.width);
+      if (job.dx == nullptr) continue;
+      multiply<false>({outputs.matrix(point), outputs.width, 1}, count, shape.out_channels,
+                      job.matrices + point * shape.out_channels * inputs.width, inputs.width, inputs.matrix(point));
+    }
+    if (job.dx == nullptr) return;
+    for (size_t i = 0; i < count; ++i) {
+      collect_tile(shape, job.dx, tile_at(shape, first + i), inputs.tile(i), inputs.step);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::learn
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::learn {
+
+HWY_EXPORT(TapsToMatrices);
+HWY_EXPORT(MatricesToTaps);
+HWY_EXPORT(Forward);
+HWY_EXPORT(Backward);
+
+size_t tiles_per_image(const ConvShape& shape) {
+  return ((shape.height + kTileSize - 1) / kTileSize) * ((shape.width + kTileSize - 1) / kTileSize);
+}
+
+size_t winograd_matrices_size(size_t rows, size_t columns) {
+  return kWinogradMatrices * rows * padded_channels(columns);
+}
+
+void to_winograd_matrices(const float* taps, size_t rows, size_t columns, float* matrices) {
+  HWY_DYNAMIC_DISPATCH(TapsToMatrices)(taps, rows, columns, matrices);
+}
+
+void from_winograd_matrices(const float* matrices, size_t rows, size_t columns, float* taps) {
+  HWY_DYNAMIC_DISPATCH(MatricesToTaps)(matrices, rows, columns, taps);
+}
+
+void conv_forward(const ConvShape& shape, const ConvForward& job, size_t first, size_t end) {
+  HWY_DYNAMIC_DISPATCH(Forward)(shape, job, first, end);
+}
+
+void conv_backward(const ConvShape& shape, const ConvBackward& job, size_t first, size_t end) {
+  HWY_DYNAMIC_DISPATCH(Backward)(shape, job, first, end);
+}
+
+}  // namespace e2lf::learn
+#endif

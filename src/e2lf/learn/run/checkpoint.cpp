@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// The part of Trainer that writes and reads checkpoints.
+#include <cstring>
+
+#include "e2lf/files/json_text.h"
+#include "e2lf/files/safetensors.h"
+#include "e2lf/learn/run/trainer.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr const char* kVersion = "1";
+
+void add_tensors(Safetensors& file, const std::string& prefix, const NamedTensors& tensors) {
+  for (const auto& [name, tensor] : tensors) {
+    const auto values = tensor.detach().to(torch::kCPU, torch::kFloat).contiguous();
+    std::vector<size_t> shape(values.sizes().begin(), values.sizes().end());
+    file.tensors[prefix + name] =
+        make_tensor(shape, std::span<const float>(values.data_ptr<float>(), static_cast<size_t>(values.numel())));
+  }
+}
+
+Result<void> take_tensors(const Safetensors& file, const std::string& prefix, const NamedTensors& tensors,
+                          const std::string& location) {
+  torch::NoGradGuard no_grad;
+  for (const auto& [name, tensor] : tensors) {
+    E2LF_ASSIGN_OR_RETURN(const e2lf::Tensor* stored, file.find(prefix + name, location));
+    if (static_cast<int64_t>(stored->num_elements()) != tensor.numel()) {
+      return Error{ErrorCode::kShape,
+                   cat("\"", prefix, name, "\" has another shape; resume with the run's own network"), location};
+    }
+    E2LF_ASSIGN_OR_RETURN(const auto values, stored->to_float(location));
+    auto target = tensor;
+    target.copy_(torch::tensor(at::ArrayRef<float>(values)).reshape(tensor.sizes()));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> Trainer::save_checkpoint(const std::filesystem::path& path) const {
+  Safetensors file;
+  add_tensors(file, "weights/", network_.parameters());
+  add_tensors(file, "average/", average_);
+  add_tensors(file, "momentum/", muon_.momenta());
+  add_tensors(file, "first/", adam_.first_moments());
+  add_tensors(file, "second/", adam_.second_moments());
+  add_tensors(file, "", pattern_parameters_);
+  add_tensors(file, "first/", pattern_adam_.first_moments());
+  add_tensors(file, "second/", pattern_adam_.second_moments());
+  file.metadata = {{"version", kVersion}, {"step", std::to_string(step_)}, {"config", json_line(to_json(config_))}};
+  return write_safetensors(path, file);
+}
+
+Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
+  const auto version = file.metadata.find("version"), step = file.metadata.find("step");
+  if (version == file.metadata.end() || version->second != kVersion || step == file.metadata.end()) {
+    return Error{ErrorCode::kFormat, "not a training checkpoint of this version; name another file", path.string()};
+  }
+  const std::string location = path.string();
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "weights/", network_.parameters(), location));
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "average/", average_, location));
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "momentum/", muon_.momenta(), location));
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "first/", adam_.first_moments(), location));
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "second/", adam_.second_moments(), location));
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "", pattern_parameters_, location));
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "first/", pattern_adam_.first_moments(), location));
+  E2LF_RETURN_IF_ERROR(take_tensors(file, "second/", pattern_adam_.second_moments(), location));
+  try {
+    step_ = std::stoull(step->second);
+  } catch (const std::exception&) {
+    return Error{ErrorCode::kFormat, "the step number is not a number; name another checkpoint", location};
+  }
+  return {};
+}
+
+}  // namespace e2lf::learn

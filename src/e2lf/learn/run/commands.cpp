@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/run/commands.h"
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include <ATen/Parallel.h>
+#include <algorithm>
+#include <cstdlib>
+#include <thread>
+
+#include "e2lf/base/isa.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/files/workspace.h"
+#include "e2lf/learn/run/benchmark.h"
+#include "e2lf/learn/run/device.h"
+#include "e2lf/learn/run/run_log.h"
+#include "e2lf/learn/run/trainer.h"
+#include "e2lf/report/chart.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr const char* kCheckpoint = "checkpoint.safetensors";
+
+/// Training frees and takes the same large blocks at every step. Handing them back to the system each time costs a
+/// sixth of the time on a CPU.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  mallopt(M_TOP_PAD, 64 << 20);
+#endif
+}
+
+/// Torch's own guess at the number of cores can be one on a virtual machine that has more.
+void use_all_cores() {
+  if (std::getenv("OMP_NUM_THREADS") == nullptr) {
+    at::set_num_threads(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  }
+}
+
+/// The momenta of units that are off fade to denormal numbers, with which CPUs take many times as long: a training of
+/// two thousand steps had become half as fast. Threads inherit this from the one that starts them.
+void take_denormals_as_zero() {
+  at::globalContext().setFlushDenormal(true);
+}
+
+/// Runs work that calls torch; its exceptions become errors.
+template <typename Work>
+auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(work()) {
+  try {
+#ifdef E2LF_LEARN_KERNELS
+    E2LF_RETURN_IF_ERROR(apply_isa_cap());
+#endif
+    use_all_cores();
+    take_denormals_as_zero();
+    return work();
+  } catch (const c10::Error& error) {
+    return Error{ErrorCode::kInternal, cat("torch failed: ", error.what_without_backtrace(), "; report this"),
+                 location.string()};
+  }
+}
+
+Result<Config> read_config(const std::filesystem::path& path, const std::vector<std::string>& overrides,
+                           const Peers& peers = {}) {
+  // The first process reads the file; the others need not have it.
+  Json json;
+  if (peers.leads()) {
+    E2LF_ASSIGN_OR_RETURN(json, read_json(path));
+  }
+  E2LF_ASSIGN_OR_RETURN(const auto text, peers.text_from_first(json_line(json)));
+  json = Json::parse(text);
+  for (const std::string& assignment : overrides) E2LF_RETURN_IF_ERROR(apply_override(json, assignment));
+  return config_from_json(json, path.string() + ": $");
+}
+
+/// Whether a folder holds this very run, killed before its first checkpoint: nothing of it is worth more than a new
+/// start.
+bool holds_a_false_start(const std::filesystem::path& folder, const Config& config) {
+  const auto written = read_json(folder / "config.json");
+  std::error_code error;
+  return written && *written == to_json(config) && !std::filesystem::exists(folder / kCheckpoint, error) &&
+         !std::filesystem::exists(folder / (config.name + ".safetensors"), error);
+}
+
+/// A new run writes over nothing: neither another run nor a file that has one of its names by chance.
+Result<void> check_is_free(const std::filesystem::path& folder, const Config& config) {
+  if (holds_a_false_start(folder, config)) return {};
+  if (!check_output(folder / "config.json", /*overwrite=*/false)) {
+    return Error{ErrorCode::kExists, "this folder holds a run already; `e2lf resume` it, or name another",
+                 folder.string()};
+  }
+  std::vector<std::string> names = RunLog::file_names();
+  names.insert(names.end(), {kCheckpoint, config.name + ".safetensors"});
+  for (const std::string& name : names) {
+    if (check_output(folder / name, /*overwrite=*/false)) continue;
+    return Error{ErrorCode::kExists, "training would write over this file; move it away or name another folder",
+                 (folder / name).string()};
+  }
+  return {};
+}
+
+Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std::string>& overrides) {
+  E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides));
+  E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config));
+  E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
+  return trainer;
+}
+
+Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesystem::path& run, const Peers& peers,
+                                             const ProgressFn& progress, const std::function<bool()>& keep_going,
+                                             const ReportFiles& reports) {
+  keep_freed_memory();
+  if (peers.leads()) remove_dead_parts(run);
+  const Result<void> trained = trainer.run(run, progress, keep_going);
+  if (peers.leads() && !reports.names.empty()) {
+    const Config& config = trainer.config();
+    E2LF_RETURN_IF_ERROR(write_reports(reports, RunLog(run).page(config.name, to_json(config))));
+  }
+  E2LF_RETURN_IF_ERROR(trained);
+  const auto model = run / (trainer.config().name + ".safetensors");
+  if (peers.leads()) E2LF_RETURN_IF_ERROR(model::write_model(model, trainer.to_model()));
+  return model;
+}
+
+}  // namespace
+
+Result<std::filesystem::path> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
+                                    const std::vector<std::string>& overrides, const ProgressFn& progress,
+                                    const std::function<bool()>& keep_going, const ReportFiles& reports) {
+  return guarded(config_path, [&]() -> Result<std::filesystem::path> {
+    E2LF_RETURN_IF_ERROR(check_reports(reports, run));
+    E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
+    E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
+    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_is_free(run, config));
+    E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
+    E2LF_RETURN_IF_ERROR(peers.connect(device));
+    E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
+    return run_and_export(trainer, run, peers, progress, keep_going, reports);
+  });
+}
+
+Result<std::filesystem::path> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
+                                     const ProgressFn& progress, const std::function<bool()>& keep_going,
+                                     const ReportFiles& reports) {
+  return guarded(run, [&]() -> Result<std::filesystem::path> {
+    E2LF_RETURN_IF_ERROR(check_reports(reports, run));
+    E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
+    E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides, peers));
+    E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
+    E2LF_RETURN_IF_ERROR(peers.connect(device));
+    E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
+    // The others take the state from the first. A run that was killed before its first checkpoint begins anew.
+    std::error_code error;
+    if (peers.leads() && std::filesystem::exists(run / kCheckpoint, error)) {
+      E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
+    }
+    return run_and_export(trainer, run, peers, progress, keep_going, reports);
+  });
+}
+
+namespace {
+
+/// An export takes the place of nothing that its run needs to go on.
+Result<void> check_export(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
+  E2LF_RETURN_IF_ERROR(check_output(model, overwrite));
+  std::vector<std::string> names = RunLog::file_names();
+  names.insert(names.end(), {kCheckpoint, "config.json"});
+  for (const std::string& name : names) {
+    std::error_code error;
+    if (!std::filesystem::equivalent(run / name, model, error)) continue;
+    return Error{ErrorCode::kInvalidValue, "the model would take the place of a file of the run; name another output",
+                 model.string()};
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
+  return guarded(run, [&]() -> Result<void> {
+    E2LF_RETURN_IF_ERROR(check_export(run, model, overwrite));
+    E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
+    return model::write_model(model, trainer.to_model());
+  });
+}
+
+Result<std::string> evaluate_run(const std::filesystem::path& run, const std::vector<std::string>& scenes,
+                                 const std::vector<std::string>& overrides) {
+  return guarded(run, [&]() -> Result<std::string> {
+    E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, overrides));
+    std::string table = "scene\tpsnr_db\tevents_per_pixel\tpsnr_db_without_noise\n";
+    for (const capture::Camera& camera : trainer.cameras()) {
+      E2LF_ASSIGN_OR_RETURN(const auto usual, trainer.evaluate(scenes, camera));
+      E2LF_ASSIGN_OR_RETURN(const auto clean, trainer.evaluate(scenes, capture::without_noise(camera)));
+      for (size_t i = 0; i < usual.size(); ++i) {
+        table +=
+            cat(usual[i].name, '\t', usual[i].psnr_db, '\t', usual[i].events_per_pixel, '\t', clean[i].psnr_db, '\n');
+      }
+    }
+    return table;
+  });
+}
+
+namespace {
+
+report::Table benchmark_table(const std::vector<BenchmarkRow>& rows) {
+  report::Table table{"Ratios to the first row of the same job.",
+                      {{"job"},
+                       {"what", false, false, "name"},
+                       {"precision"},
+                       {"samples/s", true, false, "samples_per_s"},
+                       {"ratio", true}},
+                      {}};
+  for (const BenchmarkRow& row : rows) {
+    table.rows.push_back({report::text_cell(row.job), report::text_cell(row.name), report::text_cell(row.precision),
+                          report::number_cell(row.samples_per_s, 2), report::number_cell(row.ratio, 2)});
+  }
+  return table;
+}
+
+report::Page benchmark_page(const std::vector<BenchmarkRow>& rows, const std::string& about) {
+  report::Page page("Speed of training");
+  page.paragraph(about).table(benchmark_table(rows));
+  for (const char* const job : {"training", "synthesis"}) {
+    report::BarChart chart{cat(job, ", samples per second"), true, 2, {}, {{job, {}}}};
+    for (const BenchmarkRow& row : rows) {
+      if (row.job != job) continue;
+      chart.groups.push_back(cat(row.name, ", ", row.precision));
+      chart.series[0].values.emplace_back(row.samples_per_s);
+    }
+    page.drawing(report::chart_svg(chart));
+  }
+  return page;
+}
+
+}  // namespace
+
+Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress,
+                              const ReportFiles& reports) {
+  return guarded("bench train", [&]() -> Result<std::string> {
+    E2LF_RETURN_IF_ERROR(check_reports(reports));
+    E2LF_ASSIGN_OR_RETURN(const auto rows, benchmark_training({.batch = batch, .steps = steps}, progress));
+    const std::string about = cat("training: samples of 64x64x8x8, batch ", batch,
+                                  "; synthesis: light fields of 96x96x8x8; ", at::get_num_threads(), " threads");
+    E2LF_RETURN_IF_ERROR(write_reports(reports, benchmark_page(rows, about)));
+    const report::Table table = benchmark_table(rows);
+    return json ? json_text(report::table_json(table)["rows"]) : cat(about, "\n", report::table_text(table));
+  });
+}
+
+}  // namespace e2lf::learn

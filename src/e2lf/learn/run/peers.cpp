@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/run/peers.h"
+
+#include <arpa/inet.h>
+#include <charconv>
+#include <cstdlib>
+#include <netdb.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "e2lf/base/text.h"
+
+// Torch's CMake package says which transports it was built with; their headers may be absent all the same.
+#if defined(USE_DISTRIBUTED) && __has_include(<torch/csrc/distributed/c10d/TCPStore.hpp>)
+#define E2LF_C10D
+#include <torch/csrc/distributed/c10d/TCPStore.hpp>
+#if defined(USE_C10D_GLOO) && __has_include(<gloo/transport/device.h>)
+#define E2LF_GLOO
+#include <torch/csrc/distributed/c10d/ProcessGroupGloo.hpp>
+#endif
+#if defined(USE_C10D_NCCL) && __has_include(<nccl.h>)
+#define E2LF_NCCL
+#include <torch/csrc/distributed/c10d/ProcessGroupNCCL.hpp>
+#endif
+#endif
+
+namespace e2lf::learn {
+namespace {
+
+constexpr int kMaxProcesses = 4096;
+
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
+struct Meeting {
+  int rank = 0, size = 1;
+  std::string address;
+  int port = 0;
+};
+
+Result<int> number_variable(const char* name, int low, int high) {
+  const char* text = std::getenv(name);
+  if (text == nullptr) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the environment variable ", name, " is missing; start with torchrun or set it"), name};
+  }
+  int value = 0;
+  const std::string_view view = text;
+  const auto [end, failure] = std::from_chars(view.data(), view.data() + view.size(), value);
+  if (failure != std::errc{} || end != view.data() + view.size() || value < low || value > high) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("\"", view, "\" is not a number in ", low, "..", high, "; set it to one"), name};
+  }
+  return value;
+}
+
+Result<Meeting> read_environment() {
+  Meeting meeting;
+  if (std::getenv("WORLD_SIZE") == nullptr) return meeting;
+  E2LF_ASSIGN_OR_RETURN(meeting.size, number_variable("WORLD_SIZE", 1, kMaxProcesses));
+  if (meeting.size == 1) return meeting;
+  E2LF_ASSIGN_OR_RETURN(meeting.rank, number_variable("RANK", 0, meeting.size - 1));
+  E2LF_ASSIGN_OR_RETURN(meeting.port, number_variable("MASTER_PORT", 1, 65535));
+  const char* address = std::getenv("MASTER_ADDR");
+  if (address == nullptr) {
+    return Error{ErrorCode::kInvalidValue,
+                 "the environment variable MASTER_ADDR is missing; start with torchrun or set it", "MASTER_ADDR"};
+  }
+  meeting.address = address;
+  return meeting;
+}
+
+#ifdef E2LF_GLOO
+/// The address of this machine on the way to `host`: connecting a datagram socket sends nothing, but picks the route.
+std::string local_address_towards(const std::string& host, int port) {
+  addrinfo hints{}, *found = nullptr;
+  hints.ai_socktype = SOCK_DGRAM;
+  if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return {};
+  std::string address;
+  const int handle = socket(found->ai_family, SOCK_DGRAM, 0);
+  sockaddr_storage local{};
+  socklen_t length = sizeof local;
+  char text[NI_MAXHOST];
+  if (handle >= 0 && connect(handle, found->ai_addr, found->ai_addrlen) == 0 &&
+      getsockname(handle, reinterpret_cast<sockaddr*>(&local), &length) == 0 &&
+      getnameinfo(reinterpret_cast<sockaddr*>(&local), length, text, sizeof text, nullptr, 0, NI_NUMERICHOST) == 0) {
+    address = text;
+  }
+  if (handle >= 0) close(handle);
+  freeaddrinfo(found);
+  return address;
+}
+
+auto gloo_device(const Meeting& meeting) {
+  if (const char* interface = std::getenv("GLOO_SOCKET_IFNAME")) {
+    return c10d::ProcessGroupGloo::createDeviceForInterface(interface);
+  }
+  const auto address = local_address_towards(meeting.address, meeting.port);
+  return address.empty() ? c10d::ProcessGroupGloo::createDefaultDevice()
+                         : c10d::ProcessGroupGloo::createDeviceForHostname(address);
+}
+#endif
+
+}  // namespace
+
+#ifdef E2LF_C10D
+
+struct Peers::Group {
+  Meeting meeting;
+  c10::intrusive_ptr<c10d::TCPStore> store;
+  // Torch 2 splits ProcessGroup from its backends; both have the calls used here.
+#ifdef E2LF_GLOO
+  c10::intrusive_ptr<c10d::ProcessGroupGloo> gloo;
+#endif
+#ifdef E2LF_NCCL
+  c10::intrusive_ptr<c10d::ProcessGroupNCCL> nccl;
+#endif
+
+  bool open(torch::Device device);
+
+  /// Calls `work` with the transport in use.
+  template <typename Work>
+  Finish with(const Work& work) {
+#ifdef E2LF_NCCL
+    if (nccl) return work(*nccl);
+#endif
+#ifdef E2LF_GLOO
+    if (gloo) return work(*gloo);
+#endif
+    throw std::runtime_error("no transport");
+  }
+};
+
+/// False when this build has no transport for the device.
+bool Peers::Group::open(torch::Device device) {
+#ifdef E2LF_NCCL
+  if (device.is_cuda()) {
+    const auto options = c10d::ProcessGroupNCCL::Options::create();
+    options->timeout = kPatience;
+    nccl = c10::make_intrusive<c10d::ProcessGroupNCCL>(store, meeting.rank, meeting.size, options);
+    return true;
+  }
+#endif
+#ifdef E2LF_GLOO
+  if (device.is_cpu()) {
+    const auto options = c10d::ProcessGroupGloo::Options::create(kPatience);
+    options->devices.push_back(gloo_device(meeting));
+    gloo = c10::make_intrusive<c10d::ProcessGroupGloo>(store, meeting.rank, meeting.size, options);
+    return true;
+  }
+#endif
+  return false;
+}
+
+Result<Peers> Peers::meet() {
+  E2LF_ASSIGN_OR_RETURN(const auto meeting, read_environment());
+  Peers peers;
+  if (meeting.size == 1) return peers;
+  peers.rank_ = meeting.rank;
+  peers.size_ = meeting.size;
+  peers.group_ = std::make_shared<Group>();
+  peers.group_->meeting = meeting;
+  try {
+    c10d::TCPStoreOptions options;
+    options.port = static_cast<uint16_t>(meeting.port);
+    options.isServer = meeting.rank == 0;
+    options.numWorkers = static_cast<size_t>(meeting.size);
+    options.timeout = kPatience;
+    peers.group_->store = c10::make_intrusive<c10d::TCPStore>(meeting.address, options);
+  } catch (const std::exception& error) {
+    return Error{ErrorCode::kIo,
+                 cat("not all of the ", meeting.size, " processes met; start them within ", kPatience.count(),
+                     " s of each other with the same WORLD_SIZE (", first_line(error.what()), ")"),
+                 cat(meeting.address, ":", meeting.port)};
+  }
+  return peers;
+}
+
+Result<void> Peers::connect(torch::Device device) {
+  if (size_ == 1) return {};
+  try {
+    if (group_->open(device)) return {};
+  } catch (const std::exception& error) {
+    return lost(error);
+  }
+  return Error{ErrorCode::kUnsupported,
+               cat("this build has no transport between processes for ", device.str(),
+                   "; train with one process, or build with Gloo (CPU) or NCCL (CUDA)"),
+               "WORLD_SIZE"};
+}
+
+Peers::Finish Peers::begin_sum(const torch::Tensor& tensor) const {
+  std::vector<torch::Tensor> tensors{tensor};
+  return group_->with([&](auto& group) -> Finish { return [work = group.allreduce(tensors)] { work->wait(); }; });
+}
+
+Result<void> Peers::copy_from_first(const torch::Tensor& tensor) const {
+  if (size_ == 1) return {};
+  try {
+    torch::NoGradGuard no_grad;
+    std::vector<torch::Tensor> dense{tensor.contiguous()};  // all that groups send
+    group_->with([&](auto& group) -> Finish { return [work = group.broadcast(dense)] { work->wait(); }; })();
+    auto target = tensor;
+    if (!dense.front().is_same(tensor)) target.copy_(dense.front());
+  } catch (const std::exception& error) {
+    return lost(error);
+  }
+  return {};
+}
+
+Result<std::string> Peers::text_from_first(const std::string& text) const {
+  if (size_ == 1) return text;
+  try {
+    if (leads()) group_->store->set("text", std::vector<uint8_t>(text.begin(), text.end()));
+    const auto bytes = group_->store->get("text");
+    return std::string(bytes.begin(), bytes.end());
+  } catch (const std::exception& error) {
+    return lost(error);
+  }
+}
+
+#else
+
+struct Peers::Group {};
+
+Result<Peers> Peers::meet() {
+  E2LF_ASSIGN_OR_RETURN(const auto meeting, read_environment());
+  if (meeting.size == 1) return Peers();
+  return Error{ErrorCode::kUnsupported, "this build trains with one process only; build with torch's distributed part",
+               "WORLD_SIZE"};
+}
+
+Result<void> Peers::connect(torch::Device) {
+  return {};
+}
+
+Peers::Finish Peers::begin_sum(const torch::Tensor&) const {
+  return [] {};
+}
+
+Result<void> Peers::copy_from_first(const torch::Tensor&) const {
+  return {};
+}
+
+Result<std::string> Peers::text_from_first(const std::string& text) const {
+  return text;
+}
+
+#endif
+
+Result<void> Peers::sum(const torch::Tensor& tensor) const {
+  if (size_ == 1) return {};
+  try {
+    begin_sum(tensor)();
+  } catch (const std::exception& error) {
+    return lost(error);
+  }
+  return {};
+}
+
+Error Peers::lost(const std::exception& error) {
+  return Error{ErrorCode::kIo,
+               cat("a peer ended or was silent for ", kPatience.count(),
+                   " s; `e2lf resume` goes on from the last checkpoint, with any number of processes (",
+                   first_line(error.what()), ")"),
+               "data-parallel training"};
+}
+
+}  // namespace e2lf::learn

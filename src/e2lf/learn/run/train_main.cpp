@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// e2lf-train: the training verbs alone, for machines that have torch and little else.
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/learn/run/commands.h"
+
+namespace {
+
+void print_usage(std::FILE* where) {
+  std::fputs(
+      "usage: e2lf-train train CONFIG.json -o RUN [--set key=value]...\n"
+      "       e2lf-train resume RUN [--set key=value]...\n"
+      "       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed data)\n"
+      "       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n"
+      "       e2lf-train bench [--batch B] [--steps S] [--json]\n"
+      "--report FILE: also write a page (.html) or its tables (.csv, .tex), with train, resume and bench; --overwrite\n"
+      "replaces it\n"
+      "--quiet: no progress\n",
+      where);
+}
+
+int print_help() {
+  print_usage(stdout);
+  return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 ? 0 : 1;
+}
+
+int usage_error() {
+  print_usage(stderr);
+  return 2;
+}
+
+/// --quiet or not: what was lost is said.
+void print_warnings(e2lf::LogLevel level, const std::string& message) {
+  if (level != e2lf::LogLevel::kWarning) return;
+  e2lf::hide_progress();
+  std::fprintf(stderr, "e2lf-train: warning: %s\n", message.c_str());
+}
+
+/// Says where the model of a run is; one of several processes writes it.
+e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model, bool quiet) {
+  if (!model) return model.error();
+  e2lf::hide_progress();
+  std::error_code error;
+  if (!quiet && std::filesystem::exists(*model, error)) std::printf("model in %s\n", model->c_str());
+  return {};
+}
+
+/// Prints a report; its error otherwise.
+e2lf::Result<void> print(const e2lf::Result<std::string>& report) {
+  if (!report) return report.error();
+  e2lf::hide_progress();
+  std::fputs(report->c_str(), stdout);
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> names, overrides;
+  std::string output;
+  e2lf::learn::ReportFiles reports;
+  uint64_t batch = 4, steps = 5;
+  bool json = false, overwrite = false, quiet = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const bool takes_value = argument == "-o" || argument == "--set" || argument == "--batch" ||
+                             argument == "--steps" || argument == "--report";
+    if (takes_value && i + 1 == argc) return usage_error();
+    if (argument == "-h" || argument == "--help") return print_help();
+    if (argument == "-o") {
+      output = argv[++i];
+    } else if (argument == "--report") {
+      reports.names.emplace_back(argv[++i]);
+    } else if (argument == "--set") {
+      overrides.emplace_back(argv[++i]);
+    } else if (argument == "--batch" || argument == "--steps") {
+      const uint64_t value = std::strtoull(argv[++i], nullptr, 10);
+      if (value == 0) return usage_error();
+      (argument == "--batch" ? batch : steps) = value;
+    } else if (argument == "--json") {
+      json = true;
+    } else if (argument == "--overwrite") {
+      overwrite = true;
+    } else if (argument == "--quiet") {
+      quiet = true;
+    } else if (argument.starts_with("-")) {
+      std::fprintf(stderr, "e2lf-train: there is no option %s\n", argument.c_str());
+      return usage_error();
+    } else {
+      names.push_back(argument);
+    }
+  }
+  reports.overwrite = overwrite;
+  const bool benches = names.size() == 1 && names[0] == "bench";
+  if (names.size() < 2 && !benches) return usage_error();
+  // The first signal ends the step and writes the checkpoint; everything else has nothing to keep.
+  if (names[0] == "train" || names[0] == "resume") e2lf::stop_on_signals();
+  const auto keep_going = [] { return !e2lf::stop_requested(); };
+  e2lf::set_log_sink(print_warnings);
+
+  e2lf::ProgressBar bar(names[0], quiet);
+  e2lf::Result<void> result;
+  if (names[0] == "train" && names.size() == 2 && !output.empty()) {
+    result = print_model(e2lf::learn::train(names[1], output, overrides, bar.callback(), keep_going, reports), quiet);
+  } else if (names[0] == "resume" && names.size() == 2) {
+    result = print_model(e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going, reports), quiet);
+  } else if (names[0] == "evaluate" && names.size() > 2) {
+    result = print(e2lf::learn::evaluate_run(names[1], {names.begin() + 2, names.end()}, overrides));
+  } else if (names[0] == "export" && names.size() == 2 && !output.empty()) {
+    result = e2lf::learn::export_run(names[1], output, overwrite);
+  } else if (benches) {
+    result = print(e2lf::learn::benchmark(batch, steps, json, bar.callback(), reports));
+  } else {
+    return usage_error();
+  }
+  if (result && (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)) {
+    result = e2lf::Error{e2lf::ErrorCode::kIo, "cannot write to standard output; check where it goes", ""};
+  }
+  if (result) return 0;
+  e2lf::hide_progress();
+  const char* const hint = result.error().setting == e2lf::Setting::kOverwrite ? " (--overwrite)" : "";
+  std::fprintf(stderr, "e2lf-train: %s: %s%s\n", names[0].c_str(), result.error().text().c_str(), hint);
+  return e2lf::stop_requested() ? 128 + e2lf::stop_signal() : 1;
+}

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/run/trainer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/learn/data/draws.h"
+#include "e2lf/learn/events/input_form.h"
+#include "e2lf/learn/network/centring.h"
+#include "e2lf/learn/run/device.h"
+
+namespace e2lf::learn {
+namespace {
+
+constexpr uint64_t kInitialSeed = 0x1117, kEvaluationSeed = 20;
+constexpr int64_t kViews = 64;
+
+/// How far patterns are from 1/2 everywhere (0) on the way to binary (1).
+double binarity(const torch::Tensor& codes) {
+  return (2.0 * codes - 1.0).abs().mean().item<double>();
+}
+
+PatternTie tie_of(const PatternConfig& patterns) {
+  if (patterns.complementary) return PatternTie::kComplementary;
+  if (patterns.whole_cycle) return PatternTie::kWholeCycle;
+  return patterns.black_first ? PatternTie::kBlackFirst : PatternTie::kNone;
+}
+
+NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
+  std::erase_if(tensors, [&](const auto& entry) { return left_out.contains(entry.first); });
+  return tensors;
+}
+
+/// Reads the codes [n, views] of a model file or a JSON file of codes, n between `fewest` and patterns.num_codes(); of
+/// a whole cycle those before the inverses. (Other files would need libraries that a machine with torch alone may
+/// lack.)
+Result<torch::Tensor> read_codes(const std::filesystem::path& path, size_t fewest, const PatternConfig& patterns,
+                                 torch::Device device) {
+  std::optional<capture::Codes> codes;
+  if (path.extension() == ".safetensors") {
+    E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
+    codes = model.codes;
+  } else {
+    E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
+    E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_json(json, path.string()));
+  }
+  if (codes && patterns.whole_cycle) codes = capture::codes_of_whole_cycle(*codes).value_or(*codes);
+  const uint64_t most = patterns.num_codes();
+  if (!codes || codes->num_patterns < fewest || codes->num_patterns > most || codes->views_y != 8 ||
+      codes->views_x != 8 || (patterns.whole_cycle && !capture::is_black_first(*codes))) {
+    return Error{ErrorCode::kShape,
+                 cat("no codes of ", fewest < most ? "at most " : "", most, " patterns of 8x8 cells ",
+                     patterns.whole_cycle ? "that begin with black " : "",
+                     "in this file, as patterns.num_patterns asks for; name another"),
+                 path.string()};
+  }
+  return to_tensor(*codes, device);
+}
+
+/// A configuration as a model file keeps it: where files lay is nobody's business.
+Json without_folders(Config config) {
+  for (std::string* path :
+       {&config.start, &config.data.file, &config.sensor.camera, &config.patterns.codes, &config.patterns.start}) {
+    *path = std::filesystem::path(*path).filename().string();
+  }
+  return to_json(config);
+}
+
+}  // namespace
+
+double learning_rate(const TrainConfig& train, uint64_t step) {
+  const auto number = [](uint64_t value) { return static_cast<double>(value); };
+  if (step < train.warmup_steps) return train.learning_rate * number(step + 1) / number(train.warmup_steps);
+  const uint64_t begin = std::max(train.hold_steps, train.warmup_steps);
+  if (step < begin || train.steps <= begin) return train.learning_rate;
+  const double progress = std::min(1.0, number(step - begin) / number(train.steps - begin));
+  return train.learning_rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
+}
+
+/// The parameters in the order in which a backward pass gives their gradients.
+std::vector<torch::Tensor> in_backward_order(const NetworkModule& network, const NamedTensors& patterns) {
+  std::vector<torch::Tensor> ordered;
+  const auto& layers = network.network().layers;
+  for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
+    for (const char* part : {".bias", ".weight"}) {
+      const auto found = network.parameters().find(layer->name + part);
+      if (found != network.parameters().end()) ordered.push_back(found->second);
+    }
+  }
+  for (const auto& [name, tensor] : patterns) ordered.push_back(tensor);
+  return ordered;
+}
+
+/// What each sample adds to the loss, from its mean squared error and its gain.
+torch::Tensor sample_losses(const TrainConfig& train, const torch::Tensor& errors, const torch::Tensor& gains) {
+  constexpr double kFloor = 1e-6;  // 60 dB: below it a power under 1 would be all slope
+  const auto relative = errors * gains.pow(-train.gain_weight_power);
+  return train.error_power == 1.0 ? relative : (relative + kFloor).pow(train.error_power);
+}
+
+Trainer::Trainer(Config config, Batches batches, NetworkModule network, torch::Device device, const Peers& peers)
+    : config_(std::move(config)),
+      device_(device),
+      peers_(peers),
+      batches_(std::move(batches)),
+      network_(std::move(network)),
+      patterns_(config_.patterns.num_patterns, tie_of(config_.patterns), device),
+      pattern_parameters_{{"patterns", patterns_.parameters()}},
+      by_muon_(config_.train.optimiser == "muon" ? muon_weights(network_) : NamedTensors{}),
+      by_adam_(without(network_.parameters(), by_muon_)),
+      muon_(by_muon_),
+      adam_(by_adam_),
+      pattern_adam_(pattern_parameters_),
+      average_(clone(network_.parameters())),
+      exchange_(peers, in_backward_order(network_, pattern_parameters_)) {}
+
+Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
+  if (config.train.batch % static_cast<uint64_t>(peers.size()) != 0) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("a batch of ", config.train.batch, " cannot be split evenly between ", peers.size(),
+                     " processes; make it a multiple"),
+                 "train.batch"};
+  }
+  E2LF_ASSIGN_OR_RETURN(const torch::Device device, open_device(config.device));
+  E2LF_ASSIGN_OR_RETURN(auto dataset, read_dataset(config.data.file, device));
+  E2LF_ASSIGN_OR_RETURN(auto batches, Batches::create(config, std::move(dataset), device));
+  torch::manual_seed(mix_seed(config.seed, 0, kInitialSeed));
+  Trainer trainer(config, std::move(batches), NetworkModule(make_network(config), device), device, peers);
+  if (model::measurement_of(config.input).value() == capture::MeasurementKind::kLensArray) {
+    trainer.fixed_codes_ = torch::ones({1, kViews}, torch::device(device));
+  } else if (!config.patterns.codes.empty()) {
+    const size_t all = config.patterns.num_codes();
+    E2LF_ASSIGN_OR_RETURN(auto codes, read_codes(config.patterns.codes, all, config.patterns, device));
+    if (config.patterns.whole_cycle) codes = torch::cat({codes, 1.0 - codes, codes.slice(0, 0, 1)});
+    trainer.fixed_codes_ = codes;
+  } else if (!config.patterns.start.empty()) {
+    const auto fewest = static_cast<size_t>(std::min<uint64_t>(2, config.patterns.num_codes()));
+    E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, fewest, config.patterns, device));
+    trainer.patterns_.start_at(codes);
+  } else if (config.patterns.noise_start > 0.0) {
+    trainer.patterns_.start_at_noise(config.patterns.noise_start);
+  }
+  if (!config.start.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(config.start));
+    const auto origins = input_origins(model, config.input, config.patterns.num_patterns);
+    const auto widened = widen_inputs(model.network, model.weights, trainer.network_.network(), origins);
+    E2LF_RETURN_IF_ERROR(load_weights(trainer.network_.parameters(), widened, config.start));
+    trainer.average_ = clone(trainer.network_.parameters());
+  }
+  return trainer;
+}
+
+torch::ScalarType Trainer::compute_type() const {
+  return config_.precision == "bfloat16" ? torch::kBFloat16 : torch::kFloat;
+}
+
+torch::Tensor Trainer::current_codes() const {
+  if (fixed_codes_.defined()) return fixed_codes_;
+  const PatternConfig& patterns = config_.patterns;
+  if (!learning_patterns()) return patterns_.binary_codes();
+  const double progress = static_cast<double>(step_) / static_cast<double>(patterns.learn_steps);
+  return patterns_.codes(patterns.scale_begin * std::pow(patterns.scale_end / patterns.scale_begin, progress));
+}
+
+/// Everything that a checkpoint holds but the step.
+std::vector<torch::Tensor> Trainer::state() const {
+  std::vector<torch::Tensor> tensors;
+  for (const NamedTensors* part :
+       {&network_.parameters(), &average_, &muon_.momenta(), &adam_.first_moments(), &adam_.second_moments(),
+        &pattern_parameters_, &pattern_adam_.first_moments(), &pattern_adam_.second_moments()}) {
+    for (const auto& [name, tensor] : *part) tensors.push_back(tensor.detach());
+  }
+  return tensors;
+}
+
+Result<void> Trainer::start_together() {
+  auto step = torch::tensor({static_cast<int64_t>(step_)}, torch::device(device_));
+  E2LF_RETURN_IF_ERROR(peers_.copy_from_first(step));
+  step_ = static_cast<uint64_t>(step.item<int64_t>());
+  for (const auto& tensor : state()) E2LF_RETURN_IF_ERROR(peers_.copy_from_first(tensor));
+  return {};
+}
+
+Result<bool> Trainer::any_peer(bool value) const {
+  const auto votes = torch::tensor({value ? 1 : 0}, torch::device(device_));
+  E2LF_RETURN_IF_ERROR(peers_.sum(votes));
+  return votes.item<int>() > 0;
+}
+
+Result<StepReport> Trainer::average_over_peers(const StepReport& report) const {
+  const auto sums = torch::tensor({report.loss, report.mse}, torch::device(device_).dtype(torch::kDouble));
+  E2LF_RETURN_IF_ERROR(peers_.sum(sums));
+  return StepReport{sums[0].item<double>() / peers_.size(), sums[1].item<double>() / peers_.size(), 0.0};
+}
+
+/// In one message for all.
+Result<void> Trainer::replace_by_peers_mean(const NamedTensors& tensors) const {
+  if (peers_.size() == 1) return {};
+  std::vector<torch::Tensor> parts;
+  for (const auto& [name, tensor] : tensors) parts.push_back(tensor.flatten());
+  const auto sums = torch::cat(parts);
+  E2LF_RETURN_IF_ERROR(peers_.sum(sums));
+  int64_t offset = 0;
+  for (const auto& [name, tensor] : tensors) {
+    auto target = tensor;
+    target.copy_(sums.slice(0, offset, offset + tensor.numel()).reshape(tensor.sizes()) / peers_.size());
+    offset += tensor.numel();
+  }
+  return {};
+}
+
+Result<void> Trainer::backward(const torch::Tensor& loss) {
+  zero_gradients(network_.parameters());
+  zero_gradients(pattern_parameters_);
+  exchange_.begin();
+  loss.backward();
+  return exchange_.finish();
+}
+
+Result<StepReport> Trainer::train_step() {
+  const Batch batch = batches_.at(step_, {peers_.rank(), peers_.size()});
+  NamedTensors input_means;
+  const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
+                          config_.input, compute_type(),         &input_means,    config_.sensor.nominal.sigma_i};
+  const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise);
+  // Views last, as they are in memory: so are the gradients then.
+  const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
+  const auto errors = difference.square().mean(1);
+  const auto loss = sample_losses(config_.train, errors, batch.gain).mean();
+
+  E2LF_RETURN_IF_ERROR(backward(loss));
+  E2LF_ASSIGN_OR_RETURN(StepReport report, average_over_peers({loss.item<double>(), errors.mean().item<double>()}));
+  E2LF_RETURN_IF_ERROR(replace_by_peers_mean(input_means));
+  centre_gradients(network_.parameters(), input_means);
+  report.gradient_norm = clip_gradients(network_.parameters(), config_.train.clip_norm);
+  if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) return report;
+
+  const double rate = learning_rate(config_.train, step_);
+  const auto before = clone(network_.parameters());
+  muon_.update(by_muon_, rate);
+  adam_.update(by_adam_, rate, step_ + 1);
+  keep_mean_outputs(network_.parameters(), before, input_means);
+  if (learning_patterns() && step_ >= config_.patterns.begin_step) {
+    pattern_adam_.update(pattern_parameters_, config_.patterns.learning_rate, step_ + 1 - config_.patterns.begin_step);
+  }
+  // Early on the average follows quickly, so that it forgets the random start.
+  const double steps = static_cast<double>(step_);
+  update_average(average_, network_.parameters(), std::min(config_.train.ema, (1.0 + steps) / (10.0 + steps)));
+  ++step_;
+  return report;
+}
+
+Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes, const capture::Camera& camera,
+                                                  size_t cycles) const {
+  const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
+  const Pipeline pipeline{&network_,
+                          &average_,
+                          fixed_codes_.defined() ? fixed_codes_ : codes,
+                          config_.patterns.event_model,
+                          config_.input,
+                          compute_type(),
+                          nullptr,
+                          config_.sensor.nominal.sigma_i};
+  std::vector<SceneScore> scores;
+  for (const std::string& name : scenes) {
+    E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));
+    const auto sample = sample_of(camera, config_.patterns.num_patterns, config_.patterns.num_codes(), cycles, device_);
+    scores.push_back(evaluate_scene(pipeline, *scene, sample, kEvaluationSeed));
+    if (camera.is_pixel()) scores.back().name += "@" + camera.name;
+  }
+  return scores;
+}
+
+std::vector<capture::Camera> Trainer::cameras() const {
+  std::vector<capture::Camera> list(1);
+  list.front().constants = config_.sensor.nominal;
+  if (batches_.camera()) list.push_back(*batches_.camera());
+  return list;
+}
+
+StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const {
+  const auto codes = current_codes().detach();
+  return {.step = step_,
+          .samples = step_ * config_.train.batch,
+          .loss = report.loss,
+          .mse = report.mse,
+          .learning_rate = learning_rate(config_.train, step_),
+          .gradient_norm = report.gradient_norm,
+          .samples_per_s = samples_per_s,
+          .open_cells = codes.sum().item<double>(),
+          .binarity = binarity(codes)};
+}
+
+/// Every process evaluates, so that none waits for another longer than its patience; the first one writes.
+Result<void> Trainer::log_evaluation(const RunLog& log) const {
+  const uint64_t samples = step_ * config_.train.batch;
+  for (const capture::Camera& camera : cameras()) {
+    E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(config_.data.validation, camera));
+    if (!peers_.leads()) continue;
+    for (const SceneScore& score : scores) {
+      E2LF_RETURN_IF_ERROR(log.add(ScoreRow{step_, samples, score.name, score.psnr_db, score.events_per_pixel}));
+    }
+  }
+  if (!peers_.leads()) return {};
+  const auto codes = current_codes().detach().to(torch::kCPU, torch::kFloat).contiguous();
+  const float* cells = codes.data_ptr<float>();
+  E2LF_RETURN_IF_ERROR(log.add(PatternRow{step_, samples, {cells, cells + codes.numel()}}));
+  return log.draw_curves(config_.name, to_json(config_));
+}
+
+Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn& progress,
+                          const std::function<bool()>& keep_going) {
+  const auto checkpoint = folder / "checkpoint.safetensors";
+  E2LF_RETURN_IF_ERROR(start_together());
+  if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
+  const RunLog log(folder);
+  if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.rewind(step_));
+  using Clock = std::chrono::steady_clock;
+  auto last_time = Clock::now();
+  uint64_t last_step = step_;
+  StepReport sum;
+  while (step_ < config_.train.steps) {
+    E2LF_ASSIGN_OR_RETURN(const StepReport report, train_step());
+    if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("the loss is not finite after step ", step_,
+                       "; lower train.learning_rate and resume from the last checkpoint"),
+                   checkpoint.string()};
+    }
+    sum = {sum.loss + report.loss, sum.mse + report.mse, sum.gradient_norm + report.gradient_norm};
+    const bool ends = step_ == config_.train.steps;
+    if (step_ % config_.train.log_steps == 0 || ends) {
+      const double seconds = std::chrono::duration<double>(Clock::now() - last_time).count();
+      const double speed = static_cast<double>((step_ - last_step) * config_.train.batch) / std::max(seconds, 1e-9);
+      const auto steps = static_cast<double>(step_ - last_step);
+      const StepReport mean{sum.loss / steps, sum.mse / steps, sum.gradient_norm / steps};
+      if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.add(step_row(mean, speed)));
+      sum = {};
+      last_time = Clock::now();
+      last_step = step_;
+    }
+    if (step_ % config_.train.evaluate_steps == 0 || ends) E2LF_RETURN_IF_ERROR(log_evaluation(log));
+    if (progress && peers_.leads()) progress(step_, config_.train.steps);
+    E2LF_ASSIGN_OR_RETURN(const bool stop, any_peer(keep_going && !keep_going()));
+    if (step_ % config_.train.checkpoint_steps == 0 || step_ == config_.train.steps || stop) {
+      if (peers_.leads()) E2LF_RETURN_IF_ERROR(save_checkpoint(checkpoint));
+    }
+    if (stop) return Error{ErrorCode::kCancelled, "training stopped; `e2lf resume` continues it", folder.string()};
+  }
+  return {};
+}
+
+model::Model Trainer::to_model() const {
+  model::Model model;
+  model.name = config_.name;
+  model.num_patterns = config_.patterns.num_patterns;
+  const auto codes = fixed_codes_.defined() ? fixed_codes_ : patterns_.binary_codes();
+  model.codes = to_codes(codes, model.views_y, model.views_x);
+  model.event_model = config_.patterns.event_model == EventModel::kQuantised ? "quantised" : "reference-aware";
+  model.black_first = capture::is_black_first(*model.codes);  // the first may have closed without being made to
+  if (!config_.patterns.in_model) model.codes.reset();
+  model.constants = config_.sensor.nominal;
+  model.camera = batches_.camera();
+  model.input = config_.input;
+  model.network = network_.network();
+  model.weights = to_weights(average_);
+  model.provenance = {{"samples", step_ * config_.train.batch}, {"steps", step_}, {"config", without_folders(config_)}};
+  return model;
+}
+
+}  // namespace e2lf::learn

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/model/video/video_model.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/model/model_parts.h"
+
+namespace e2lf::model {
+namespace {
+
+constexpr std::pair<Tone, const char*> kTones[] = {
+    {Tone::kNone, "none"}, {Tone::kRobust, "robust"}, {Tone::kStandard, "standard"}, {Tone::kExpRobust, "exp-robust"}};
+
+constexpr size_t kMaxPadMultiple = 1024;
+
+Result<VideoModel> header_from(const Json& json, const std::string& location) {
+  E2LF_RETURN_IF_ERROR(check_kind(json, kVoxelGrid, location));
+  VideoModel model;
+  std::string tone;
+  OptionReader reader(json, location);
+  reader.read("name", model.name)
+      .read("bins", model.bins)
+      .read("normalises_voxels", model.normalises_voxels)
+      .read("pad_multiple", model.pad_multiple)
+      .read("tone", tone);
+  (void)reader.child("format_version");
+  (void)reader.child("measurement");
+  const Json& network = reader.child("network");
+  const Json& provenance = reader.child("provenance");
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  const auto known_tone = tone_from_name(tone);
+  if (!known_tone) return Error{ErrorCode::kUnsupported, known_tone.error().message, reader.child_location("tone")};
+  model.tone = *known_tone;
+  E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
+  if (!provenance.is_null()) model.provenance = provenance;
+  return model;
+}
+
+/// A tensor that nothing reads is a sign of another network than the one described.
+Result<void> check_all_used(const Weights& weights, const Safetensors& tensors, const std::string& file) {
+  for (const auto& entry : tensors.tensors) {
+    if (weights.contains(entry.first)) continue;
+    return Error{ErrorCode::kFormat, "the tensor belongs to no layer of the network; remove it or describe its layer",
+                 cat(file, ": ", entry.first)};
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* tone_name(Tone tone) {
+  return std::find_if(std::begin(kTones), std::end(kTones), [&](const auto& entry) { return entry.first == tone; })
+      ->second;
+}
+
+Result<Tone> tone_from_name(const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& [tone, known] : kTones) {
+    if (name == known) return tone;
+    names.emplace_back(known);
+  }
+  return Error{ErrorCode::kInvalidValue, cat("unknown tone \"", name, "\"; known are ", join(names)), ""};
+}
+
+Result<void> validate(const VideoModel& model, const std::string& location) {
+  const auto refuse = [&](const std::string& field, const std::string& message,
+                          ErrorCode code = ErrorCode::kInvalidValue) {
+    return Error{code, message, cat(location, ": ", field)};
+  };
+  if (model.bins == 0 || model.bins > kMaxBins) {
+    return refuse("bins", cat(model.bins, " time bins; use 1 to ", kMaxBins));
+  }
+  const auto shapes = infer_shapes(model.network);
+  if (!shapes) return refuse(cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
+  if (model.network.input_channels != model.bins) {
+    return refuse("network.input_channels",
+                  cat(model.network.input_channels, " channels for ", model.bins, " time bins; make them equal"),
+                  ErrorCode::kShape);
+  }
+  if (shapes->back().channels != 1 || shapes->back().scale != 1) {
+    return refuse("network",
+                  cat("the last layer has ", shapes->back().channels, " channels at scale ", shapes->back().scale,
+                      ", not one at scale 1; correct the last layer"),
+                  ErrorCode::kShape);
+  }
+  const size_t multiple = size_multiple(model.network);
+  if (model.pad_multiple == 0 || model.pad_multiple > kMaxPadMultiple || model.pad_multiple % multiple != 0) {
+    return refuse("pad_multiple", cat(model.pad_multiple, " pixels; use a multiple of the network's ", multiple,
+                                      ", up to ", kMaxPadMultiple));
+  }
+  if (!model.provenance.is_object()) return refuse("provenance", "it is not a JSON object; write { ... }");
+  return validate_weights(model.network, model.weights, location);
+}
+
+Json video_header_to_json(const VideoModel& model) {
+  return {{"format_version", kFormatVersion},
+          {"measurement", kVoxelGrid},
+          {"name", model.name},
+          {"bins", model.bins},
+          {"normalises_voxels", model.normalises_voxels},
+          {"pad_multiple", model.pad_multiple},
+          {"tone", tone_name(model.tone)},
+          {"network", to_json(model.network)},
+          {"provenance", model.provenance}};
+}
+
+Result<VideoModel> decode_video_model(std::span<const uint8_t> bytes, const std::string& file) {
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, decode_safetensors(bytes, file));
+  E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, file));
+  E2LF_ASSIGN_OR_RETURN(VideoModel model, header_from(json, cat(file, ": ", kMetadataKey, ": $")));
+  E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, file));
+  E2LF_RETURN_IF_ERROR(check_all_used(model.weights, tensors, file));
+  E2LF_RETURN_IF_ERROR(validate(model, file));
+  return model;
+}
+
+Result<VideoModel> read_video_model(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  return decode_video_model(bytes, path.string());
+}
+
+Result<void> write_video_model(const std::filesystem::path& path, const VideoModel& model) {
+  E2LF_RETURN_IF_ERROR(validate(model, path.string()));
+  Safetensors tensors;
+  tensors.metadata[kMetadataKey] = json_line(video_header_to_json(model));
+  for (const WeightShape& tensor : weight_shapes(model.network)) {
+    tensors.tensors[tensor.name] = make_tensor(tensor.shape, model.weights.at(tensor.name));
+  }
+  return write_safetensors(path, tensors);
+}
+
+Result<bool> is_video_model(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
+  E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, path.string()));
+  return json.is_object() && json.value("measurement", Json()) == kVoxelGrid;
+}
+
+}  // namespace e2lf::model
