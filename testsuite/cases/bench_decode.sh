@@ -1,5 +1,5 @@
 # Small streams through the decoding benchmark: the shapes are there, counts are exact, rates are numbers. Speed itself is never tested.
-"$E2LF" bench decode --events 20000 --seconds 0 --json --quiet >synthesised.json
+"$E2LF-bench" decode --events 20000 --seconds 0 --json --quiet >synthesised.json
 [ "$(json synthesised.json "[s['shape'] for s in j['streams']]")" = "['evt3 dense', 'evt3 sparse', 'evt3 vector', 'evt2', 'evt2.1']" ] || fail "shapes"
 json synthesised.json "all(20000 <= s['events'] < 20032 for s in j['streams'])" | grep -q True || fail "events"
 json synthesised.json "[round(s['bytes_per_event'], 1) for s in j['streams']]" >bytes.txt
@@ -14,15 +14,15 @@ json synthesised.json "len(j['published_on_another_machine'])" | grep -q '^6$' |
 "$E2LF" simulate demo/scene -o recording.raw --quiet
 "$E2LF" info recording.raw --json >info.json
 events=$(json info.json "j['events']")
-"$E2LF" bench decode recording.raw --events $((3 * events)) --seconds 0 --no-reference --json --quiet >repeated.json
+"$E2LF-bench" decode recording.raw --events $((3 * events)) --seconds 0 --no-reference --json --quiet >repeated.json
 [ "$(json repeated.json "(len(j['streams']), j['streams'][0]['events'], 'reference' in j['streams'][0])")" = "(1, $((3 * events)), False)" ] || fail "repeated"
-grep -q 'recording.raw, 1 times' <<<"$("$E2LF" bench decode recording.raw --events 1000 --seconds 0 --quiet)" || fail "the table"
+grep -q 'recording.raw, 1 times' <<<"$("$E2LF-bench" decode recording.raw --events 1000 --seconds 0 --quiet)" || fail "the table"
 mkdir converted
-"$E2LF" bench decode recording.raw --events 1000 --seconds 0 --no-reference --convert converted --json --quiet >converted.json
+"$E2LF-bench" decode recording.raw --events 1000 --seconds 0 --no-reference --convert converted --json --quiet >converted.json
 [ "$(json converted.json "sorted(k for k, v in j['convert'].items() if v > 0)")" = "['csv', 'hdf5']" ] || fail "convert"
 [ -z "$(ls -A converted)" ] || fail "something was left behind"
 "$E2LF" convert recording.raw recording.npz --quiet
-fails 1 "give a RAW recording" "$E2LF" bench decode recording.npz
+fails 1 "give a RAW recording" "$E2LF-bench" decode recording.npz
 mkdir empty
-fails 1 "no RAW recording in the folder" "$E2LF" bench decode empty
-fails 1 "check the path" "$E2LF" bench decode nowhere
+fails 1 "no RAW recording in the folder" "$E2LF-bench" decode empty
+fails 1 "check the path" "$E2LF-bench" decode nowhere

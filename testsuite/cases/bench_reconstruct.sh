@@ -1,13 +1,13 @@
 # A small image through the reconstruction benchmark: every row is there; sizes that the network does not take are refused. Speed itself is never tested.
-"$E2LF" bench reconstruct --width 48 --height 32 --runs 1 --json --quiet >report.json
+"$E2LF-bench" reconstruct --width 48 --height 32 --runs 1 --json --quiet >report.json
 [ "$(json report.json "(j['image'], j['float32']['seconds']['median'] > 0)")" = "([32, 48], True)" ] || fail "report"
 model=$TESTSUITE/../models/e2lf-n4.safetensors
-grep -q "the peer knows only the paper's network" <<<"$("$E2LF" bench reconstruct -m "$model" --width 48 --height 32 --runs 1 --quiet)" || fail "table"
-fails 1 "--width: 1284 pixels" "$E2LF" bench reconstruct -m "$model" --width 1284
-fails 1 "multiple of 8" "$E2LF" bench reconstruct -m "$model" --height 721
+grep -q "the peer knows only the paper's network" <<<"$("$E2LF-bench" reconstruct -m "$model" --width 48 --height 32 --runs 1 --quiet)" || fail "table"
+fails 1 "--width: 1284 pixels" "$E2LF-bench" reconstruct -m "$model" --width 1284
+fails 1 "multiple of 8" "$E2LF-bench" reconstruct -m "$model" --height 721
 for option in width height runs; do
-  fails 2 "--$option" "$E2LF" bench reconstruct --$option 0
+  fails 2 "--$option" "$E2LF-bench" reconstruct --$option 0
 done
 for option in width height; do
-  fails 2 "--$option" "$E2LF" bench simulate --$option 0
+  fails 2 "--$option" "$E2LF-bench" simulate --$option 0
 done

@@ -53,16 +53,16 @@ for thing in demo/scene demo/events.npz "$model" cycles.npz; do
   "$E2LF" info "$thing" --report thing.html --overwrite >info.txt
   page thing.html "All that is known"
 done
-"$E2LF" bench reconstruct --width 48 --height 32 --runs 1 --report bench.html --report bench.csv --quiet
+"$E2LF-bench" reconstruct --width 48 --height 32 --runs 1 --report bench.html --report bench.csv --quiet
 page bench.html "GFLOP/s" "float32"
 grep -q '^float32,' bench.csv || fail "bench.csv: $(cat bench.csv)"
-"$E2LF" bench decode --events 20000 --seconds 0 --report decode.html --quiet
+"$E2LF-bench" decode --events 20000 --seconds 0 --report decode.html --quiet
 page decode.html "evt3 dense" "scalar reference"
-"$E2LF" bench simulate --width 64 --height 48 --seconds 0 --report simulate.html --quiet
+"$E2LF-bench" simulate --width 64 --height 48 --seconds 0 --report simulate.html --quiet
 page simulate.html "light_field_to_events"
-"$E2LF" bench rig --width 96 --height 64 --report rig.html --quiet
+"$E2LF-bench" rig --width 96 --height 64 --report rig.html --quiet
 page rig.html "decode and accumulate"
-"$E2LF" bench rig --width 64 --height 48 --json --quiet >rig.json
+"$E2LF-bench" rig --width 64 --height 48 --json --quiet >rig.json
 [ "$(json rig.json "j['accumulated_is_summed']")" = True ] || fail "the sums of a small sensor"
 
 fails 1 "(--overwrite)" "$E2LF" eval demo/scene demo/recon --report eval.html

@@ -2,11 +2,15 @@
 grep -q reconstruct <<<"$("$E2LF" --help)"
 grep -q '^e2lf [0-9]' <<<"$("$E2LF" version)"
 fails 2 'did you mean "reconstruct"' "$E2LF" reconstuct
-for verb in demo info convert accumulate simulate reconstruct eval view "codes show" "model info" "model import" "bench decode" "bench reconstruct" "bench simulate" "bench train"; do
+for verb in demo info convert accumulate simulate reconstruct eval view "codes show" "model info" "model import"; do
   # shellcheck disable=SC2086
   "$E2LF" $verb --help >help.txt
   grep -q '^Example:' help.txt || fail "no example in the help of $verb"
 done
+for verb in camera decode reconstruct rig simulate train video; do
+  grep -q '^Example:' <<<"$("$E2LF-bench" $verb --help)" || fail "no example in the help of e2lf-bench $verb"
+done
+fails 2 'e2lf-bench: there is no verb "decod"; did you mean "decode"' "$E2LF-bench" decod
 fails 2 "see e2lf eval --help" "$E2LF" eval
 fails 2 'an argument is missing: files and folders to look at, or bundled models; for example `e2lf view ' "$E2LF" view
 fails 2 "e2lf: reconstruct: --output is missing: folder to write; for example" "$E2LF" reconstruct events.npz

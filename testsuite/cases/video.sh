@@ -119,6 +119,6 @@ exists stopped/frame_000003.png stopped/run.json
 [ "$(($(wc -l <stopped/frames.csv) - 1))" -eq "$(find stopped -name '*.png' | wc -l)" ] || fail "the table is of other frames"
 
 # The benchmark says how far libtorch's result is, where there is one. Speed itself is never tested.
-"$E2LF" bench video --width 40 --height 24 --frames 1 --json --quiet >bench.json
+"$E2LF-bench" video --width 40 --height 24 --frames 1 --json --quiet >bench.json
 check "$(json bench.json "len(j['networks']) == 3 and all(n['peer'].get('largest_difference', 0) < 1e-4 and n['float32']['seconds']['median'] > 0 for n in j['networks'])")"
-grep -q "firenet+" <<<"$("$E2LF" bench video -m net.safetensors --width 40 --height 24 --frames 1 --quiet)" || fail "table"
+grep -q "firenet+" <<<"$("$E2LF-bench" video -m net.safetensors --width 40 --height 24 --frames 1 --quiet)" || fail "table"

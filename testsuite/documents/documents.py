@@ -91,7 +91,7 @@ def spans(page):
     return re.findall(r"`([^`\n]+)`", without_blocks(page.read_text()))
 
 
-def wrong_words(command, help_of, everywhere):
+def wrong_words(command, programs, everywhere):
     """What e2lf does not know in a command or a part of one."""
     command = command.split("  #")[0]
     if command.startswith("--"):
@@ -102,9 +102,12 @@ def wrong_words(command, help_of, everywhere):
         words = re.sub(r"^(\s*(time|[A-Z0-9_]+=\S*))+\s", " ", piece).split()
         if words[:2] == ["./run", "e2lf"]:
             words = words[1:]
-        elif words[:1] == ["./run"] and words[1:2] in (["train"], ["resume"], ["view"], ["bench"]):
+        elif words[:2] == ["./run", "bench"]:
+            words = ["e2lf-bench", *words[2:]]
+        elif words[:1] == ["./run"] and words[1:2] in (["train"], ["resume"], ["view"]):
             words = ["e2lf", *words[1:]]
-        if words[:1] != ["e2lf"] or len(words) < 2 or not re.fullmatch(r"[a-z-]+", words[1]):
+        help_of = programs.get(words[0]) if words else None
+        if help_of is None or len(words) < 2 or not re.fullmatch(r"[a-z-]+", words[1]):
             continue
         if words[1].startswith("--") or words[1] == "completion":
             continue
@@ -120,13 +123,13 @@ def wrong_words(command, help_of, everywhere):
 
 
 def wrong_commands(root, e2lf):
-    help_of = Help(e2lf)
-    everywhere = help_of.all_options()
+    programs = {"e2lf": Help(e2lf), "e2lf-bench": Help(f"{e2lf}-bench")}
+    everywhere = set().union(*(help_of.all_options() for help_of in programs.values()))
     for page in pages(root):
         if page.name == "CHANGELOG.md":
             continue
         for command in [*shell_lines(page, ("sh", "")), *spans(page)]:
-            for problem in wrong_words(command, help_of, everywhere):
+            for problem in wrong_words(command, programs, everywhere):
                 yield f"{page}: {problem}: {command}"
             for path in re.findall(rf"(?<![\w./-])(?:{FOLDERS})/[\w./-]+(?![\w./<*-])", command):
                 if not (root / path.rstrip(".")).exists() and not (page.parent / path).exists():
@@ -141,7 +144,7 @@ def commands_outside(root):
         if any(True for _ in shell_lines(page)) and name not in cases:
             yield f"{name}: no case runs its commands"
         for line in shell_lines(page, ("",)):
-            if re.match(r"(time )?(\./run|e2lf|e2lf-train) ", line):
+            if re.match(r"(time )?(\./run|e2lf|e2lf-bench|e2lf-train) ", line):
                 yield f"{name}: a command in a block that is not marked as sh: {line}"
 
 

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <exception>
 #include <filesystem>
-#include <iostream>
 #include <map>
-#include <new>
 #include <string>
 #include <vector>
 
@@ -15,6 +10,7 @@
 #include "e2lf/cli/completion.h"
 #include "e2lf/cli/features.h"
 #include "e2lf/cli/manual_page.h"
+#include "e2lf/cli/program.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/file.h"
@@ -48,19 +44,9 @@ const std::vector<VerbEntry>& verbs() {
       {"resume", "continue a training run", run_resume},
       {"codes", "look at aperture patterns", run_codes},
       {"model", "look at and import model files", run_model},
-      {"bench", "measure speed against the peers", run_bench},
       {"completion", "print the script that completes e2lf in a shell", run_completion},
   };
   return list;
-}
-
-/// A result that did not reach its reader is a failure.
-int check_standard_output(int code) {
-  const bool is_written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  if (is_written) return code;
-  std::fprintf(stderr, "e2lf: cannot write to standard output (%s); free some disk space or check where it goes\n",
-               std::strerror(errno));
-  return code == 0 ? 1 : code;
 }
 
 /// The version, what this build can do, and what kernels run as on this processor.
@@ -130,13 +116,5 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return check_standard_output(run({argv + 1, argv + argc}));
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "e2lf: there is not enough memory; end other programs, or give a part of the input\n");
-    return 1;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "e2lf: internal error: %s; please report it with the command you ran\n", error.what());
-    return 1;
-  }
+  return run_program("e2lf", argc, argv, run);
 }

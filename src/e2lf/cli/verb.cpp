@@ -16,6 +16,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/declared_verbs.h"
 #include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/program.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/workspace.h"
@@ -26,7 +27,7 @@ namespace {
 void print_log(LogLevel level, const std::string& message) {
   if (level == LogLevel::kDebug) return;
   hide_progress();
-  std::fprintf(stderr, "e2lf: %s%s\n", level == LogLevel::kWarning ? "warning: " : "",
+  std::fprintf(stderr, "%s: %s%s\n", program_name(), level == LogLevel::kWarning ? "warning: " : "",
                printable(without_workspaces(message)).c_str());
 }
 
@@ -151,8 +152,8 @@ namespace {
 
 std::string list_of(const std::string& command, const std::vector<VerbEntry>& entries) {
   std::string text =
-      cat("e2lf ", kVersion, ": light fields from the events of a coded-aperture camera\n\nusage: ", command,
-          " <verb> [flags]\n\n");
+      cat(program_name(), " ", kVersion,
+          ": light fields from the events of a coded-aperture camera\n\nusage: ", command, " <verb> [flags]\n\n");
   for (const VerbEntry& entry : entries) {
     std::string name = entry.name;
     name.resize(std::max<size_t>(name.size(), 12), ' ');
@@ -169,7 +170,7 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
     declare_subverbs(prefix, entries);
     return 0;
   }
-  const std::string command = prefix.empty() ? "e2lf" : "e2lf " + prefix;
+  const std::string command = cat(program_name(), prefix.empty() ? "" : " ", prefix);
   if (arguments.empty()) {
     std::cerr << list_of(command, entries);
     return 2;
@@ -184,13 +185,13 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
     if (name == entry.name) return entry.run({arguments.begin() + 1, arguments.end()});
     names.emplace_back(entry.name);
   }
-  std::cerr << (prefix.empty() ? "e2lf" : "e2lf: " + prefix) << ": there is no verb \"" << name << "\"; "
+  std::cerr << program_name() << (prefix.empty() ? "" : ": " + prefix) << ": there is no verb \"" << name << "\"; "
             << suggestion(name, names) << " See " << command << " --help\n";
   return 2;
 }
 
 Verb::Verb(std::string name, const std::string& summary, const std::string& example)
-    : name_(std::move(name)), example_(example), app_(summary, "e2lf " + name_) {
+    : name_(std::move(name)), example_(example), app_(summary, cat(program_name(), " ", name_)) {
   app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app_.footer("Example:\n  " + example);
   app_.set_help_flag("-h,--help", "print this text");
@@ -198,7 +199,6 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
   app_.add_option("--set", overrides_, "set one key of the configuration: key=value (repeatable)")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);
-  app_.add_option("--device", common_.device, "where to compute: cpu")->check(CLI::IsMember({"cpu"}));
   app_.add_option("--threads", common_.threads, "number of threads, 0 = all cores")->check(whole_number(0, 1024));
   app_.add_option("--seed", common_.seed, "seed of everything random")->capture_default_str();
   app_.add_flag("--json", common_.json, "print the result as JSON");
@@ -208,13 +208,14 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
 
 void Verb::keep_overrides() {
   keeps_overrides_ = true;
-  for (const char* flag : {"--config", "--device", "--seed", "--json", "--overwrite"}) {
+  for (const char* flag : {"--config", "--seed", "--json", "--overwrite"}) {
     app_.remove_option(app_.get_option(flag));
   }
 }
 
 int Verb::usage_error(const std::string& message) const {
-  std::fprintf(stderr, "e2lf: %s: %s; see e2lf %s --help\n", name_.c_str(), message.c_str(), name_.c_str());
+  std::fprintf(stderr, "%s: %s: %s; see %s %s --help\n", program_name(), name_.c_str(), message.c_str(), program_name(),
+               name_.c_str());
   return 2;
 }
 
@@ -284,7 +285,7 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
     std::cout << app_.help();
     return 0;
   } catch (const CLI::FileError& error) {
-    std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), error.what());
+    std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), error.what());
     return 1;
   } catch (const CLI::ExtrasError& error) {
     return usage_error(unknown_argument(app_, arguments).value_or(error.what()));
@@ -315,10 +316,11 @@ std::string Verb::flag_hint(Setting setting) const {
 int Verb::exit_code(const Result<void>& result) const {
   if (!result) {
     const std::string text = without_workspaces(result.error().text()) + flag_hint(result.error().setting);
-    std::fprintf(stderr, "e2lf: %s: %s\n", name_.c_str(), printable(text).c_str());
+    std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), printable(text).c_str());
   }
   if (!stop_requested()) return result ? 0 : 1;
-  std::fprintf(stderr, "e2lf: %s: ended by %s; %s\n", name_.c_str(), stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",
+  std::fprintf(stderr, "%s: %s: ended by %s; %s\n", program_name(), name_.c_str(),
+               stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",
                result ? "what was complete by then is written" : "nothing was complete by then");
   return 128 + stop_signal();
 }

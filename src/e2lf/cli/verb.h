@@ -19,7 +19,6 @@ namespace e2lf::cli {
 struct CommonOptions {
   int threads = 0;  ///< 0 = all cores
   uint64_t seed = 1;
-  std::string device = "cpu";
   bool json = false;
   bool quiet = false;
   bool overwrite = false;
@@ -41,7 +40,7 @@ class Verb {
   [[nodiscard]] const CommonOptions& common() const { return common_; }
 
   /// For a verb with a configuration of its own: leaves the assignments of --set to it instead of reading them as
-  /// flags, and takes away the common flags that the configuration stands for (--config, --device, --seed) or that do
+  /// flags, and takes away the common flags that the configuration stands for (--config, --seed) or that do
   /// not apply (--json, --overwrite).
   void keep_overrides();
   [[nodiscard]] const std::vector<std::string>& overrides() const { return overrides_; }
@@ -103,7 +102,6 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
 /// The verbs, one file each.
 int run_accumulate(const std::vector<std::string>& arguments);
 int run_animate(const std::vector<std::string>& arguments);
-int run_bench(const std::vector<std::string>& arguments);
 int run_calibrate(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
 int run_codes_render(const std::vector<std::string>& arguments);

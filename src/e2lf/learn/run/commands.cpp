@@ -5,19 +5,14 @@
 #include <malloc.h>
 #endif
 
-#include <ATen/Parallel.h>
 #include <algorithm>
-#include <cstdlib>
-#include <thread>
 
-#include "e2lf/base/isa.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/workspace.h"
-#include "e2lf/learn/run/benchmark.h"
 #include "e2lf/learn/run/device.h"
+#include "e2lf/learn/run/guarded.h"
 #include "e2lf/learn/run/run_log.h"
 #include "e2lf/learn/run/trainer.h"
-#include "e2lf/report/chart.h"
 
 namespace e2lf::learn {
 namespace {
@@ -32,35 +27,6 @@ void keep_freed_memory() {
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_TOP_PAD, 64 << 20);
 #endif
-}
-
-/// Torch's own guess at the number of cores can be one on a virtual machine that has more.
-void use_all_cores() {
-  if (std::getenv("OMP_NUM_THREADS") == nullptr) {
-    at::set_num_threads(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
-  }
-}
-
-/// The momenta of units that are off fade to denormal numbers, with which CPUs take many times as long: a training of
-/// two thousand steps had become half as fast. Threads inherit this from the one that starts them.
-void take_denormals_as_zero() {
-  at::globalContext().setFlushDenormal(true);
-}
-
-/// Runs work that calls torch; its exceptions become errors.
-template <typename Work>
-auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(work()) {
-  try {
-#ifdef E2LF_LEARN_KERNELS
-    E2LF_RETURN_IF_ERROR(apply_isa_cap());
-#endif
-    use_all_cores();
-    take_denormals_as_zero();
-    return work();
-  } catch (const c10::Error& error) {
-    return Error{ErrorCode::kInternal, cat("torch failed: ", error.what_without_backtrace(), "; report this"),
-                 location.string()};
-  }
 }
 
 Result<Config> read_config(const std::filesystem::path& path, const std::vector<std::string>& overrides,
@@ -201,53 +167,6 @@ Result<std::string> evaluate_run(const std::filesystem::path& run, const std::ve
       }
     }
     return table;
-  });
-}
-
-namespace {
-
-report::Table benchmark_table(const std::vector<BenchmarkRow>& rows) {
-  report::Table table{"Ratios to the first row of the same job.",
-                      {{"job"},
-                       {"what", false, false, "name"},
-                       {"precision"},
-                       {"samples/s", true, false, "samples_per_s"},
-                       {"ratio", true}},
-                      {}};
-  for (const BenchmarkRow& row : rows) {
-    table.rows.push_back({report::text_cell(row.job), report::text_cell(row.name), report::text_cell(row.precision),
-                          report::number_cell(row.samples_per_s, 2), report::number_cell(row.ratio, 2)});
-  }
-  return table;
-}
-
-report::Page benchmark_page(const std::vector<BenchmarkRow>& rows, const std::string& about) {
-  report::Page page("Speed of training");
-  page.paragraph(about).table(benchmark_table(rows));
-  for (const char* const job : {"training", "synthesis"}) {
-    report::BarChart chart{cat(job, ", samples per second"), true, 2, {}, {{job, {}}}};
-    for (const BenchmarkRow& row : rows) {
-      if (row.job != job) continue;
-      chart.groups.push_back(cat(row.name, ", ", row.precision));
-      chart.series[0].values.emplace_back(row.samples_per_s);
-    }
-    page.drawing(report::chart_svg(chart));
-  }
-  return page;
-}
-
-}  // namespace
-
-Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress,
-                              const ReportFiles& reports) {
-  return guarded("bench train", [&]() -> Result<std::string> {
-    E2LF_RETURN_IF_ERROR(check_reports(reports));
-    E2LF_ASSIGN_OR_RETURN(const auto rows, benchmark_training({.batch = batch, .steps = steps}, progress));
-    const std::string about = cat("training: samples of 64x64x8x8, batch ", batch,
-                                  "; synthesis: light fields of 96x96x8x8; ", at::get_num_threads(), " threads");
-    E2LF_RETURN_IF_ERROR(write_reports(reports, benchmark_page(rows, about)));
-    const report::Table table = benchmark_table(rows);
-    return json ? json_text(report::table_json(table)["rows"]) : cat(about, "\n", report::table_text(table));
   });
 }
 

@@ -41,8 +41,4 @@ namespace e2lf::learn {
 [[nodiscard]] Result<std::string> evaluate_run(const std::filesystem::path& run, const std::vector<std::string>& scenes,
                                                const std::vector<std::string>& overrides = {});
 
-/// What benchmark_training() measures as a table (text), or as JSON.
-[[nodiscard]] Result<std::string> benchmark(uint64_t batch, uint64_t steps, bool json, const ProgressFn& progress = {},
-                                            const ReportFiles& reports = {});
-
 }  // namespace e2lf::learn

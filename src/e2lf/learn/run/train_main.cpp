@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf-train: the training verbs alone, for machines that have torch and little else.
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -18,8 +17,7 @@ void print_usage(std::FILE* where) {
       "       e2lf-train resume RUN [--set key=value]...\n"
       "       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed data)\n"
       "       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n"
-      "       e2lf-train bench [--batch B] [--steps S] [--json]\n"
-      "--report FILE: also write a page (.html) or its tables (.csv, .tex), with train, resume and bench; --overwrite\n"
+      "--report FILE: also write a page (.html) or its tables (.csv, .tex), with train and resume; --overwrite\n"
       "replaces it\n"
       "--quiet: no progress\n",
       where);
@@ -65,12 +63,10 @@ int main(int argc, char** argv) {
   std::vector<std::string> names, overrides;
   std::string output;
   e2lf::learn::ReportFiles reports;
-  uint64_t batch = 4, steps = 5;
-  bool json = false, overwrite = false, quiet = false;
+  bool overwrite = false, quiet = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    const bool takes_value = argument == "-o" || argument == "--set" || argument == "--batch" ||
-                             argument == "--steps" || argument == "--report";
+    const bool takes_value = argument == "-o" || argument == "--set" || argument == "--report";
     if (takes_value && i + 1 == argc) return usage_error();
     if (argument == "-h" || argument == "--help") return print_help();
     if (argument == "-o") {
@@ -79,12 +75,6 @@ int main(int argc, char** argv) {
       reports.names.emplace_back(argv[++i]);
     } else if (argument == "--set") {
       overrides.emplace_back(argv[++i]);
-    } else if (argument == "--batch" || argument == "--steps") {
-      const uint64_t value = std::strtoull(argv[++i], nullptr, 10);
-      if (value == 0) return usage_error();
-      (argument == "--batch" ? batch : steps) = value;
-    } else if (argument == "--json") {
-      json = true;
     } else if (argument == "--overwrite") {
       overwrite = true;
     } else if (argument == "--quiet") {
@@ -97,8 +87,7 @@ int main(int argc, char** argv) {
     }
   }
   reports.overwrite = overwrite;
-  const bool benches = names.size() == 1 && names[0] == "bench";
-  if (names.size() < 2 && !benches) return usage_error();
+  if (names.size() < 2) return usage_error();
   // The first signal ends the step and writes the checkpoint; everything else has nothing to keep.
   if (names[0] == "train" || names[0] == "resume") e2lf::stop_on_signals();
   const auto keep_going = [] { return !e2lf::stop_requested(); };
@@ -114,8 +103,6 @@ int main(int argc, char** argv) {
     result = print(e2lf::learn::evaluate_run(names[1], {names.begin() + 2, names.end()}, overrides));
   } else if (names[0] == "export" && names.size() == 2 && !output.empty()) {
     result = e2lf::learn::export_run(names[1], output, overwrite);
-  } else if (benches) {
-    result = print(e2lf::learn::benchmark(batch, steps, json, bar.callback(), reports));
   } else {
     return usage_error();
   }

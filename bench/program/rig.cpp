@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// e2lf bench rig: light field -> events -> RAW -> events -> event images -> light field
-#include "e2lf/cli/verbs/bench_rig.h"
+// e2lf-bench rig: light field -> events -> RAW -> events -> event images -> light field
+#include "bench/program/rig.h"
 
 #include <chrono>
 #include <cstdio>
 #include <numeric>
 
+#include "bench/program/report.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/bench_report.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/model/model.h"
@@ -21,7 +21,8 @@
 #include "e2lf/streams/camera_stream.h"
 #include "e2lf/streams/virtual_rig.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
+using namespace cli;
 namespace {
 
 using lightfield::LightField;
@@ -163,9 +164,9 @@ BenchReport rig_report(const Json& json) {
 
 }  // namespace
 
-int run_bench_rig(const std::vector<std::string>& arguments) {
-  Verb verb("bench rig", "Simulate, encode, decode, accumulate and reconstruct one cycle; the time of each stage.",
-            "e2lf bench rig -m e2lf-n4 --json");
+int run_rig(const std::vector<std::string>& arguments) {
+  Verb verb("rig", "Simulate, encode, decode, accumulate and reconstruct one cycle; the time of each stage.",
+            "e2lf-bench rig -m e2lf-n4 --json");
   RigBench options;
   std::vector<std::filesystem::path> report_names;
   add_report_option(verb.app(), report_names);
@@ -187,11 +188,11 @@ int run_bench_rig(const std::vector<std::string>& arguments) {
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
     if (!model.codes)
       return Error{ErrorCode::kNotFound, "the model holds no patterns; use one that does", path->string()};
-    RunRecord record("bench rig");
+    RunRecord record("rig");
     E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera(options.camera, record));
     E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, std::move(model)));
-    return finish_bench(verb, json, rig_report(json), reports);
+    return finish(verb, json, rig_report(json), reports);
   });
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

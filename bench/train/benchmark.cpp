@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/run/benchmark.h"
+#include "bench/train/benchmark.h"
 
 #include <algorithm>
 #include <chrono>
 #include <dlfcn.h>
 
+#include "bench/peers/torch_training.h"
 #include "e2lf/learn/data/surface_maps.h"
 #include "e2lf/learn/data/surfaces.h"
 #include "e2lf/learn/run/trainer.h"
-#include "peers/torch_training.h"
 
 namespace e2lf::learn {
 namespace {

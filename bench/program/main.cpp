@@ -1,8 +1,20 @@
 // SPDX-License-Identifier: MIT
-// e2lf bench reconstruct | simulate | train | video; decode is in a file of its own
+// e2lf-bench: measures speed against the peers in the same run.
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <iterator>
+#include <map>
 
+#include "bench/program/camera.h"
+#include "bench/program/decode.h"
+#include "bench/program/reconstruct.h"
+#include "bench/program/report.h"
+#include "bench/program/rig.h"
+#include "bench/program/video.h"
 #include "bench/simulate/benchmark_simulate.h"
 #include "bench/simulate/benchmark_stream.h"
 #include "e2lf/base/isa.h"
@@ -12,19 +24,15 @@
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/output/next_step.h"
+#include "e2lf/cli/program.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/bench_camera.h"
-#include "e2lf/cli/verbs/bench_decode.h"
-#include "e2lf/cli/verbs/bench_reconstruct.h"
-#include "e2lf/cli/verbs/bench_report.h"
-#include "e2lf/cli/verbs/bench_rig.h"
-#include "e2lf/cli/verbs/bench_video.h"
-#include "e2lf/cli/verbs/trainer_program.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/model/model.h"
 #include "e2lf/streams/camera_stream.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
+using namespace cli;
 namespace {
 
 /// A number that may not be there.
@@ -66,10 +74,10 @@ void add_size_options(Verb& verb, size_t& width, size_t& height) {
   verb.app().add_option("--height", height, "of the image in pixels")->check(pixels)->capture_default_str();
 }
 
-int run_bench_reconstruct(const std::vector<std::string>& arguments) {
-  Verb verb("bench reconstruct",
+int run_reconstruct(const std::vector<std::string>& arguments) {
+  Verb verb("reconstruct",
             "Measure the reconstruction network against libtorch and the machine's multiply-add peak, in the same run.",
-            "e2lf bench reconstruct --json");
+            "e2lf-bench reconstruct --json");
   ReconstructBench options;
   std::filesystem::path model;
   std::vector<std::filesystem::path> report_names;
@@ -89,7 +97,7 @@ int run_bench_reconstruct(const std::vector<std::string>& arguments) {
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const Json json, bench_reconstruct(options, bar.callback()));
     hide_progress();
-    return finish_bench(verb, json, reconstruct_report(json), reports);
+    return finish(verb, json, reconstruct_report(json), reports);
   });
 }
 
@@ -133,9 +141,9 @@ BenchReport video_report(const Json& json) {
   return found;
 }
 
-int run_bench_video(const std::vector<std::string>& arguments) {
-  Verb verb("bench video", "Measure networks that make frames of events against libtorch, in the same run.",
-            "e2lf bench video --json");
+int run_video(const std::vector<std::string>& arguments) {
+  Verb verb("video", "Measure networks that make frames of events against libtorch, in the same run.",
+            "e2lf-bench video --json");
   VideoBench options;
   std::filesystem::path model;
   std::vector<std::filesystem::path> report_names;
@@ -155,11 +163,11 @@ int run_bench_video(const std::vector<std::string>& arguments) {
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const Json json, bench_video(options, bar.callback()));
     hide_progress();
-    return finish_bench(verb, json, video_report(json), reports);
+    return finish(verb, json, video_report(json), reports);
   });
 }
 
-BenchReport simulation_report(const Json& json, const bench::StreamBenchmark& stream) {
+BenchReport simulation_report(const Json& json, const StreamBenchmark& stream) {
   report::Table table{"Millions of pixels per second; the reference runs on one thread.",
                       {{"simulation, M pixels/s"}, {"e2lf", true}, {"reference", true}, {"ratio", true}},
                       {}};
@@ -181,22 +189,21 @@ BenchReport simulation_report(const Json& json, const bench::StreamBenchmark& st
           {bars_of(table, 3, "times the scalar reference")}};
 }
 
-int run_bench_simulate(const std::vector<std::string>& arguments) {
-  Verb verb("bench simulate",
-            "Measure the event simulation against the scalar reference on one thread, in the same run.",
-            "e2lf bench simulate --json");
-  bench::SimulationBenchmarkOptions options;
+int run_simulate(const std::vector<std::string>& arguments) {
+  Verb verb("simulate", "Measure the event simulation against the scalar reference on one thread, in the same run.",
+            "e2lf-bench simulate --json");
+  SimulationBenchmarkOptions options;
   std::vector<std::filesystem::path> report_names;
   add_size_options(verb, options.width, options.height);
   verb.app().add_option("--seconds", options.seconds, "time for each measurement")->capture_default_str();
   add_report_option(verb.app(), report_names);
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
-    E2LF_ASSIGN_OR_RETURN(const bench::SimulationBenchmark result, bench::benchmark_simulation(options));
-    RunRecord record("bench simulate");
+    E2LF_ASSIGN_OR_RETURN(const SimulationBenchmark result, benchmark_simulation(options));
+    RunRecord record("simulate");
     E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera("evk4-lcos", record));
-    E2LF_ASSIGN_OR_RETURN(const bench::StreamBenchmark stream,
-                          bench::benchmark_stream(streams::camera_stream(camera, 1), options.height, options.width));
+    E2LF_ASSIGN_OR_RETURN(const StreamBenchmark stream,
+                          benchmark_stream(streams::camera_stream(camera, 1), options.height, options.width));
     const auto row = [](double ours, double reference) {
       return Json{{"mpx_per_s", ours}, {"reference_mpx_per_s", reference}, {"ratio", ours / reference}};
     };
@@ -208,39 +215,88 @@ int run_bench_simulate(const std::vector<std::string>& arguments) {
                          {"events_per_s", stream.events_per_s},
                          {"one_thread_events_per_s", stream.one_thread_events_per_s},
                          {"reference_events_per_s", stream.reference_events_per_s}}}};
-    return finish_bench(verb, json, simulation_report(json, stream), reports);
+    return finish(verb, json, simulation_report(json, stream), reports);
   });
 }
 
-int run_bench_train(const std::vector<std::string>& arguments) {
-  Verb verb("bench train", "Measure training and the synthesis of its data against plain libtorch, in the same run.",
-            "e2lf bench train --batch 8 --json");
+report::Cell text_of(const Json& row, const char* name) {
+  return report::text_cell(row[name].get<std::string>());
+}
+
+BenchReport training_report(const Json& json) {
+  report::Table table{"Ratios to the first row of the same job.",
+                      {{"job"}, {"what"}, {"precision"}, {"samples/s", true}, {"ratio", true}},
+                      {}};
+  std::map<std::string, report::BarChart> charts;
+  for (const Json& row : json["rows"]) {
+    table.rows.push_back({text_of(row, "job"), text_of(row, "name"), text_of(row, "precision"),
+                          number_of(row, "samples_per_s", 2), number_of(row, "ratio", 2)});
+    const std::string job = row["job"].get<std::string>();
+    report::BarChart& chart =
+        charts.try_emplace(job, report::BarChart{cat(job, ", samples per second"), true, 2, {}, {{job, {}}}})
+            .first->second;
+    chart.groups.push_back(cat(row["name"].get<std::string>(), ", ", row["precision"].get<std::string>()));
+    chart.series[0].values.emplace_back(row["samples_per_s"].get<double>());
+  }
+  BenchReport found{"Speed of training",
+                    cat("training: samples of 64x64x8x8, batch ", json["batch"].get<uint64_t>(),
+                        "; synthesis: light fields of 96x96x8x8; ", json["threads"].get<int>(), " threads"),
+                    {std::move(table)}};
+  for (auto& [job, chart] : charts) found.charts.push_back(std::move(chart));
+  return found;
+}
+
+/// Runs the program that measures training, which needs torch, and reads the JSON that it prints.
+Result<Json> run_training_program(const std::vector<std::string>& arguments, int threads) {
+  std::error_code status;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", status);
+  const std::string program = (self.parent_path() / "e2lf-bench-train").string();
+  if (!std::filesystem::exists(program, status)) {
+    return Error{ErrorCode::kMissingDependency, "it was not built; `./run bench train` builds it with libtorch",
+                 program};
+  }
+  if (threads > 0) ::setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
+  std::string command = cli::shell_word(program);
+  for (const std::string& argument : arguments) command += cat(" ", cli::shell_word(argument));
+  std::FILE* const pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) return Error{ErrorCode::kIo, cat("cannot start it (", std::strerror(errno), ")"), program};
+  std::string text;
+  for (int letter; (letter = std::fgetc(pipe)) != EOF;) text += static_cast<char>(letter);
+  if (::pclose(pipe) != 0) return Error{ErrorCode::kInternal, "it failed; see its message above", program};
+  return parse_json(text, program);
+}
+
+int run_train(const std::vector<std::string>& arguments) {
+  Verb verb("train", "Measure training and the synthesis of its data against plain libtorch, in the same run.",
+            "e2lf-bench train --batch 8 --json");
   uint64_t batch = 4, steps = 5;
   std::vector<std::filesystem::path> report_names;
   add_report_option(verb.app(), report_names);
   verb.app().add_option("--batch", batch, "samples of 64x64x8x8 for each step")->check(whole_number(1));
   verb.app().add_option("--steps", steps, "measured for each loop; figures are medians")->check(whole_number(1));
-  return verb.run(arguments, [&] {
-    std::vector<std::string> call = {"bench", "--batch", std::to_string(batch), "--steps", std::to_string(steps)};
-    if (verb.common().json) call.emplace_back("--json");
-    if (verb.common().overwrite) call.emplace_back("--overwrite");
-    for (const auto& name : report_names) call.insert(call.end(), {"--report", name.string()});
-    return become_trainer(std::move(call), verb.common().threads);
+  return verb.run(arguments, [&]() -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
+    E2LF_ASSIGN_OR_RETURN(const Json json,
+                          run_training_program({std::to_string(batch), std::to_string(steps)}, verb.common().threads));
+    return finish(verb, json, training_report(json), reports);
   });
 }
 
-}  // namespace
-
-int run_bench(const std::vector<std::string>& arguments) {
-  return run_subverb("bench",
-                     {{"camera", "what each imperfection of a camera costs, for each model", run_bench_camera},
-                      {"decode", "RAW recordings, against the scalar reference", run_bench_decode},
-                      {"reconstruct", "the network, against libtorch and the machine's peak", run_bench_reconstruct},
-                      {"rig", "one cycle from light field to light field, each stage", run_bench_rig},
-                      {"simulate", "the event simulation, against the scalar reference", run_bench_simulate},
-                      {"video", "networks that make frames of events, against libtorch", run_bench_video},
-                      {"train", "training steps and the synthesis of data, against plain libtorch", run_bench_train}},
+int run(const std::vector<std::string>& arguments) {
+  return run_subverb("",
+                     {{"camera", "what each imperfection of a camera costs, for each model", run_camera},
+                      {"decode", "RAW recordings, against the scalar reference", run_decode},
+                      {"reconstruct", "the network, against libtorch and the machine's peak", run_reconstruct},
+                      {"rig", "one cycle from light field to light field, each stage", run_rig},
+                      {"simulate", "the event simulation, against the scalar reference", run_simulate},
+                      {"video", "networks that make frames of events, against libtorch", run_video},
+                      {"train", "training steps and the synthesis of data, against plain libtorch", run_train}},
                      arguments);
 }
 
-}  // namespace e2lf::cli
+}  // namespace
+}  // namespace e2lf::bench
+
+int main(int argc, char** argv) {
+  return e2lf::cli::run_program("e2lf-bench", argc, argv, e2lf::bench::run);
+}

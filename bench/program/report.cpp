@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/verbs/bench_report.h"
+#include "bench/program/report.h"
 
 #include <cstdio>
 
 #include "e2lf/files/json_text.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
+using namespace cli;
 
 report::BarChart bars_of(const report::Table& table, size_t column, const std::string& label) {
   report::BarChart chart{label, true, 3, {}, {{table.columns.at(column).name, {}}}};
@@ -21,7 +22,7 @@ Result<ReportOutput> open_reports(const std::vector<std::filesystem::path>& name
   return ReportOutput::open(names, {.overwrite = verb.common().overwrite});
 }
 
-Result<void> finish_bench(const Verb& verb, const Json& json, const BenchReport& found, ReportOutput& reports) {
+Result<void> finish(const Verb& verb, const Json& json, const BenchReport& found, ReportOutput& reports) {
   if (reports.is_wanted()) {
     report::Page page = verb_page(found.title);
     page.paragraph(found.about);
@@ -42,4 +43,4 @@ Result<void> finish_bench(const Verb& verb, const Json& json, const BenchReport&
   return {};
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

@@ -10,7 +10,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/model/video/video_model.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
 
 struct VideoBench {
   size_t width = 640, height = 480;
@@ -24,4 +24,4 @@ struct VideoBench {
 /// what the networks need.
 [[nodiscard]] Result<Json> bench_video(const VideoBench& options, const ProgressFn& progress);
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

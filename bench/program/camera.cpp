@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// e2lf bench camera: scenes before a camera with one imperfection more or less, reconstructed by each model
-#include "e2lf/cli/verbs/bench_camera.h"
+// e2lf-bench camera: scenes before a camera with one imperfection more or less, reconstructed by each model
+#include "bench/program/camera.h"
 
 #include <algorithm>
 #include <cstdio>
 
+#include "bench/program/report.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
@@ -16,7 +17,6 @@
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/flags/scene_input.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/bench_report.h"
 #include "e2lf/eval/best_gain.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/lightfield/crop.h"
@@ -24,7 +24,8 @@
 #include "e2lf/streams/camera_stream.h"
 #include "e2lf/streams/virtual_rig.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
+using namespace cli;
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,7 +142,7 @@ Result<std::vector<LightField>> read_scenes(const CameraBench& options) {
 Result<Json> measure(const CameraBench& options, const capture::Camera& camera, const std::vector<NamedModel>& models,
                      const std::vector<LightField>& scenes, bool is_quiet) {
   const std::vector<CameraSetting> settings = camera_settings(camera);
-  ProgressBar bar("bench camera", is_quiet);
+  ProgressBar bar("camera", is_quiet);
   size_t done = 0;
   Json rows = Json::array();
   for (const CameraSetting& setting : settings) {
@@ -201,7 +202,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   inputs.insert(inputs.end(), options.models.begin(), options.models.end());
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, {.inputs = std::move(inputs),
                                                                                 .overwrite = verb.common().overwrite}));
-  RunRecord record("bench camera");
+  RunRecord record("camera");
   E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
     return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; name another",
@@ -210,15 +211,15 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   E2LF_ASSIGN_OR_RETURN(const auto models, read_models(options, record));
   E2LF_ASSIGN_OR_RETURN(const auto scenes, read_scenes(options));
   E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, models, scenes, verb.common().quiet));
-  return finish_bench(verb, json, camera_report(json), reports);
+  return finish(verb, json, camera_report(json), reports);
 }
 
 }  // namespace
 
-int run_bench_camera(const std::vector<std::string>& arguments) {
-  Verb verb("bench camera",
+int run_camera(const std::vector<std::string>& arguments) {
+  Verb verb("camera",
             "What each imperfection of a camera costs in PSNR, for each model; at the brightness that fits best.",
-            "e2lf bench camera scene/ -m e2lf-n4");
+            "e2lf-bench camera scene/ -m e2lf-n4");
   CameraBench options;
   std::vector<fs::path> report_names;
   CLI::App& app = verb.app();
@@ -244,4 +245,4 @@ int run_bench_camera(const std::vector<std::string>& arguments) {
   });
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

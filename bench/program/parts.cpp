@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/verbs/bench_parts.h"
+#include "bench/program/parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
 
 Timing timing_of(std::vector<double> seconds) {
   std::sort(seconds.begin(), seconds.end());
@@ -46,4 +46,4 @@ void* find_torch_peer(const std::filesystem::path& module, const char* function,
   return found;
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

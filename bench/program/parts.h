@@ -7,7 +7,7 @@
 #include "e2lf/model/model.h"
 
 /// What the benchmarks of networks share.
-namespace e2lf::cli {
+namespace e2lf::bench {
 
 struct Timing {
   double median = 0.0, min = 0.0, max = 0.0;
@@ -24,4 +24,4 @@ struct Timing {
 /// goes to `absent`.
 [[nodiscard]] void* find_torch_peer(const std::filesystem::path& module, const char* function, std::string& absent);
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

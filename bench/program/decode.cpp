@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: MIT
-// e2lf bench decode
-#include "e2lf/cli/verbs/bench_decode.h"
+// e2lf-bench decode
+#include "bench/program/decode.h"
 
 #include <cmath>
 
 #include "bench/decode/benchmark_convert.h"
 #include "bench/decode/benchmark_decode.h"
+#include "bench/program/report.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/bench_report.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
+using namespace cli;
 namespace {
-
-using bench::DecodeBenchmarkRow;
 
 /// Measured on one thread of a Zen 4 class server CPU, from memory, on streams of these shapes; 0 = does not read it.
 struct PublishedRates {
@@ -61,18 +60,18 @@ Json to_json(const std::vector<DecodeBenchmarkRow>& rows) {
   return json;
 }
 
-Result<std::vector<bench::ConvertBenchmarkRow>> measure_conversion(const std::filesystem::path& folder,
-                                                                   const bench::DecodeBenchmarkOptions& decode) {
-  bench::ConvertBenchmarkOptions options;
+Result<std::vector<ConvertBenchmarkRow>> measure_conversion(const std::filesystem::path& folder,
+                                                            const DecodeBenchmarkOptions& decode) {
+  ConvertBenchmarkOptions options;
   options.folder = folder;
   options.events = decode.events;
   std::error_code status;
   if (std::filesystem::is_regular_file(decode.input, status)) options.input = decode.input;
-  return bench::benchmark_conversion(options);
+  return benchmark_conversion(options);
 }
 
 BenchReport decode_report(const std::vector<DecodeBenchmarkRow>& rows,
-                          const std::vector<bench::ConvertBenchmarkRow>& conversions, const std::string& folder) {
+                          const std::vector<ConvertBenchmarkRow>& conversions, const std::string& folder) {
   report::Table table{"Millions of events per second, to columns, and the ratio to the scalar reference.",
                       {{"stream"},
                        {"source"},
@@ -123,12 +122,12 @@ BenchReport decode_report(const std::vector<DecodeBenchmarkRow>& rows,
 
 }  // namespace
 
-int run_bench_decode(const std::vector<std::string>& arguments) {
-  Verb verb("bench decode",
+int run_decode(const std::vector<std::string>& arguments) {
+  Verb verb("decode",
             "Measure the decoding of RAW recordings from memory, to columns, against the "
             "scalar reference in the same run.",
-            "e2lf bench decode RECORDINGS_DIR --json");
-  bench::DecodeBenchmarkOptions options;
+            "e2lf-bench decode RECORDINGS_DIR --json");
+  DecodeBenchmarkOptions options;
   bool without_reference = false;
   std::filesystem::path convert_folder;
   std::vector<std::filesystem::path> report_names;
@@ -146,16 +145,16 @@ int run_bench_decode(const std::vector<std::string>& arguments) {
         ReportOutput::open(report_names, {.inputs = {options.input}, .overwrite = verb.common().overwrite}));
     options.with_reference = !without_reference;
     ProgressBar bar("bench", verb.common().quiet);
-    E2LF_ASSIGN_OR_RETURN(const auto rows, bench::benchmark_decoding(options, bar.callback()));
+    E2LF_ASSIGN_OR_RETURN(const auto rows, benchmark_decoding(options, bar.callback()));
     hide_progress();
-    std::vector<bench::ConvertBenchmarkRow> conversions;
+    std::vector<ConvertBenchmarkRow> conversions;
     if (!convert_folder.empty()) {
       E2LF_ASSIGN_OR_RETURN(conversions, measure_conversion(convert_folder, options));
     }
     Json json = to_json(rows);
     for (const auto& row : conversions) json["convert"][row.format] = row.mevents_per_s;
-    return finish_bench(verb, json, decode_report(rows, conversions, convert_folder.string()), reports);
+    return finish(verb, json, decode_report(rows, conversions, convert_folder.string()), reports);
   });
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

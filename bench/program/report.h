@@ -11,7 +11,10 @@
 #include "e2lf/report/table.h"
 
 /// What benchmarks print, and write with --report.
-namespace e2lf::cli {
+namespace e2lf::bench {
+
+using cli::ReportOutput;
+using cli::Verb;
 
 /// What a benchmark found, to be read.
 struct BenchReport {
@@ -25,10 +28,9 @@ struct BenchReport {
 [[nodiscard]] report::BarChart bars_of(const report::Table& table, size_t column, const std::string& label);
 
 /// Prints what was found, as JSON where that is asked for, and writes the files of --report.
-[[nodiscard]] Result<void> finish_bench(const Verb& verb, const Json& json, const BenchReport& found,
-                                        ReportOutput& reports);
+[[nodiscard]] Result<void> finish(const Verb& verb, const Json& json, const BenchReport& found, ReportOutput& reports);
 
 /// Opens the files of --report before the work.
 [[nodiscard]] Result<ReportOutput> open_reports(const std::vector<std::filesystem::path>& names, const Verb& verb);
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/verbs/bench_reconstruct.h"
+#include "bench/program/reconstruct.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <sys/resource.h>
 
+#include "bench/peers/torch_recnet.h"
+#include "bench/program/parts.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/cli/verbs/bench_parts.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/engine/peak.h"
-#include "peers/torch_recnet.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
 namespace {
 
 using engine::Engine;
@@ -190,4 +190,4 @@ Result<Json> bench_reconstruct(const ReconstructBench& options, const ProgressFn
   return Bench(options, progress).run();
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/verbs/bench_video.h"
+#include "bench/program/video.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
 
+#include "bench/peers/torch_event_video.h"
+#include "bench/program/parts.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/cli/verbs/bench_parts.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/model/video/event_video_networks.h"
-#include "peers/torch_event_video.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
 namespace {
 
 using engine::Engine;
@@ -247,4 +247,4 @@ Result<Json> bench_video(const VideoBench& options, const ProgressFn& progress) 
   return report;
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

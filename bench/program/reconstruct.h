@@ -9,7 +9,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/model/model.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
 
 struct ReconstructBench {
   size_t height = 720;
@@ -35,4 +35,4 @@ struct ReconstructBench {
 ///  "peer": {"name", "seconds": {..}, "gflops", "largest_difference"} or {"absent": "why"}}
 [[nodiscard]] Result<Json> bench_reconstruct(const ReconstructBench& options, const ProgressFn& progress = {});
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <c10/util/Exception.h>
+#include <filesystem>
+
+#include "e2lf/base/result.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::learn {
+
+/// Prepares this process for work with torch: applies E2LF_MAX_ISA, uses all cores unless OMP_NUM_THREADS says
+/// otherwise, and treats denormal numbers as zero. Fails as apply_isa_cap() does.
+[[nodiscard]] Result<void> prepare_process();
+
+/// Runs work that calls torch and turns torch's exceptions into errors with this location.
+template <typename Work>
+auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(work()) {
+  try {
+    E2LF_RETURN_IF_ERROR(prepare_process());
+    return work();
+  } catch (const c10::Error& error) {
+    return Error{ErrorCode::kInternal, cat("torch failed: ", error.what_without_backtrace(), "; report this"),
+                 location.string()};
+  }
+}
+
+}  // namespace e2lf::learn
