@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,15 +35,20 @@ using e2lf::hdf5::Storage;
 struct DatasetShape {
   Handle dataset;
   Storage storage;
-  uint64_t columns = 1;       ///< elements of a row
-  uint64_t length = 0;        ///< rows, no more than are stored: the header alone is not believed
-  uint64_t chunk_length = 0;  ///< rows per chunk; 0 = not chunked
-  bool is_cut = false;        ///< fewer rows are stored than the header claims
+  uint64_t columns = 1;              ///< elements of a row
+  uint64_t length = 0;               ///< rows, no more than are stored: the header alone is not believed
+  uint64_t chunk_length = 0;         ///< rows per chunk; 0 = not chunked
+  std::optional<uint64_t> row = {};  ///< the elements are the columns of this row
+  bool is_cut = false;               ///< fewer rows are stored than the header claims
 };
 
-/// Opens a data set. Fails with kNotFound, kShape (not one-dimensional), and as hdf5::inspect_storage() does.
-/// `location` names the file and data set in errors.
+/// Opens a data set of one dimension, or of two of which one is 1. Fails with kNotFound, kShape (others), and as
+/// hdf5::inspect_storage() does. `location` names the file and data set in errors.
 [[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location);
+
+/// The same for row `row` of a data set [rows, columns]: its columns are the elements.
+[[nodiscard]] Result<DatasetShape> open_row(hid_t file, const std::string& name, uint64_t row,
+                                            const std::string& location);
 
 /// The same for a data set [rows, columns].
 [[nodiscard]] Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location);
