@@ -12,7 +12,7 @@ namespace e2lf::recordings::table {
 /// What the name of a column says.
 struct ColumnName {
   std::optional<Field> field;       ///< nothing for a name that is not known
-  TimeUnit unit = TimeUnit::kAuto;  ///< of times: "t_ns", "t (ns)", "timestamp[ns]"
+  TimeUnit unit = TimeUnit::kAuto;  ///< of times: "t_ns", "t (ns)", "timestampNs"; known of unknown names, too
   bool is_xy = false;               ///< "xy": the column holds both coordinates
   size_t rank = 0;                  ///< of two columns of one field the lower is meant
 };
