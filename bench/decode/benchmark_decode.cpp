@@ -7,6 +7,7 @@
 #include <map>
 
 #include "bench/decode/benchmark_streams.h"
+#include "e2lf/base/clock.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/recording.h"
@@ -16,10 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// A clock for one thread's work that stands while other programs have the processor, and the usual one for several.
 double clock_s(int threads) {

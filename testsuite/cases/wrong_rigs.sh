@@ -50,6 +50,35 @@ PY
 grep -q "500 us late" err.txt || fail "$(cat err.txt late.json)"
 [ "$(json late.json "len(j['late_edges'])")" = 1 ] || fail "$(cat late.json)"
 check "$(json late.json "j['least_confidence']") == 0"
+# B4: all triggers late by the same time, as those of the other edge are.
+cp rig.csv delayed.csv
+py - <<'PY'
+out = []
+for line in open("rig_triggers.csv").read().splitlines():
+    cells = line.split(",")
+    if cells[0].strip().lstrip("-").isdigit():
+        time = max(range(len(cells)), key=lambda i: int(cells[i]))
+        cells[time] = str(int(cells[time]) + 1500)
+    out.append(",".join(cells))
+open("delayed_triggers.csv", "w").write("\n".join(out) + "\n")
+PY
+"$E2LF" accumulate delayed.csv -o delayed.npz --sensor-width 96 --sensor-height 64 --json >delayed.json 2>err.txt
+grep -q "before its trigger.*--edge" err.txt || fail "$(cat err.txt delayed.json)"
+check "abs($(json delayed.json "j['onset_us']") + 1500) < 400 and abs($(json right.json "j['onset_us']")) < 250"
+# B3: event images with inverted signs, where their file names the patterns.
+py - <<'PY'
+import numpy as n
+arrays = dict(n.load("right.npz"))
+arrays["events"] = -arrays["events"]
+n.savez("negative.npz", **arrays)
+PY
+"$E2LF" reconstruct negative.npz -m "$network" -o negative --format npy --quiet 2>err.txt
+grep -q "the polarity is inverted.*--invert-polarity" err.txt || fail "$(cat err.txt)"
+"$E2LF" reconstruct negative.npz -m "$network" -o turned --invert-polarity --format npy --quiet 2>err.txt
+if grep -q inverted err.txt; then fail "$(cat err.txt)"; fi
+"$E2LF" reconstruct right.npz -m "$network" -o plain --format npy --quiet 2>err.txt
+if grep -q inverted err.txt; then fail "$(cat err.txt)"; fi
+cmp turned/cycle_00000/lightfield.npy plain/cycle_00000/lightfield.npy || fail "the light fields differ"
 # B5: what is there against what the schedule expects, and the option that helps.
 "$E2LF" codes render -m "$network" -o display --quiet
 py - <<'PY'

@@ -14,7 +14,7 @@ namespace {
 using enum capture::PixelConstant;
 
 constexpr size_t kThresholds = 21, kPoints = kThresholds * 2 * 8;
-constexpr double kReach = 3.2;                        // standard deviations of the mismatch to either side
+constexpr double kThresholdReach = 3.2;               // standard deviations of the mismatch to either side
 constexpr double kLeastProbability = 1e-5 / kPoints;  // of a path, with the weight of its point
 constexpr double kLeastThreshold = 0.3;               // of the mean one, as in the simulation
 constexpr double kLeastNoise = 1e-3;                  // of the log intensity, so that probabilities change smoothly
@@ -40,7 +40,7 @@ std::array<Point, kPoints> make_points() {
   double sum = 0.0;
   size_t place = 0;
   for (size_t i = 0; i < kThresholds; ++i) {
-    const double both = kReach * (2.0 * static_cast<double>(i) / (kThresholds - 1) - 1.0);
+    const double both = kThresholdReach * (2.0 * static_cast<double>(i) / (kThresholds - 1) - 1.0);
     for (const double other : {-1.0, 1.0}) {
       for (const double side : {-1.0, 1.0}) {
         for (size_t k = 0; k < kPlaces.size(); ++k) {

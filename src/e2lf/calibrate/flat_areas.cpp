@@ -16,7 +16,7 @@ constexpr double kLocalMeanPx = 7.0, kWindowPx = 10.0, kTexturePx = 1.5, kSlopeP
 constexpr float kLeastVariance = 0.01F;  // of counts, so that a dark area without events is flat
 constexpr size_t kMarginPx = 40;
 constexpr double kLeastSamples = 150.0;
-constexpr float kDarkest = -1.0F;  // brightness at which the rows begin
+constexpr float kFirstRow = -1.0F;  // brightness at which the rows begin
 
 /// What texture and slope of a transition may be: the ratio of variances (1 for white noise), and the gradient in
 /// standard deviations that noise alone gives it.
@@ -143,11 +143,11 @@ FlatAreas even_areas(const StillScene& scene, const std::vector<PixelState>& sta
 }
 
 size_t row_of(float brightness) {
-  return static_cast<size_t>(std::max((brightness - kDarkest) / kRowWidth, 0.0F));
+  return static_cast<size_t>(std::max((brightness - kFirstRow) / kRowWidth, 0.0F));
 }
 
 float brightness_of(size_t row) {
-  return kDarkest + (static_cast<float>(row) + 0.5F) * kRowWidth;
+  return kFirstRow + (static_cast<float>(row) + 0.5F) * kRowWidth;
 }
 
 size_t area_key(const FlatAreas& flat, size_t pixel) {

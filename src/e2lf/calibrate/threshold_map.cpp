@@ -14,11 +14,11 @@ namespace {
 using enum capture::PixelConstant;
 
 constexpr size_t kFactors = 13;
-constexpr double kReach = 3.0;  // standard deviations of the mismatch to either side
+constexpr double kMismatchReach = 3.0;  // standard deviations of the mismatch to either side
 
 /// How many standard deviations of the mismatch a factor lies from 1.
 double place_of(size_t factor) {
-  return kReach * (2.0 * static_cast<double>(factor) / (kFactors - 1) - 1.0);
+  return kMismatchReach * (2.0 * static_cast<double>(factor) / (kFactors - 1) - 1.0);
 }
 
 /// For an area, the logarithm of the probability of each combination of counts, for each factor.

@@ -28,7 +28,7 @@ namespace {
 using capture::EventImages;
 using lightfield::LightField;
 
-constexpr double kViews = 64;
+constexpr double kViewsOfPaper = 64;
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
@@ -166,7 +166,7 @@ void add_costs(const Method& method, const std::vector<capture::Measurement>& cy
   }
   const cycles::Schedule schedule = cycles::paper_schedule(std::max<size_t>(method.codes.num_patterns, 2));
   const double image_bits =
-      count * kBitsPerIntensity * static_cast<double>(cycles.front().images.num_patterns) / kViews;
+      count * kBitsPerIntensity * static_cast<double>(cycles.front().images.num_patterns) / kViewsOfPaper;
   figures["events_per_pixel"] = total;
   figures["bits_per_pixel"] = eval::event_cost(total).bits_per_light_field_pixel + image_bits;
   figures["measurement_ms"] = count * measured_us(method, schedule) / 1000;

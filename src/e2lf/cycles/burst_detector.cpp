@@ -14,7 +14,7 @@ namespace {
 /// Empty bins that are put in for a pause; a longer one is as good as this.
 constexpr int64_t kLongestPauseBins = 4096;
 /// Weight of a new burst in the typical rise.
-constexpr double kLearningRate = 0.1;
+constexpr double kRiseLearningRate = 0.1;
 /// Bins above the level before the burst by this many standard deviations belong to it.
 constexpr double kFootSignificance = 3;
 
@@ -119,7 +119,7 @@ void BurstDetector::judge(std::vector<Mark>& marks) {
     last_mark_us_ = time_of(bin);
     const auto certainty = static_cast<float>(1 - options_.min_significance / (2 * rise.significance));
     marks.push_back({time_of(foot_of(bin)), static_cast<float>(rise.on_share), certainty});
-    typical_rise_ += (typical_rise_ == 0 ? 1 : kLearningRate) * (rise.count - typical_rise_);
+    typical_rise_ += (typical_rise_ == 0 ? 1 : kRiseLearningRate) * (rise.count - typical_rise_);
   }
   rises_.pop_front();
   bins_.pop_front();

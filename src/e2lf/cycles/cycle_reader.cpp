@@ -98,6 +98,7 @@ class CycleReader::Impl {
     CycleReport report = assembler_.report();
     report.marks = marks_;
     report.unassigned_marks = tracker_.unassigned_marks();
+    report.onset_us = onset_.onset_us();
     report.has_assumed_first = tracker_.has_assumed_first();
     report.triggers = survey_text(triggers_, options_.schedule);
     if (options_.source == CycleSource::kTriggers || report.complete == 0) {
@@ -138,6 +139,7 @@ class CycleReader::Impl {
       for (uint8_t& p : batch_.events.p) p = p != 0 ? 0 : 1;
     }
     triggers_.add(batch_.triggers);
+    if (options_.source == CycleSource::kTriggers) onset_.add_events(batch_.events.t);
     if (options_.on_batch) options_.on_batch(batch_);
     if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
     if (!batch_.triggers.empty()) last_us_ = std::max(last_us_, batch_.triggers.back().t);
@@ -233,6 +235,7 @@ class CycleReader::Impl {
 
   /// With one trigger per cycle, a start is that of all patterns of the cycle, in proportion to the schedule.
   void add_start(const PatternStart& start) {
+    if (start.kind == PatternStart::Kind::kSeen) onset_.add_start(start.t_us);
     const bool is_fault = start.kind == PatternStart::Kind::kDoubled || start.kind == PatternStart::Kind::kLost;
     if (options_.source != CycleSource::kTriggers || !options_.one_trigger_per_cycle || is_fault)
       return assembler_.add_start(start);
@@ -255,6 +258,7 @@ class CycleReader::Impl {
   BurstDetector bursts_;
   MarkSigner signer_, shown_signer_;
   TriggerSurvey triggers_;
+  OnsetCheck onset_;
   CycleAssembler assembler_;
   recordings::EventBatch batch_;
   std::vector<Mark> found_;

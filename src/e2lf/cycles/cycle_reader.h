@@ -14,6 +14,7 @@
 #include "e2lf/cycles/burst_detector.h"
 #include "e2lf/cycles/late_edges.h"
 #include "e2lf/cycles/mark_signer.h"
+#include "e2lf/cycles/onset_check.h"
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/cycles/pixel_filter.h"
 #include "e2lf/cycles/polarity_check.h"
@@ -112,8 +113,10 @@ struct CycleReport {
   uint64_t inverted = 0;             ///< complete cycles whose events have the opposite signs
   uint64_t half_cycle_off = 0;       ///< complete cycles whose patterns are taken for their inverses
   std::vector<LateEdge> late_edges;  ///< the first kMaxDrops
-  std::string triggers;              ///< survey_text()
-  std::string advice;                ///< trigger_advice(); empty where the source is not triggers and cycles were found
+  /// How long after the triggers the events of their patterns set in; see OnsetCheck::onset_us().
+  std::optional<int64_t> onset_us;
+  std::string triggers;  ///< survey_text()
+  std::string advice;    ///< trigger_advice(); empty where the source is not triggers and cycles were found
 
   static constexpr size_t kMaxDrops = 1000;
 };

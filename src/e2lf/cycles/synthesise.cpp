@@ -25,9 +25,9 @@ class Draws {
   uint64_t next_ = 0;
 };
 
-class Cycle {
+class SpreadCycle {
  public:
-  Cycle(const capture::EventImages& images, uint64_t number, const SynthesisOptions& options)
+  SpreadCycle(const capture::EventImages& images, uint64_t number, const SynthesisOptions& options)
       : images_(images),
         options_(options),
         number_(number),
@@ -143,7 +143,7 @@ SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t n
   for (const ScheduledPattern& pattern : options.schedule.patterns) {
     E2LF_REQUIRE(options.burst_us + 2 * options.jitter_us <= pattern.interval_us(), "a burst is longer than a pattern");
   }
-  return Cycle(images, number, options).make();
+  return SpreadCycle(images, number, options).make();
 }
 
 Result<void> synthesise_recording(recordings::RecordingWriter& writer, uint64_t cycles, const SynthesisOptions& options,

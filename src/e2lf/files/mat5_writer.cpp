@@ -7,9 +7,9 @@
 namespace e2lf {
 namespace {
 
-constexpr size_t kTextBytes = 124, kTagBytes = 8;
+constexpr size_t kTextBytes = 124, kWrittenTagBytes = 8;
 constexpr uint64_t kMostBytes = (uint64_t{1} << 31) - 1024;
-constexpr uint32_t kMatrix = 14;
+constexpr uint32_t kMatrixType = 14;
 
 struct ClassStorage {
   MatStorage storage;
@@ -85,8 +85,8 @@ Result<std::vector<uint8_t>> encode_mat(std::span<const MatVariable> variables, 
     }
     const std::vector<uint8_t> head = matrix_head(variable);
     const size_t padded = (variable.data.size() + 7) / 8 * 8;
-    append_word(file, kMatrix);
-    append_word(file, static_cast<uint32_t>(head.size() + kTagBytes + padded));
+    append_word(file, kMatrixType);
+    append_word(file, static_cast<uint32_t>(head.size() + kWrittenTagBytes + padded));
     file.insert(file.end(), head.begin(), head.end());
     append_element(file, static_cast<uint32_t>(own.storage), variable.data);
   }

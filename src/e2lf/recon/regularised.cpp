@@ -15,7 +15,7 @@ namespace {
 using Plane = std::vector<float>;  // [y, x]
 
 constexpr float kBrightest = 1.5F;
-constexpr size_t kParts = 8;  // of sums over views: fixed, so that threads do not change their order
+constexpr size_t kSumParts = 8;  // of sums over views: fixed, so that threads do not change their order
 
 /// The four pixels around a place and their weights.
 struct Taps {
@@ -83,13 +83,13 @@ class CodedPicture {
 
   /// The transposed operation.
   [[nodiscard]] Plane backward(const std::vector<Plane>& coded) const {
-    std::vector<Plane> parts(kParts, Plane(height_ * width_));
-    parallel_for(kParts, 1, [&](size_t begin, size_t end) {
+    std::vector<Plane> parts(kSumParts, Plane(height_ * width_));
+    parallel_for(kSumParts, 1, [&](size_t begin, size_t end) {
       for (size_t part = begin; part < end; ++part) {
-        for (size_t i = part; i < views_.size(); i += kParts) add_backward(views_[i], coded, parts[part]);
+        for (size_t i = part; i < views_.size(); i += kSumParts) add_backward(views_[i], coded, parts[part]);
       }
     });
-    for (size_t part = 1; part < kParts; ++part) {
+    for (size_t part = 1; part < kSumParts; ++part) {
       for (size_t p = 0; p < parts[0].size(); ++p) parts[0][p] += parts[part][p];
     }
     return std::move(parts[0]);

@@ -9,7 +9,7 @@
 namespace e2lf::capture {
 namespace {
 
-constexpr const char *kCamera = "e2lf_camera", *kViews = "e2lf_views";
+constexpr const char *kCameraKey = "e2lf_camera", *kViewsKey = "e2lf_views";
 
 /// The value of the first line with this key, or null.
 const std::string* find_line(const HeaderLines& header, const char* key) {
@@ -34,13 +34,13 @@ Result<Camera> camera_from_text(const std::string& text, const std::string& loca
 }  // namespace
 
 HeaderLines camera_to_header(const Camera& camera) {
-  return {{kCamera, json_line(to_json(camera))}};
+  return {{kCameraKey, json_line(to_json(camera))}};
 }
 
 Result<std::optional<Camera>> camera_from_header(const HeaderLines& header, const std::string& location) {
-  const std::string* const line = find_line(header, kCamera);
+  const std::string* const line = find_line(header, kCameraKey);
   if (line == nullptr) return std::optional<Camera>();
-  E2LF_ASSIGN_OR_RETURN(Camera camera, camera_from_text(*line, cat(location, ": ", kCamera)));
+  E2LF_ASSIGN_OR_RETURN(Camera camera, camera_from_text(*line, cat(location, ": ", kCameraKey)));
   return std::optional(std::move(camera));
 }
 
@@ -54,13 +54,13 @@ Result<Camera> camera_from_npy(const NpyArray& array, const std::string& locatio
 }
 
 HeaderLines views_to_header(const Orientation& views) {
-  return {{kViews, orientation_name(views)}};
+  return {{kViewsKey, orientation_name(views)}};
 }
 
 Result<std::optional<Orientation>> views_from_header(const HeaderLines& header, const std::string& location) {
-  const std::string* const line = find_line(header, kViews);
+  const std::string* const line = find_line(header, kViewsKey);
   if (line == nullptr) return std::optional<Orientation>();
-  E2LF_ASSIGN_OR_RETURN(const Orientation views, orientation_from_name(*line, cat(location, ": ", kViews)));
+  E2LF_ASSIGN_OR_RETURN(const Orientation views, orientation_from_name(*line, cat(location, ": ", kViewsKey)));
   return std::optional(views);
 }
 

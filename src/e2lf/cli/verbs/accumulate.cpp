@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
@@ -68,10 +69,6 @@ CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
     if (of_plot) of_plot(batch);
   };
   return both;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 /// Puts patterns and camera of the recording beside its event images; the patterns where they are those of the

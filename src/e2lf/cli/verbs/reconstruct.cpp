@@ -201,8 +201,13 @@ Result<recon::Tone> tone_of(const ReconstructArguments& arguments, const std::op
 class CycleWriter {
  public:
   CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common,
-              std::optional<capture::Orientation> views, recon::FieldSequence sequence)
-      : arguments_(arguments), common_(common), views_(views), sequence_(std::move(sequence)) {}
+              std::optional<capture::Orientation> views, std::optional<capture::Codes> codes,
+              recon::FieldSequence sequence)
+      : arguments_(arguments),
+        common_(common),
+        views_(views),
+        codes_(std::move(codes)),
+        sequence_(std::move(sequence)) {}
 
   /// Into an existing folder. Returns the light field, upright.
   Result<LightField> process(const CycleImages& cycle, const fs::path& folder) {
@@ -251,7 +256,7 @@ class CycleWriter {
   void warn_of_events(const CycleImages& cycle) {
     constexpr size_t kMostWarnings = 3;
     if (warned_ == kMostWarnings || !capture::has_events(cycle.images.kind)) return;
-    const std::vector<std::string> doubts = capture::event_doubts(cycle.images.events);
+    const std::vector<std::string> doubts = capture::event_doubts(cycle.images.events, codes_ ? &*codes_ : nullptr);
     for (const std::string& doubt : doubts) {
       log_warning(cat(arguments_.input.string(), ", cycle ", cycles_.size(), ": ", doubt));
     }
@@ -263,6 +268,7 @@ class CycleWriter {
   const CommonOptions& common_;
   size_t warned_ = 0;
   std::optional<capture::Orientation> views_;
+  std::optional<capture::Codes> codes_;  ///< that were shown, where that is known
   recon::FieldSequence sequence_;
   Json cycles_ = Json::array();
   LiveLog live_log_;
@@ -394,6 +400,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.resolve("colour-filter", filter);
   }
   record.end_step("open");
+  const auto shown = codes ? std::optional(codes->codes) : std::nullopt;
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
   // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
@@ -407,7 +414,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     E2LF_ASSIGN_OR_RETURN(LiveView started, LiveView::start(name.filename().string(), output.path(), arguments.port));
     view.emplace(std::move(started));
   }
-  CycleWriter writer(arguments, common, views, {std::move(method), tone, std::move(check)});
+  CycleWriter writer(arguments, common, views, shown, {std::move(method), tone, std::move(check)});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
@@ -41,10 +42,6 @@ struct VideoArguments {
   uint64_t max_frames = 0;
   RecordingFlags recording;
 };
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 cycles::TriggerEdge edge_of(const std::string& name) {
   if (name == "falling") return cycles::TriggerEdge::kFalling;

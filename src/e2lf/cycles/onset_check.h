@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace e2lf::cycles {
+
+/// Measures how long after a trigger the events of its pattern set in, over the beginning of a recording. Pixels answer
+/// within a millisecond, so that events that set in before their trigger tell of a trigger that comes late.
+class OnsetCheck {
+ public:
+  /// Counts events, whose times rise from call to call. What comes more than kWatchedUs after the first is not counted.
+  void add_events(std::span<const int64_t> times_us);
+
+  /// Takes the time at which a pattern is said to begin.
+  void add_start(int64_t t_us);
+
+  /// Returns the median, over the starts, of the time of the steepest rise of the event rate near a start; negative
+  /// where events set in before it. Looks half the shortest interval to either side. Returns nothing where fewer than
+  /// kMinStarts starts show a clear rise, or where these do not agree within 500 us.
+  [[nodiscard]] std::optional<int64_t> onset_us() const;
+
+  static constexpr int64_t kWatchedUs = 2'000'000;
+  static constexpr size_t kMinStarts = 6;
+
+ private:
+  [[nodiscard]] std::optional<int64_t> onset_of(int64_t start_us, int64_t reach_us) const;
+
+  std::optional<int64_t> first_us_;
+  std::vector<uint32_t> counts_;  ///< of events, for each 100 us since the first
+  std::vector<int64_t> starts_us_;
+};
+
+}  // namespace e2lf::cycles
