@@ -10,6 +10,11 @@
 #include "e2lf/recon/gain.h"
 
 namespace e2lf::recon {
+namespace {
+
+constexpr double kMostSecondsToTryChanges = 3;
+
+}  // namespace
 
 Method network_method(Reconstructor reconstructor, size_t passes, size_t cycles) {
   const auto shared = std::make_shared<Reconstructor>(std::move(reconstructor));
@@ -59,6 +64,13 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (check_ && capture::has_events(measurement.kind)) {
     E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, measurement.events));
+    if (is_first_) {
+      // Changed events are tried where that takes no longer than the light field itself; iterations would.
+      const bool is_quick = field.reconstruct_s < kMostSecondsToTryChanges;
+      E2LF_ASSIGN_OR_RETURN(field.judgement, judge(*check_, field.light_field, measurement.events, rival_,
+                                                   is_quick ? method_ : Method()));
+    }
+    is_first_ = false;
   }
   // Without events nothing tells how bright the scene is: a later cycle does.
   const bool has_scene = !capture::has_events(measurement.kind) || !capture::is_without_events(measurement.events);
