@@ -28,9 +28,8 @@ struct Isa {
 constexpr int64_t kScalar = HWY_SCALAR | HWY_EMU128;
 constexpr int64_t kSse4 = kScalar | HWY_SSSE3 | HWY_SSE4;
 constexpr int64_t kAvx2 = kSse4 | HWY_AVX2;
-constexpr int64_t kAvx512 =
-    kAvx2 | (2 * HWY_AVX3 - 1);      // and all better targets, of which later versions of Highway have more
-constexpr const char* kAmx = "amx";  // not a Highway target
+constexpr int64_t kAvx512 = kAvx2 | (2 * HWY_AVX3 - 1);  // and all better targets; later Highways have more
+constexpr const char* kAmx = "amx";                      // not a Highway target
 
 const std::vector<Isa>& isas() {
   static const std::vector<Isa> list = {

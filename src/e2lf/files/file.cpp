@@ -20,8 +20,7 @@ namespace e2lf {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::chrono::milliseconds kReaderPoll(
-    20);  // the longest time that a stop request waits while a pipe has no reader
+constexpr std::chrono::milliseconds kReaderPoll(20);  // the longest delay of a stop while a pipe has no reader
 
 Error system_error(const fs::path& path, const char* action, int error_number) {
   const ErrorCode code = error_number == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;

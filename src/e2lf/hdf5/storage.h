@@ -21,10 +21,9 @@ struct Storage {
   std::vector<hsize_t> chunk;    ///< the extents of a chunk; empty if the data set is not chunked
   size_t bytes_each = 0;         ///< size of an element in the file
   std::vector<H5Z_filter_t> filters;
-  uint64_t chunk_bytes = 0;   ///< size of a chunk after unpacking
-  uint64_t stored_bytes = 0;  ///< size in the file, compressed; at most the size of the file
-  uint64_t stored_elements =
-      0;  ///< the largest number of elements that the file can hold, and therefore the limit for allocations
+  uint64_t chunk_bytes = 0;      ///< size of a chunk after unpacking
+  uint64_t stored_bytes = 0;     ///< size in the file, compressed; at most the size of the file
+  uint64_t stored_elements = 0;  ///< the most elements that the file can hold; limits allocations
 
   /// Returns the product of the extents, or the largest number if it overflows.
   [[nodiscard]] uint64_t claimed_elements() const;

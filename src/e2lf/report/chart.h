@@ -43,9 +43,8 @@ struct Marks {
 struct LineChart {
   std::string x_label, y_label;
   std::vector<Line> lines;
-  bool is_logarithmic =
-      false;              ///< makes the y axis logarithmic; values of 0 and less are omitted, and nothing is filled
-  bool has_signs = true;  ///< if false, -2 is labelled 2 along the y axis
+  bool is_logarithmic = false;  ///< the y axis; values of 0 and less are omitted, nothing is filled
+  bool has_signs = true;        ///< if false, -2 is labelled 2 along the y axis
   Bands bands = {};
   std::vector<Marks> marks = {};
 };
