@@ -12,7 +12,7 @@ namespace {
 using enum capture::PixelConstant;
 using Kind = Parameter::Kind;
 
-constexpr double kLeastValue = 1e-6;  // of a number that is fitted as a logarithm
+constexpr double kLeastValue = 1e-6;  // the smallest value of a number that is fitted as a logarithm
 constexpr double kLeastSpread = 1e-4;
 
 struct Spread {
@@ -35,7 +35,7 @@ std::vector<float>& list_of(Kind kind, capture::Camera& camera) {
                                      : camera.transmission_slope_y;
 }
 
-/// The standard deviation of a constant whose 95 % range a camera states, relative to its value.
+/// Returns the standard deviation of a constant whose relative 95 % range is stated by a camera.
 double spread_of(const Spread& each, const capture::Camera& start) {
   const auto relative = static_cast<double>(start.uncertainty[each.constant]);
   if (relative <= 0.0) return each.spread;

@@ -63,7 +63,7 @@ Result<capture::Measurement> simulate(const Method& method, const Sensor& sensor
   return measured;
 }
 
-/// The sum of the events, beside the mean of the images, where there are some.
+/// Returns the sum of the events and the mean of the images of several cycles.
 capture::Measurement sum_of(const std::vector<capture::Measurement>& cycles) {
   capture::Measurement all = cycles.front();
   std::vector<int16_t>& counts = all.events.counts;
@@ -77,7 +77,7 @@ capture::Measurement sum_of(const std::vector<capture::Measurement>& cycles) {
   return all;
 }
 
-/// Makes a light field of the measurement of a cycle, or of the sum of several.
+/// Makes a light field from the measurement of one cycle, or from the sum of several.
 using Reconstruct =
     std::function<Result<LightField>(const capture::Measurement& measured, size_t cycles, const ProgressFn& progress)>;
 
@@ -137,11 +137,11 @@ Result<LightField> reconstruct(const Algorithm& algorithm, const std::vector<cap
   return mean;
 }
 
-/// Bits of each pixel of an intensity image, as the paper counts them.
+/// The bits per pixel of an intensity image, as counted in the paper.
 constexpr double kBitsPerIntensity = 8;
 
-/// How long patterns are shown whose light is measured: the paper's camera takes events after the first pattern; what
-/// takes images exposes all of them.
+/// Returns for how long the patterns that contribute to the measurement are shown. The paper's camera records events
+/// after the first pattern; methods that use images expose all patterns.
 double measured_us(const Method& method, const cycles::Schedule& schedule) {
   double events_us = 0, pattern_us = 0;
   for (const cycles::ScheduledPattern& pattern : schedule.patterns) {
@@ -153,7 +153,7 @@ double measured_us(const Method& method, const cycles::Schedule& schedule) {
   return pattern_us * static_cast<double>(method.codes.num_patterns);
 }
 
-/// Means over the cycles of the events of each transition, and what all cycles together cost.
+/// Adds the mean events of each transition over the cycles, and the total cost of all cycles.
 void add_costs(const Method& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
   const auto count = static_cast<double>(cycles.size());
   std::vector<double> per_transition(cycles.front().events.transitions);
@@ -183,7 +183,7 @@ void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
   for (const auto& view : quality.views) figures["views_psnr_db"].push_back(number(view.metrics.psnr_db));
 }
 
-/// A reconstruction and what it took, without what depends on its gain.
+/// Runs a method and returns the reconstruction with its cost, without the figures that depend on its gain.
 Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
                                const ProgressFn& progress) {
   using Clock = std::chrono::steady_clock;
@@ -198,7 +198,7 @@ Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint6
   E2LF_ASSIGN_OR_RETURN(measurement.light_field, reconstruct(algorithm, cycles, progress));
   measurement.figures["reconstruct_s"] = std::chrono::duration<double>(Clock::now() - begin).count();
   add_costs(method, cycles, measurement.figures);
-  // Lenses at the edge reach beyond the scene.
+  // Lenses at the edge extend beyond the scene.
   const lightfield::Shape &shape = truth.shape(), &found = measurement.light_field.shape();
   if (found.height != shape.height || found.width != shape.width) {
     E2LF_ASSIGN_OR_RETURN(measurement.light_field,
@@ -207,7 +207,7 @@ Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint6
   return measurement;
 }
 
-/// The same of a network that makes frames while the views are scanned.
+/// Runs a network that makes frames while the views are scanned.
 Result<Measurement> run_scan(const Method& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
                              const ProgressFn& progress) {
   if (sensor.camera.is_pixel() || sensor.config.cycles > 1) {
@@ -236,7 +236,7 @@ Result<Measurement> measure_unnamed(const Plan& plan, const Job& job, const Ligh
   const auto run = is_scan(method) ? run_scan : run_method;
   E2LF_ASSIGN_OR_RETURN(Measurement measurement, run(method, sensor, job.seed, truth, progress));
   LightField& field = measurement.light_field;
-  // Frames have no scale of their own.
+  // The frames have no absolute scale.
   const bool is_fitted = method.config.fit_gain || sensor.config.fit_gain || is_scan(method);
   const float gain = is_fitted ? eval::best_gain(truth, field) : method.config.gain / sensor.config.gain;
   for (float& value : field.data()) value *= gain;

@@ -10,7 +10,7 @@
 namespace e2lf::recon {
 namespace {
 
-/// The values at two quantiles to 0 and 1.
+/// Maps the values at two quantiles to 0 and 1.
 void stretch(std::span<float> frame, double low_share, double high_share) {
   std::vector<float> sorted(frame.begin(), frame.end());
   const float low = quantile(sorted, low_share), high = quantile(sorted, high_share);

@@ -7,12 +7,12 @@
 
 namespace e2lf::recon {
 
-/// The quantile `share` (0 to 1) of values, with linear interpolation between the sorted values at share (n - 1), as
-/// numpy's percentile() does. There must be a value, and no NaN. The values are put in another order.
+/// Returns the quantile `share` (0 to 1) of the values, with linear interpolation between the sorted values at share (n
+/// - 1), like numpy's percentile(). There must be at least one value and no NaN. The values are reordered.
 [[nodiscard]] float quantile(std::span<float> values, double share);
 
-/// Brings a frame to its range (see model::Tone) and clamps it to [0, 1]. A frame of one value becomes 0 where
-/// quantiles are asked for.
+/// Maps a frame to its range (see model::Tone) and clamps it to [0, 1]. A constant frame becomes 0 if the tone uses
+/// quantiles.
 void apply_tone(model::Tone tone, std::span<float> frame);
 
 }  // namespace e2lf::recon

@@ -6,7 +6,8 @@
 
 namespace e2lf::streams {
 
-/// The stream of a camera file: its model with its constants. `seed` is of a capture; pixels get maps of their own.
+/// Returns the stream options for a camera file: its event model and constants. `seed` identifies a capture and also
+/// selects the map of pixel properties.
 [[nodiscard]] StreamOptions camera_stream(const capture::Camera& camera, uint64_t seed);
 
 }  // namespace e2lf::streams

@@ -12,10 +12,10 @@ namespace {
 
 using Integers = std::vector<int64_t>;
 
-// What is not weights is far smaller than the rest of 2 GiB.
+// The limit leaves ample room for everything except the weights within 2 GiB.
 constexpr size_t kMostWeights = (size_t{2} << 30) - (size_t{256} << 20);
 
-/// The camera that the model is used with.
+/// Returns the default camera of the model.
 capture::Camera camera_of(const Model& model) {
   if (model.camera) return *model.camera;
   capture::Camera camera;
@@ -33,8 +33,8 @@ Result<void> check_size(const Model& model) {
       model.name};
 }
 
-/// The images extended at the bottom and right to multiples of what the network needs, by repeating the last row and
-/// column, and both sizes.
+/// Extends the images at the bottom and right to multiples of what the network needs by repeating the last row and
+/// column. Returns the extended images and both sizes.
 std::pair<std::string, OnnxSize> add_padding(OnnxGraph& graph, size_t multiple) {
   OnnxSize size;
   size.given = graph.add_node("Shape", {"events"}, "padding/given", {{"start", int64_t{2}}, {"end", int64_t{4}}});
@@ -44,7 +44,7 @@ std::pair<std::string, OnnxSize> add_padding(OnnxGraph& graph, size_t multiple) 
   }
   const std::string step = graph.add_constant("padding/multiple", Integers{static_cast<int64_t>(multiple)});
   const std::string negative = graph.add_node("Neg", {size.given}, "padding/negative");
-  // The remainder has the sign of the divisor.
+  // The remainder has the sign of the divisor, so it is not negative.
   const std::string missing = graph.add_node("Mod", {negative, step}, "padding/missing");
   const std::string none = graph.add_constant("padding/none", Integers(6, 0));
   const std::string pads = graph.add_node("Concat", {none, missing}, "padding/pads", {{"axis", int64_t{0}}});

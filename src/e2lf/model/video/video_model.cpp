@@ -41,7 +41,7 @@ Result<VideoModel> header_from(const Json& json, const std::string& location) {
   return model;
 }
 
-/// A tensor that nothing reads is a sign of another network than the one described.
+/// Rejects tensors that no layer reads, because they indicate another network than the one described.
 Result<void> check_all_used(const Weights& weights, const Safetensors& tensors, const std::string& file) {
   for (const auto& entry : tensors.tensors) {
     if (weights.contains(entry.first)) continue;
