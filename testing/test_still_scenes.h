@@ -6,16 +6,16 @@
 
 #include "e2lf/calibrate/still_scene.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::calibrate {
 
 /// Returns a camera similar to that of cameras/evk4-lcos.json, in which all constants have an effect.
-inline capture::Camera plain_camera() {
+inline capture::SensorProfile plain_camera() {
   using enum capture::PixelConstant;
-  capture::Camera camera;
+  capture::SensorProfile camera;
   camera.name = "plain";
   camera.event_model = "pixel";
   camera.pixel.values = {0.01F, 27.0F, 280.0F, 0.0015F, 0.40F, 0.35F, 0.10F,   0.03F,
@@ -52,7 +52,7 @@ inline capture::Codes known_open_areas() {
 }
 
 /// Simulates the cycles of a scene as a camera records them.
-inline StillScene simulate(const capture::Camera& camera, const lightfield::LightField& field, size_t cycles,
+inline StillScene simulate(const capture::SensorProfile& camera, const lightfield::LightField& field, size_t cycles,
                            const capture::Codes& codes = capture::default_codes()) {
   StillScene scene;
   for (size_t cycle = 0; cycle < cycles; ++cycle) {

@@ -114,7 +114,7 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
   return result;
 }
 
-AgreementReport compare(const capture::Camera& camera, const std::vector<float>& open_shares,
+AgreementReport compare(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
                         const std::vector<Area>& areas) {
   const std::vector<double> brightness = fit_brightness(camera, open_shares, areas);
   std::vector<std::vector<double>> predictions(areas.size());

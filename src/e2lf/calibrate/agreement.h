@@ -37,7 +37,7 @@ struct AgreementReport {
 
 /// Computes the agreement of a camera with areas, each of which gets the brightness that fits it best. Rows of fewer
 /// than 300 samples are omitted.
-[[nodiscard]] AgreementReport compare(const capture::Camera& camera, const std::vector<float>& open_shares,
+[[nodiscard]] AgreementReport compare(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
                                       const std::vector<Area>& areas);
 
 }  // namespace e2lf::calibrate

@@ -116,7 +116,8 @@ std::vector<std::string> undetermined(std::vector<Parameter> parameters, Eigen::
   return keys;
 }
 
-Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& codes, const capture::Camera& start) {
+Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& codes,
+                   const capture::SensorProfile& start) {
   E2LF_RETURN_IF_ERROR(check_scenes(scenes));
   const size_t transitions = scenes.front().cycles.front().transitions;
   if (codes.num_patterns != transitions + 1) {
@@ -140,7 +141,7 @@ Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& 
 /// Performs one calibration.
 class Calibrator {
  public:
-  Calibrator(const FlatScene& scene, const std::vector<float>& shares, const capture::Camera& start,
+  Calibrator(const FlatScene& scene, const std::vector<float>& shares, const capture::SensorProfile& start,
              const CalibrationOptions& options)
       : scene_(scene),
         shares_(shares),
@@ -191,14 +192,14 @@ class Calibrator {
  private:
   const FlatScene& scene_;
   const std::vector<float>& shares_;
-  const capture::Camera& start_;
+  const capture::SensorProfile& start_;
   const CalibrationOptions& options_;
   std::vector<Area> areas_;
 };
 
 /// The parameters that the data determine, with their uncertainty.
 struct Solution {
-  capture::Camera camera;
+  capture::SensorProfile camera;
   std::vector<Parameter> determined;
   Eigen::VectorXd deviation;  ///< of each determined parameter
 };
@@ -231,7 +232,8 @@ Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, 
 }
 
 /// Returns the estimate of a constant from its fitted value and standard deviation.
-Estimate estimate_of(const Parameter& parameter, const capture::Camera& camera, double deviation, bool is_determined) {
+Estimate estimate_of(const Parameter& parameter, const capture::SensorProfile& camera, double deviation,
+                     bool is_determined) {
   Estimate result{parameter.key, parameter.get(camera), 0.0, 0.0, is_determined};
   const double width = kQuantile * deviation;
   result.low = parameter.is_logarithm ? result.value * std::exp(-width) : result.value - width;
@@ -240,8 +242,8 @@ Estimate estimate_of(const Parameter& parameter, const capture::Camera& camera, 
 }
 
 /// Returns warnings about suspicious constants: those that left their prior uncertainty or ended at a bound.
-std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, const capture::Camera& start,
-                                     const capture::Camera& found) {
+std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, const capture::SensorProfile& start,
+                                     const capture::SensorProfile& found) {
   std::vector<std::string> warnings;
   const Eigen::VectorXd before = to_vector(parameters, start), after = to_vector(parameters, found);
   const std::vector<Bound> bounds = fit_bounds();
@@ -268,7 +270,7 @@ std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, c
 
 /// Stores the uncertainty of the constants in the camera.
 void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::VectorXd& deviation,
-                      capture::Camera& camera) {
+                      capture::SensorProfile& camera) {
   for (size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& parameter = parameters[i];
     const auto width = static_cast<float>(kQuantile * deviation[static_cast<Eigen::Index>(i)]);
@@ -285,7 +287,7 @@ void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::Vec
 }  // namespace
 
 Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const capture::Codes& codes,
-                              const capture::Camera& start, const CalibrationOptions& options) {
+                              const capture::SensorProfile& start, const CalibrationOptions& options) {
   E2LF_RETURN_IF_ERROR(check(scenes, codes, start));
   E2LF_ASSIGN_OR_RETURN(const std::vector<Parameter> all, fit_parameters(codes.num_patterns - 1, start, options.held));
   Calibration result;

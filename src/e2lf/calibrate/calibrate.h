@@ -9,7 +9,7 @@
 #include "e2lf/calibrate/agreement.h"
 #include "e2lf/calibrate/still_scene.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::calibrate {
 
@@ -29,7 +29,7 @@ struct Estimate {
 };
 
 struct Calibration {
-  capture::Camera camera;
+  capture::SensorProfile camera;
   std::vector<Estimate> estimates;
   std::vector<PixelState> states;
   AgreementReport agreement;        ///< of the result
@@ -48,13 +48,13 @@ struct Calibration {
 /// Fails with kShape (scenes that do not match each other or the patterns, see check_scenes), and kInvalidValue
 /// (`start` has another event model, patterns do not begin with black, unknown keys, or too few flat areas).
 [[nodiscard]] Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const capture::Codes& codes,
-                                            const capture::Camera& start, const CalibrationOptions& options);
+                                            const capture::SensorProfile& start, const CalibrationOptions& options);
 
 /// Estimates the factor on both thresholds of each flat pixel from its own counts, as the posterior mean with the
 /// mismatch of the camera as the prior. It is NaN where the scene is not flat. With more cycles, the estimate becomes
 /// more certain; after a single one, the factor is close to 1.
 [[nodiscard]] Plane threshold_map(const std::vector<StillScene>& scenes, const capture::Codes& codes,
-                                  const capture::Camera& camera, const std::vector<PixelState>& states,
+                                  const capture::SensorProfile& camera, const std::vector<PixelState>& states,
                                   bool is_even = false);
 
 }  // namespace e2lf::calibrate

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::calibrate {
 

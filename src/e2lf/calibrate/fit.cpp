@@ -24,13 +24,13 @@ constexpr double kMostMove = 0.5;
 
 using Shares = Eigen::VectorXd;  // of each combination of counts
 
-Shares plain_shares(const capture::Camera& camera, const std::vector<float>& open_shares, const Area& area,
+Shares plain_shares(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
                     double brightness) {
   const std::vector<double> model = predict(camera, open_shares, area, brightness);
   return Eigen::Map<const Eigen::VectorXd>(model.data(), static_cast<Eigen::Index>(model.size()));
 }
 
-Shares shares_of_model(const capture::Camera& camera, const std::vector<float>& open_shares, const Area& area,
+Shares shares_of_model(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
                        double brightness) {
   const Shares shares = plain_shares(camera, open_shares, area, brightness);
   return ((1.0 - kOther) * shares).array() + kOther / static_cast<double>(shares.size());
@@ -51,7 +51,7 @@ double deviance(const Shares& measured, const Shares& model) {
 }
 
 /// Improves one brightness by scoring, with shorter steps if a full one makes the fit worse.
-double improve_brightness(const capture::Camera& camera, const std::vector<float>& open_shares, const Area& area,
+double improve_brightness(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
                           const Shares& measured, double brightness, int iterations) {
   const auto shares = [&](double value) { return shares_of_model(camera, open_shares, area, value); };
   Shares model = shares(brightness);
@@ -118,7 +118,7 @@ Pearson pearson_of(const Shares& measured, const Shares& model, double samples) 
 class Fitter {
  public:
   Fitter(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-         const std::vector<Area>& areas, const capture::Camera& start, const FitOptions& options)
+         const std::vector<Area>& areas, const capture::SensorProfile& start, const FitOptions& options)
       : parameters_(parameters),
         open_shares_(open_shares),
         areas_(areas),
@@ -147,7 +147,7 @@ class Fitter {
     std::vector<Eigen::VectorXd> rights(areas_.size());
     Equations result{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size),
                      std::vector<Eigen::VectorXd>(areas_.size()), std::vector<double>(areas_.size())};
-    const std::vector<capture::Camera> stepped = stepped_cameras(model.camera);
+    const std::vector<capture::SensorProfile> stepped = stepped_cameras(model.camera);
     parallel_for(areas_.size(), 1, [&](size_t begin, size_t end) {
       for (size_t a = begin; a < end; ++a) {
         const Shares here = shares(model.camera, a, model.brightness[a]);
@@ -241,13 +241,13 @@ class Fitter {
   [[nodiscard]] Eigen::VectorXd values_of(const Model& model) const { return to_vector(parameters_, model.camera); }
 
  private:
-  [[nodiscard]] Shares shares(const capture::Camera& camera, size_t area, double brightness) const {
+  [[nodiscard]] Shares shares(const capture::SensorProfile& camera, size_t area, double brightness) const {
     return shares_of_model(camera, open_shares_, areas_[area], brightness);
   }
   static double step_of(const Parameter& parameter) { return 0.02 * std::min(parameter.spread, 0.5); }
 
-  [[nodiscard]] std::vector<capture::Camera> stepped_cameras(const capture::Camera& camera) const {
-    std::vector<capture::Camera> stepped(parameters_.size(), camera);
+  [[nodiscard]] std::vector<capture::SensorProfile> stepped_cameras(const capture::SensorProfile& camera) const {
+    std::vector<capture::SensorProfile> stepped(parameters_.size(), camera);
     const Eigen::VectorXd values = to_vector(parameters_, camera);
     for (size_t i = 0; i < parameters_.size(); ++i) {
       Eigen::VectorXd moved = values;
@@ -258,7 +258,7 @@ class Fitter {
   }
 
   /// Keeps the constants within the range that camera files allow.
-  static void keep_in_range(capture::Camera& camera) {
+  static void keep_in_range(capture::SensorProfile& camera) {
     for (const Bound& bound : fit_bounds()) {
       float& value = camera.pixel[bound.constant];
       value = std::clamp(value, bound.low, bound.high);
@@ -286,8 +286,8 @@ std::vector<float> open_shares(const capture::Codes& codes) {
   return capture::light_efficiency(codes);
 }
 
-std::vector<double> predict(const capture::Camera& camera, const std::vector<float>& open_shares, const Area& area,
-                            double brightness) {
+std::vector<double> predict(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
+                            const Area& area, double brightness) {
   const double full = std::exp(brightness), leak = camera.pixel[capture::PixelConstant::kLeak];
   PixelLight light;
   double last = 0.0;
@@ -304,7 +304,7 @@ std::vector<double> predict(const capture::Camera& camera, const std::vector<flo
   return result;
 }
 
-std::vector<double> fit_brightness(const capture::Camera& camera, const std::vector<float>& open_shares,
+std::vector<double> fit_brightness(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
                                    const std::vector<Area>& areas) {
   std::vector<double> brightness(areas.size());
   parallel_for(areas.size(), 1, [&](size_t begin, size_t end) {
@@ -326,14 +326,14 @@ std::vector<double> fit_brightness(const capture::Camera& camera, const std::vec
 }
 
 Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-                          const std::vector<Area>& areas, const capture::Camera& start, const Model& model,
+                          const std::vector<Area>& areas, const capture::SensorProfile& start, const Model& model,
                           const FitOptions& options) {
   const Fitter fitter(parameters, open_shares, areas, start, options);
   return fitter.move_of(model, fitter.equations(model), 0.0);
 }
 
 Fit fit_camera(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-               const std::vector<Area>& areas, const capture::Camera& start, const Model& first,
+               const std::vector<Area>& areas, const capture::SensorProfile& start, const Model& first,
                const FitOptions& options) {
   const Fitter fitter(parameters, open_shares, areas, start, options);
   const auto cost = [&](const Model& model) { return fitter.misfit(model) + fitter.strain(fitter.values_of(model)); };

@@ -9,27 +9,27 @@
 #include "e2lf/calibrate/flat_areas.h"
 #include "e2lf/calibrate/parameters.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::calibrate {
 
 /// The model that a fit compares with the histograms: the camera, and the brightness of each area as ln((full aperture)
 /// / eps).
 struct Model {
-  capture::Camera camera;
+  capture::SensorProfile camera;
   std::vector<double> brightness;
 };
 
 /// Returns the probabilities of counts in an area of this brightness.
-[[nodiscard]] std::vector<double> predict(const capture::Camera& camera, const std::vector<float>& open_shares,
+[[nodiscard]] std::vector<double> predict(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
                                           const Area& area, double brightness);
 
 /// Returns the share of the aperture that each pattern opens.
 [[nodiscard]] std::vector<float> open_shares(const capture::Codes& codes);
 
 /// Returns the brightness of each area that fits a camera best.
-[[nodiscard]] std::vector<double> fit_brightness(const capture::Camera& camera, const std::vector<float>& open_shares,
-                                                 const std::vector<Area>& areas);
+[[nodiscard]] std::vector<double> fit_brightness(const capture::SensorProfile& camera,
+                                                 const std::vector<float>& open_shares, const std::vector<Area>& areas);
 
 inline constexpr double kRowSamples = 4000.0;
 
@@ -71,12 +71,12 @@ struct Fit {
 /// eliminated from the equations (variable projection), since it affects one area only. The result is deterministic and
 /// does not depend on the number of threads.
 [[nodiscard]] Fit fit_camera(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-                             const std::vector<Area>& areas, const capture::Camera& start, const Model& first,
+                             const std::vector<Area>& areas, const capture::SensorProfile& start, const Model& first,
                              const FitOptions& options);
 
 /// Returns the change of the parameters that one step of fit_camera() from `model` would make without damping.
 [[nodiscard]] Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-                                        const std::vector<Area>& areas, const capture::Camera& start,
+                                        const std::vector<Area>& areas, const capture::SensorProfile& start,
                                         const Model& model, const FitOptions& options);
 
 }  // namespace e2lf::calibrate

@@ -34,8 +34,8 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-Result<EventImages> simulate_events(const Method& method, const Sensor& sensor, const LightField& scene, uint64_t seed,
-                                    uint64_t cycle_seed) {
+Result<EventImages> simulate_events(const ComparedMethod& method, const Sensor& sensor, const LightField& scene,
+                                    uint64_t seed, uint64_t cycle_seed) {
   const SensorConfig& config = sensor.config;
   if (sensor.camera.is_pixel()) {
     return sensor::simulate_pixel_events(method.codes, scene, sensor.camera,
@@ -50,7 +50,7 @@ Result<EventImages> simulate_events(const Method& method, const Sensor& sensor, 
   return sensor::simulate_events(method.codes, scene, options);
 }
 
-Result<capture::Measurement> simulate(const Method& method, const Sensor& sensor, const LightField& scene,
+Result<capture::Measurement> simulate(const ComparedMethod& method, const Sensor& sensor, const LightField& scene,
                                       uint64_t seed, size_t cycle) {
   const uint64_t cycle_seed = seed + 1000 * cycle;
   capture::Measurement measured;
@@ -86,7 +86,7 @@ struct Algorithm {
   bool takes_sums = false;
 };
 
-Result<Algorithm> algorithm_of(const Method& method, const Sensor& sensor) {
+Result<Algorithm> algorithm_of(const ComparedMethod& method, const Sensor& sensor) {
   if (method.config.algorithm == "regularised") {
     return Algorithm{[&](const capture::Measurement& measured, size_t, const ProgressFn& progress) {
                        return recon::reconstruct_regularised(measured.events, method.codes, sensor.camera.constants, {},
@@ -142,7 +142,7 @@ constexpr double kBitsPerIntensity = 8;
 
 /// Returns for how long the patterns that contribute to the measurement are shown. The paper's camera records events
 /// after the first pattern; methods that use images expose all patterns.
-double measured_us(const Method& method, const cycles::Schedule& schedule) {
+double measured_us(const ComparedMethod& method, const cycles::Schedule& schedule) {
   double events_us = 0, pattern_us = 0;
   for (const cycles::ScheduledPattern& pattern : schedule.patterns) {
     if (!pattern.image) continue;
@@ -154,7 +154,7 @@ double measured_us(const Method& method, const cycles::Schedule& schedule) {
 }
 
 /// Adds the mean events of each transition over the cycles, and the total cost of all cycles.
-void add_costs(const Method& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
+void add_costs(const ComparedMethod& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
   const auto count = static_cast<double>(cycles.size());
   std::vector<double> per_transition(cycles.front().events.transitions);
   double total = 0;
@@ -184,8 +184,8 @@ void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
 }
 
 /// Runs a method and returns the reconstruction with its cost, without the figures that depend on its gain.
-Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
-                               const ProgressFn& progress) {
+Result<Outcome> run_method(const ComparedMethod& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
+                           const ProgressFn& progress) {
   using Clock = std::chrono::steady_clock;
   std::vector<capture::Measurement> cycles;
   for (size_t cycle = 0; cycle < sensor.config.cycles; ++cycle) {
@@ -193,7 +193,7 @@ Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint6
     cycles.push_back(std::move(measured));
   }
   E2LF_ASSIGN_OR_RETURN(const Algorithm algorithm, algorithm_of(method, sensor));
-  Measurement measurement;
+  Outcome measurement;
   const Clock::time_point begin = Clock::now();
   E2LF_ASSIGN_OR_RETURN(measurement.light_field, reconstruct(algorithm, cycles, progress));
   measurement.figures["reconstruct_s"] = std::chrono::duration<double>(Clock::now() - begin).count();
@@ -208,8 +208,8 @@ Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint6
 }
 
 /// Runs a network that makes frames while the views are scanned.
-Result<Measurement> run_scan(const Method& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
-                             const ProgressFn& progress) {
+Result<Outcome> run_scan(const ComparedMethod& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
+                         const ProgressFn& progress) {
   if (sensor.camera.is_pixel() || sensor.config.cycles > 1) {
     return Error{ErrorCode::kUnsupported,
                  "a scan is simulated once, by pixels of v2e with the sensor's tau; leave this method out for sensors "
@@ -219,7 +219,7 @@ Result<Measurement> run_scan(const Method& method, const Sensor& sensor, uint64_
   E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(method.model));
   const ScanOptions options{.tau = sensor.camera.constants.tau, .gain = sensor.config.gain, .seed = seed};
   E2LF_ASSIGN_OR_RETURN(ScanResult scan, scan_to_light_field(model, truth, options, progress));
-  Measurement measurement;
+  Outcome measurement;
   measurement.light_field = std::move(scan.light_field);
   measurement.figures = {{"reconstruct_s", scan.reconstruct_s},
                          {"events_per_pixel", scan.events_per_pixel},
@@ -229,12 +229,11 @@ Result<Measurement> run_scan(const Method& method, const Sensor& sensor, uint64_
   return measurement;
 }
 
-Result<Measurement> measure_unnamed(const Plan& plan, const Job& job, const LightField& truth,
-                                    const ProgressFn& progress) {
-  const Method& method = plan.methods[job.method];
+Result<Outcome> measure_unnamed(const Plan& plan, const Job& job, const LightField& truth, const ProgressFn& progress) {
+  const ComparedMethod& method = plan.methods[job.method];
   const Sensor& sensor = plan.sensors[job.sensor];
   const auto run = is_scan(method) ? run_scan : run_method;
-  E2LF_ASSIGN_OR_RETURN(Measurement measurement, run(method, sensor, job.seed, truth, progress));
+  E2LF_ASSIGN_OR_RETURN(Outcome measurement, run(method, sensor, job.seed, truth, progress));
   LightField& field = measurement.light_field;
   // The frames have no absolute scale.
   const bool is_fitted = method.config.fit_gain || sensor.config.fit_gain || is_scan(method);
@@ -267,7 +266,7 @@ Result<LightField> load_scene(const Scene& scene) {
   return lightfield::crop(field, {(shape.height - height) / 2, (shape.width - width) / 2, height, width});
 }
 
-Result<Measurement> measure(const Plan& plan, const Job& job, const LightField& truth, const ProgressFn& progress) {
+Result<Outcome> measure(const Plan& plan, const Job& job, const LightField& truth, const ProgressFn& progress) {
   auto measured = measure_unnamed(plan, job, truth, progress);
   if (measured) return measured;
   Error error = measured.error();

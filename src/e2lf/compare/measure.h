@@ -11,7 +11,7 @@ namespace e2lf::compare {
 [[nodiscard]] Result<lightfield::LightField> load_scene(const Scene& scene);
 
 /// The outcome of a job.
-struct Measurement {
+struct Outcome {
   Json figures;                        ///< a number for each metric, and further data for the page
   lightfield::LightField light_field;  ///< the reconstruction, multiplied by its gain
 };
@@ -20,7 +20,7 @@ struct Measurement {
 /// compares it with the truth. Networks conditioned on the sensor profile receive the sum of all cycles; the results of
 /// other methods are averaged over the cycles. Fails as simulation and reconstruction do; the location names method and
 /// scene.
-[[nodiscard]] Result<Measurement> measure(const Plan& plan, const Job& job, const lightfield::LightField& truth,
-                                          const ProgressFn& progress = {});
+[[nodiscard]] Result<Outcome> measure(const Plan& plan, const Job& job, const lightfield::LightField& truth,
+                                      const ProgressFn& progress = {});
 
 }  // namespace e2lf::compare

@@ -111,14 +111,14 @@ class Planner {
     return path;
   }
 
-  Result<capture::Camera> read_camera(const std::string& name) {
+  Result<capture::SensorProfile> read_camera(const std::string& name) {
     E2LF_ASSIGN_OR_RETURN(const fs::path path, surroundings_.locate_camera(name));
     plan_.files.push_back(path);
     return capture::read_camera(path);
   }
 
   Result<void> add_method(const MethodConfig& config) {
-    Method method;
+    ComparedMethod method;
     method.config = config;
     std::optional<capture::Codes> codes;
     Json model_hash;
@@ -261,7 +261,7 @@ class Planner {
     constants.sigma_z = config.sigma_z.value_or(constants.sigma_z);
     constants.sigma_i = config.sigma_i.value_or(constants.sigma_i);
     // The name of a camera does not affect results.
-    capture::Camera nameless = sensor.camera;
+    capture::SensorProfile nameless = sensor.camera;
     nameless.name = "camera";
     sensor.identity = {{"camera", capture::to_json(nameless)},
                        {"gain", json_number(config.gain)},

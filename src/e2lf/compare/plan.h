@@ -9,19 +9,19 @@
 
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/compare/config.h"
 
 namespace e2lf::compare {
 
 /// A method with its patterns.
-struct Method {
+struct ComparedMethod {
   MethodConfig config;
   std::filesystem::path model;  ///< a file or the folder of the release; empty if there is none
   capture::Codes codes;         ///< for a scan of views, one open cell each
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
-  std::optional<capture::Camera> told;  ///< the sensor profile given to the network, if not that of the sensor
-  Json identity;                        ///< everything on which its results depend
+  std::optional<capture::SensorProfile> told;  ///< the sensor profile given to the network, if not that of the sensor
+  Json identity;                               ///< everything on which its results depend
 };
 
 struct Scene {
@@ -34,12 +34,12 @@ struct Scene {
 
 struct Sensor {
   SensorConfig config;
-  capture::Camera camera;  ///< with the changes of the configuration applied
+  capture::SensorProfile camera;  ///< with the changes of the configuration applied
   Json identity;
 };
 
 /// Returns true if a method scans the views for a network that makes frames.
-[[nodiscard]] inline bool is_scan(const Method& method) {
+[[nodiscard]] inline bool is_scan(const ComparedMethod& method) {
   return method.config.algorithm == "event-video";
 }
 
@@ -53,7 +53,7 @@ struct Job {
 
 struct Plan {
   std::string name;
-  std::vector<Method> methods;
+  std::vector<ComparedMethod> methods;
   std::vector<std::string> left_out;  ///< names of optional methods whose files are missing
   std::vector<Scene> scenes;          ///< group by group
   std::vector<std::string> groups;    ///< names of the groups that exist

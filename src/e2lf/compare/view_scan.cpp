@@ -5,8 +5,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/voxelise.h"
-#include "e2lf/recon/tone.h"
 #include "e2lf/recon/video/event_video.h"
+#include "e2lf/recon/video/frame_tone.h"
 #include "e2lf/streams/event_stream.h"
 
 namespace e2lf::compare {
@@ -103,7 +103,7 @@ Result<ScanResult> scan_to_light_field(const model::VideoModel& model, const lig
                           video.next(cycles::voxelise(events, model.bins, shape.height, shape.width)));
     result.reconstruct_s += std::chrono::duration<double>(Clock::now() - begin).count();
     if (i < second_begin) continue;
-    recon::apply_tone(model.tone, frame);
+    recon::apply_frame_tone(model.tone, frame);
     std::copy(frame.begin(), frame.end(),
               result.light_field.data().begin() + static_cast<std::ptrdiff_t>(order[i] * frame.size()));
   }

@@ -46,7 +46,7 @@ class ViewRenderer {
       : scene_(scene), rays_(scene), samples_(make_samples(request.samples_per_pixel)) {
     E2LF_REQUIRE(request.height > 0 && request.width > 0, "a picture needs pixels");
     E2LF_REQUIRE(request.samples_per_pixel > 0 && request.samples_per_pixel % 2 == 0, "samples come in pairs");
-    const Camera& camera = scene.camera;
+    const SceneCamera& camera = scene.camera;
     pixel_ = camera.field_width / static_cast<float>(request.width);
     const float view_step = camera.disparity_at_infinity_px * pixel_;
     pinhole_ = {request.view_x * view_step, request.view_y * view_step, 0};
@@ -73,7 +73,7 @@ class ViewRenderer {
   }
 
   void render_disparity(size_t y, size_t begin_x, size_t end_x, float* out) const {
-    const Camera& camera = scene_.camera;
+    const SceneCamera& camera = scene_.camera;
     const Candidates candidates = candidates_for(y, begin_x, end_x);
     for (size_t x = begin_x; x < end_x; ++x) {
       const Ray ray = ray_through(static_cast<float>(y) + 0.5F, static_cast<float>(x) + 0.5F);
@@ -100,7 +100,7 @@ class ViewRenderer {
 
   /// Returns the ray from the pinhole to a position in the picture; t = 1 is the focus depth.
   [[nodiscard]] Ray ray_through(float y, float x) const {
-    const Camera& camera = scene_.camera;
+    const SceneCamera& camera = scene_.camera;
     const Vec3 target{(x - middle_x_) * pixel_, (y - middle_y_) * pixel_ + camera.centre_y, camera.focus_depth};
     return {pinhole_, target - pinhole_};
   }
@@ -163,11 +163,11 @@ Image render_in_runs(const Scene& scene, const ViewRequest& request,
 
 }  // namespace
 
-float disparity_at_depth(const Camera& camera, float z) {
+float disparity_at_depth(const SceneCamera& camera, float z) {
   return camera.disparity_at_infinity_px * (1 - camera.focus_depth / z);
 }
 
-float depth_at_disparity(const Camera& camera, float disparity_px) {
+float depth_at_disparity(const SceneCamera& camera, float disparity_px) {
   E2LF_REQUIRE(disparity_px < camera.disparity_at_infinity_px, "nothing is farther away than infinity");
   return camera.focus_depth / (1 - disparity_px / camera.disparity_at_infinity_px);
 }

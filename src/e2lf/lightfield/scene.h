@@ -67,7 +67,7 @@ struct Light {
 
 /// An array of pinholes on the plane z = 0 that all see the same rectangle at the focus depth, which fills their
 /// pictures.
-struct Camera {
+struct SceneCamera {
   float focus_depth = 1;               ///< z of the plane with disparity 0
   float field_width = 0.8F;            ///< width of the visible rectangle at the focus depth
   float centre_y = 0;                  ///< y of the middle of the picture at the focus depth
@@ -75,7 +75,7 @@ struct Camera {
 };
 
 struct Scene {
-  Camera camera;
+  SceneCamera camera;
   Light light;
   float background = 0;  ///< value of rays that meet no surface
   std::vector<Quad> quads;
@@ -84,11 +84,11 @@ struct Scene {
 };
 
 /// Returns the disparity at depth z: disparity_at_infinity_px * (1 - focus_depth / z). It is smaller for nearer points.
-[[nodiscard]] float disparity_at_depth(const Camera& camera, float z);
+[[nodiscard]] float disparity_at_depth(const SceneCamera& camera, float z);
 
 /// Returns the depth of a disparity, the inverse of disparity_at_depth(). Disparities of disparity_at_infinity_px and
 /// more break the contract.
-[[nodiscard]] float depth_at_disparity(const Camera& camera, float disparity_px);
+[[nodiscard]] float depth_at_disparity(const SceneCamera& camera, float disparity_px);
 
 /// One picture to render. The position of the pinhole is in view steps from the middle of the aperture: view (r, c) of
 /// a grid is at y = r - (views_y - 1) / 2, x = c - (views_x - 1) / 2.

@@ -12,8 +12,8 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
 #include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/network.h"
 
@@ -26,7 +26,7 @@ enum class InputKind {
   kCumulative,  ///< scale * C_k, C_k = E_1 + ... + E_k
   kIntensity,   ///< scale * min(J_k, 1), J_k = eps * (exp(tau * C_k + m) - 1) (Eq. 7), where m is half a threshold with
                 ///< the sign of the last change; a coded intensity is at most 1
-  kCamera,      ///< scale * the conditioning vector capture::camera_traits(), each number constant over the image
+  kCamera,      ///< scale * the conditioning vector capture::conditioning_vector(), each number constant over the image
   kImages,      ///< scale * the coded intensity image of each of N patterns
   kImageSum,    ///< scale * the one intensity image that integrates all patterns
   kLensArray,   ///< scale * each of 64 views from a lens array, interpolated bilinearly between lens centres
@@ -56,12 +56,12 @@ struct Model {
   std::optional<capture::Codes> codes;          ///< absent if the patterns belong to a user's camera
   std::string event_model = "reference-aware";  ///< the event model of its training: "quantised" or "reference-aware"
   bool black_first = true;
-  capture::SensorConstants constants;     ///< the constants of its training
-  std::optional<capture::Camera> camera;  ///< the default camera; if absent, `constants` are used
-  std::vector<InputGroup> input;          ///< in channel order
-  Network network;                        ///< 64 output channels = views; view number = 8 * view_y + view_x
-  Weights weights;                        ///< "<layer>.weight", "<layer>.bias"
-  Json provenance = Json::object();       ///< free-form: data, samples seen, seed, command, results
+  capture::SensorConstants constants;            ///< the constants of its training
+  std::optional<capture::SensorProfile> camera;  ///< the default camera; if absent, `constants` are used
+  std::vector<InputGroup> input;                 ///< in channel order
+  Network network;                               ///< 64 output channels = views; view number = 8 * view_y + view_x
+  Weights weights;                               ///< "<layer>.weight", "<layer>.bias"
+  Json provenance = Json::object();              ///< free-form: data, samples seen, seed, command, results
 
   /// Returns the kind of measurement that the input needs. The model must be valid.
   [[nodiscard]] capture::MeasurementKind measurement() const { return measurement_of(input).value(); }

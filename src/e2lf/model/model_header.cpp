@@ -114,7 +114,7 @@ size_t num_input_channels(InputKind kind, size_t num_patterns) {
     case InputKind::kIntensity:
       return num_patterns - 1;
     case InputKind::kCamera:
-      return capture::num_traits(num_patterns);
+      return capture::conditioning_size(num_patterns);
     case InputKind::kImages:
       return num_patterns;
     case InputKind::kImageSum:

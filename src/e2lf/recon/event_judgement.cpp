@@ -16,7 +16,7 @@ constexpr double kGoodRatio = 1.15;
 constexpr double kWrongRatio = 1.5;
 constexpr double kRivalRatio = 1.2;                          // of the error to the rival's
 constexpr double kLeastNoiseError = 0.05;                    // counts: a camera without noise still rounds
-constexpr double kChangedRatio = 0.9;                        // of the error of changed events to that of the given ones
+constexpr double kChangedRatio = 0.98;                       // of the error of changed events to that of the given ones
 constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;  // px
 constexpr uint64_t kSeed = 1;
 

@@ -10,9 +10,9 @@
 namespace e2lf::recon {
 namespace {
 
-capture::Camera physical_pixels() {
+capture::SensorProfile physical_pixels() {
   using enum capture::PixelConstant;
-  capture::Camera camera;
+  capture::SensorProfile camera;
   camera.event_model = "pixel";
   camera.pixel[kEps] = 0.01F;
   camera.pixel[kReceptorRate] = 30.0F;

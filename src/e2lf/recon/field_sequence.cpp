@@ -10,11 +10,6 @@
 #include "e2lf/recon/gain.h"
 
 namespace e2lf::recon {
-namespace {
-
-constexpr double kMostSecondsToTryChanges = 3;
-
-}  // namespace
 
 Method network_method(Reconstructor reconstructor, size_t passes, size_t cycles) {
   const auto shared = std::make_shared<Reconstructor>(std::move(reconstructor));
@@ -65,10 +60,8 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   if (check_ && capture::has_events(measurement.kind)) {
     E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, measurement.events));
     if (is_first_) {
-      // Changed events are tried where that takes no longer than the light field itself; iterations would.
-      const bool is_quick = field.reconstruct_s < kMostSecondsToTryChanges;
       E2LF_ASSIGN_OR_RETURN(field.judgement, judge(*check_, field.light_field, measurement.events, rival_,
-                                                   is_quick ? method_ : Method()));
+                                                   tries_changes_ ? method_ : Method()));
     }
     is_first_ = false;
   }

@@ -37,8 +37,15 @@ struct Tone {
 class FieldSequence {
  public:
   /// `check`: nothing = no comparison with the events. `rival`: another camera that judge() compares with.
-  FieldSequence(Method method, Tone tone, std::optional<EventCheck> check, std::optional<Rival> rival = {})
-      : method_(std::move(method)), tone_(tone), check_(std::move(check)), rival_(std::move(rival)) {}
+  /// `tries_changes`: judge() also makes light fields of changed events, which takes several more runs of the method on
+  /// a small window.
+  FieldSequence(Method method, Tone tone, std::optional<EventCheck> check, std::optional<Rival> rival = {},
+                bool tries_changes = false)
+      : method_(std::move(method)),
+        tone_(tone),
+        check_(std::move(check)),
+        rival_(std::move(rival)),
+        tries_changes_(tries_changes) {}
 
   /// The comparison with the events is made where there are some. Fails as the method and event_error() do.
   [[nodiscard]] Result<Field> next(const capture::Measurement& measurement, const ProgressFn& progress = {});
@@ -51,7 +58,7 @@ class FieldSequence {
   Tone tone_;
   std::optional<EventCheck> check_;
   std::optional<Rival> rival_;
-  bool is_first_ = true;
+  bool tries_changes_ = false, is_first_ = true;
 };
 
 }  // namespace e2lf::recon

@@ -57,22 +57,22 @@ size_t round_up(size_t value, size_t multiple) {
 }
 
 /// Returns the first channel of each group, followed by the number of channels.
-std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size_t transitions, size_t num_traits,
-                                 size_t num_images) {
+std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size_t transitions,
+                                 size_t conditioning_size, size_t num_images) {
   std::vector<size_t> begins = {0};
   for (const model::InputGroup& group : groups) {
     size_t channels = num_images;
     if (is_of_counts(group)) channels = transitions;
-    if (group.kind == model::InputKind::kCamera) channels = num_traits;
+    if (group.kind == model::InputKind::kCamera) channels = conditioning_size;
     if (group.kind == model::InputKind::kLensArray) channels = capture::kLensPixels * capture::kLensPixels;
     begins.push_back(begins.back() + channels);
   }
   return begins;
 }
 
-void fill_traits(std::span<const float> traits, float scale, size_t first_channel, InputPlanes& planes) {
+void fill_traits(std::span<const float> conditioning, float scale, size_t first_channel, InputPlanes& planes) {
   float* plane = planes.values.data() + first_channel * planes.height * planes.width;
-  for (const float trait : traits) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
+  for (const float trait : conditioning) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
 }
 
 /// Fills the planes of all groups that are made from event counts.
@@ -152,8 +152,8 @@ Result<InputPlanes> network_input(const capture::Measurement& measurement, std::
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
     E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
-  const std::vector<size_t> first_channels =
-      group_begins(groups, measurement.events.transitions, conditions.traits.size(), measurement.images.num_patterns);
+  const std::vector<size_t> first_channels = group_begins(
+      groups, measurement.events.transitions, conditions.conditioning.size(), measurement.images.num_patterns);
   InputPlanes planes{first_channels.back(),
                      round_up(measurement.height(), size_multiple),
                      round_up(measurement.width(), size_multiple),
@@ -165,7 +165,8 @@ Result<InputPlanes> network_input(const capture::Measurement& measurement, std::
   for (size_t g = 0; g < groups.size(); ++g) {
     const float scale = groups[g].scale;
     const bool is_image = groups[g].kind == model::InputKind::kImages || groups[g].kind == model::InputKind::kImageSum;
-    if (groups[g].kind == model::InputKind::kCamera) fill_traits(conditions.traits, scale, first_channels[g], planes);
+    if (groups[g].kind == model::InputKind::kCamera)
+      fill_traits(conditions.conditioning, scale, first_channels[g], planes);
     if (is_image) fill_images(measurement.images, scale, first_channels[g], planes);
     if (groups[g].kind == model::InputKind::kLensArray) {
       fill_lens_array(measurement.images, scale, first_channels[g], planes);

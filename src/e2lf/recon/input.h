@@ -21,7 +21,7 @@ struct InputPlanes {
 /// The conditions under which the counts of event images were recorded.
 struct InputConditions {
   capture::SensorConstants constants = {};  ///< eps and tau are used for intensities
-  std::vector<float> traits = {};           ///< the conditioning vector capture::camera_traits()
+  std::vector<float> conditioning = {};     ///< the conditioning vector capture::conditioning_vector()
   size_t cycles = 1;                        ///< number of cycles of a static scene over which counts are summed
 };
 

@@ -48,7 +48,7 @@ Result<Reconstructor::Planes> Reconstructor::run(const capture::Measurement& mea
                                                  const ProgressFn& progress) const {
   InputConditions conditions{model_.camera->constants, {}, cycles};
   if (model::is_told_the_camera(model_)) {
-    conditions.traits = capture::camera_traits(*model_.camera, model_.num_patterns, cycles);
+    conditions.conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
   }
 
   E2LF_ASSIGN_OR_RETURN(const InputPlanes input,

@@ -14,10 +14,7 @@
 
 namespace e2lf::sensor {
 
-enum class EventModel {
-  kQuantised,       ///< Eq. 8: events count from the coded intensity before the transition
-  kReferenceAware,  ///< Eq. 9, 10: each pixel remembers the log intensity of its last event
-};
+using capture::EventModel;
 
 /// Parses "quantised" or "reference-aware". Fails with kInvalidValue for any other name.
 [[nodiscard]] Result<EventModel> event_model_from_name(const std::string& name);

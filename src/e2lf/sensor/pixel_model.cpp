@@ -103,7 +103,7 @@ class Pixel {
 /// per row.
 class TransmissionMap {
  public:
-  TransmissionMap(const capture::Camera& camera, size_t num_lit, size_t height, size_t width) : width_(width) {
+  TransmissionMap(const capture::SensorProfile& camera, size_t num_lit, size_t height, size_t width) : width_(width) {
     const float middle_x = 0.5F * static_cast<float>(width), middle_y = 0.5F * static_cast<float>(height);
     for (size_t n = 0; n < num_lit; ++n) {
       const float middle = capture::transmission_at(camera, n, 0.0F, 0.0F);
@@ -133,7 +133,8 @@ class TransmissionMap {
 class ExposureOf {
  public:
   /// `intensities` holds one more image than there are codes, which is the one with all cells open.
-  ExposureOf(const capture::Camera& camera, const ShownCycle& cycle, const CodedIntensities& intensities, float gain)
+  ExposureOf(const capture::SensorProfile& camera, const ShownCycle& cycle, const CodedIntensities& intensities,
+             float gain)
       : cycle_(cycle),
         intensities_(intensities),
         transmission_(camera, intensities.num_patterns - 2, intensities.height, intensities.width),
@@ -167,7 +168,8 @@ class ExposureOf {
   float gain_over_eps_, leak_;
 };
 
-Result<void> check(const capture::Codes& codes, const capture::Camera& camera, const PixelModelOptions& options) {
+Result<void> check(const capture::Codes& codes, const capture::SensorProfile& camera,
+                   const PixelModelOptions& options) {
   if (!camera.is_pixel()) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the camera \"", camera.name, "\" is of the event model ", camera.event_model,
@@ -195,7 +197,8 @@ capture::Codes with_open_aperture(const capture::Codes& codes) {
 
 Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
                                                    const lightfield::LightField& light_field,
-                                                   const capture::Camera& camera, const PixelModelOptions& options) {
+                                                   const capture::SensorProfile& camera,
+                                                   const PixelModelOptions& options) {
   E2LF_RETURN_IF_ERROR(check(codes, camera, options));
   const ShownCycle cycle = shown_cycle(codes);
   E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities,

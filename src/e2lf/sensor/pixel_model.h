@@ -6,7 +6,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::sensor {
@@ -35,7 +35,7 @@ struct PixelModelOptions {
 /// (codes that do not fit the light field, or whose first pattern is not black).
 [[nodiscard]] Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
                                                                  const lightfield::LightField& light_field,
-                                                                 const capture::Camera& camera,
+                                                                 const capture::SensorProfile& camera,
                                                                  const PixelModelOptions& options);
 
 }  // namespace e2lf::sensor

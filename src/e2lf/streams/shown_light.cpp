@@ -21,7 +21,7 @@ capture::Codes with_open_aperture(const capture::Codes& codes) {
 
 }  // namespace
 
-ShownLight::ShownLight(const capture::Codes& codes, const capture::Camera& camera, float gain, size_t height,
+ShownLight::ShownLight(const capture::Codes& codes, const capture::SensorProfile& camera, float gain, size_t height,
                        size_t width)
     : codes_(with_open_aperture(codes)),
       transmission_(codes.num_patterns - 1),

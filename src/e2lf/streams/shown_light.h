@@ -7,7 +7,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/coded_intensities.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/lightfield/light_field.h"
 
@@ -20,7 +20,8 @@ using cycles::ShownPattern;
 /// the light of the open aperture minus that of the pattern, as in sensor::simulate_pixel_events().
 class ShownLight {
  public:
-  ShownLight(const capture::Codes& codes, const capture::Camera& camera, float gain, size_t height, size_t width);
+  ShownLight(const capture::Codes& codes, const capture::SensorProfile& camera, float gain, size_t height,
+             size_t width);
 
   /// Computes the coded intensities of a scene, followed by those of the open aperture. Fails with kShape as
   /// sensor::coded_intensities() does.

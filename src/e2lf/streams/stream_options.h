@@ -5,8 +5,8 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/profile/camera.h"
 #include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::streams {
 

@@ -39,7 +39,7 @@ Result<void> check(const RigOptions& options) {
 
 }  // namespace
 
-Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture::Camera& camera,
+Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture::SensorProfile& camera,
                                       const StreamOptions& stream, const RigOptions& options, MovingScene scene,
                                       size_t height, size_t width) {
   E2LF_RETURN_IF_ERROR(check(options));
@@ -50,7 +50,7 @@ Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture
   return rig;
 }
 
-VirtualRig::VirtualRig(const capture::Codes& codes, const capture::Camera& camera, EventStream stream,
+VirtualRig::VirtualRig(const capture::Codes& codes, const capture::SensorProfile& camera, EventStream stream,
                        const RigOptions& options, MovingScene scene, size_t height, size_t width)
     : options_(options),
       aperture_(codes, camera, options.gain, height, width),

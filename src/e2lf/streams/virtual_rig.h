@@ -34,7 +34,7 @@ class VirtualRig {
   /// Creates the rig. `codes` are a1 to aN, or capture::whole_cycle() of them. `camera` provides transmission and leak,
   /// and `stream` everything else. Fails as shown_patterns() and EventStream::create() do, and with kInvalidValue (a
   /// rise that is longer than a pattern, or a negative time).
-  [[nodiscard]] static Result<VirtualRig> create(const capture::Codes& codes, const capture::Camera& camera,
+  [[nodiscard]] static Result<VirtualRig> create(const capture::Codes& codes, const capture::SensorProfile& camera,
                                                  const StreamOptions& stream, const RigOptions& options,
                                                  MovingScene scene, size_t height, size_t width);
 
@@ -49,8 +49,8 @@ class VirtualRig {
   [[nodiscard]] uint64_t lost_events() const { return stream_.lost_events(); }
 
  private:
-  VirtualRig(const capture::Codes& codes, const capture::Camera& camera, EventStream stream, const RigOptions& options,
-             MovingScene scene, size_t height, size_t width);
+  VirtualRig(const capture::Codes& codes, const capture::SensorProfile& camera, EventStream stream,
+             const RigOptions& options, MovingScene scene, size_t height, size_t width);
   [[nodiscard]] Result<void> show(ShownPattern shown, int64_t end_us, recordings::EventColumns& events);
   [[nodiscard]] Result<void> rest_before(ShownPattern first);
   [[nodiscard]] Result<void> reach_knot(int64_t t_us);

@@ -59,7 +59,7 @@ double seconds(CycleClock::duration duration) {
 /// A bundled network that was trained for the patterns of the events.
 Result<std::optional<model::Model>> find_bundled_network(const ReconstructArguments& arguments,
                                                          const RecordedSetup& setup,
-                                                         const std::optional<capture::Camera>& camera,
+                                                         const std::optional<capture::SensorProfile>& camera,
                                                          RunRecord& record) {
   std::optional<capture::Codes> codes = setup.codes;
   if (!arguments.codes.codes.empty()) {
@@ -99,7 +99,7 @@ Result<CycleFlags> wanted_cycles(const ReconstructArguments& arguments, const st
 /// is asked for.
 std::optional<recon::Rival> rival_of(const ReconstructArguments& arguments, const std::optional<model::Model>& model,
                                      const std::optional<KnownCodes>& known,
-                                     const std::optional<capture::Camera>& camera) {
+                                     const std::optional<capture::SensorProfile>& camera) {
   if (arguments.camera.empty() || arguments.method != "network" || !model || !known || !model->camera ||
       !model->camera->is_pixel() || !model::is_told_the_camera(*model) ||
       capture::to_json(*model->camera) == capture::to_json(*camera)) {
@@ -115,8 +115,8 @@ std::optional<recon::Rival> rival_of(const ReconstructArguments& arguments, cons
 
 /// Takes the camera that the network was made for where nothing names one.
 Result<recon::Method> network_method(const ReconstructArguments& arguments, model::Model model,
-                                     const std::optional<KnownCodes>& known, std::optional<capture::Camera>& camera,
-                                     RunRecord& record) {
+                                     const std::optional<KnownCodes>& known,
+                                     std::optional<capture::SensorProfile>& camera, RunRecord& record) {
   if (!model::is_told_the_camera(model) && !arguments.camera.empty()) {
     return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
                  "--camera"};
@@ -156,7 +156,7 @@ Result<void> check_measurement(const ReconstructArguments& arguments, capture::M
 
 /// Those that need patterns alone.
 Result<recon::Method> classical_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
-                                       const std::optional<capture::Camera>& camera, RunRecord& record) {
+                                       const std::optional<capture::SensorProfile>& camera, RunRecord& record) {
   if (arguments.passes > 1) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the method ", arguments.method, " makes one pass; leave the option out"), "--passes"};
@@ -199,7 +199,7 @@ Error at(Error error, const fs::path& input) {
 
 /// What the result of each cycle is checked against; nothing where nobody told the patterns.
 Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCodes>& known,
-                                                     const std::optional<capture::Camera>& camera) {
+                                                     const std::optional<capture::SensorProfile>& camera) {
   if (!known) return std::optional<recon::EventCheck>();
   E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(known->event_model));
   recon::EventCheck check{known->codes, known->constants, model};
@@ -208,7 +208,8 @@ Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCo
 }
 
 /// Black is looked for where physical pixels leave it open and brightness is not to be measured.
-Result<recon::Tone> tone_of(const ReconstructArguments& arguments, const std::optional<capture::Camera>& camera) {
+Result<recon::Tone> tone_of(const ReconstructArguments& arguments,
+                            const std::optional<capture::SensorProfile>& camera) {
   recon::Tone tone;
   E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
   E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
@@ -448,7 +449,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   }
   E2LF_RETURN_IF_ERROR(check_measurement(arguments, input.measurement()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
-  E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<capture::SensorProfile> camera,
+                        camera_of_events(arguments.camera, setup, record));
   const bool is_camera_named = !arguments.camera.empty() && camera->views;
   const auto views = arguments.orientation.after(is_camera_named ? camera->views : setup.views);
   if (!model && arguments.method == "network") {
@@ -481,7 +483,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     E2LF_ASSIGN_OR_RETURN(LiveView started, LiveView::start(name.filename().string(), output.path(), arguments.port));
     view.emplace(std::move(started));
   }
-  CycleWriter writer(arguments, common, views, shown, {std::move(method), tone, std::move(check), std::move(rival)});
+  CycleWriter writer(arguments, common, views, shown,
+                     {std::move(method), tone, std::move(check), std::move(rival), arguments.method != "regularised"});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());

@@ -39,7 +39,7 @@ class Batches {
   [[nodiscard]] const Dataset& dataset() const { return dataset_; }
 
   /// The camera of sensor.camera; nothing where none is named.
-  [[nodiscard]] const std::optional<capture::Camera>& camera() const { return camera_; }
+  [[nodiscard]] const std::optional<capture::SensorProfile>& camera() const { return camera_; }
 
  private:
   Batches(Config config, Dataset dataset, torch::Device device)
@@ -57,7 +57,7 @@ class Batches {
   void apply_camera(uint64_t step, Conditions& conditions) const;
 
   Config config_;
-  std::optional<capture::Camera> camera_;
+  std::optional<capture::SensorProfile> camera_;
   Dataset dataset_;
   torch::Device device_;
   std::vector<size_t> scenes_;             // indices of those to train on

@@ -70,9 +70,9 @@ class InputForms {
 };
 
 /// Expands each number of the conditioning vector to a constant plane.
-std::string camera_planes(OnnxGraph& graph, const std::string& traits, const OnnxSize& size) {
+std::string camera_planes(OnnxGraph& graph, const std::string& conditioning, const OnnxSize& size) {
   const std::string axes = graph.add_constant("input/image_axes", Integers{2, 3});
-  const std::string pixels = graph.add_node("Unsqueeze", {traits, axes}, "input/trait_pixels");
+  const std::string pixels = graph.add_node("Unsqueeze", {conditioning, axes}, "input/trait_pixels");
   const std::string ones = graph.add_constant("input/ones", Integers{1, 1});
   const std::string shape = graph.add_node("Concat", {ones, size.padded}, "input/trait_shape", {{"axis", int64_t{0}}});
   return graph.add_node("Expand", {pixels, shape}, "input/camera");
@@ -82,7 +82,7 @@ std::string camera_planes(OnnxGraph& graph, const std::string& traits, const Onn
 
 std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& groups, size_t transitions,
                            const capture::SensorConstants& constants, const std::string& events,
-                           const std::string& traits, const OnnxSize& size) {
+                           const std::string& conditioning, const OnnxSize& size) {
   InputForms forms(graph, transitions, constants, events);
   std::array<std::string, 4> made;  // one for each kind that is made from events
   std::vector<std::string> planes;
@@ -100,7 +100,7 @@ std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& grou
           form = forms.intensity();
           break;
         case InputKind::kCamera:
-          form = camera_planes(graph, traits, size);
+          form = camera_planes(graph, conditioning, size);
           break;
         default:
           E2LF_REQUIRE(false, "an exported model takes event images alone");

@@ -16,11 +16,11 @@ struct OnnxSize {
 };
 
 /// Adds the input planes of `groups` (see InputKind), made from the event images `events` [batch, N-1, y, x] and the
-/// conditioning vector `traits` [batch, C] (which is not read if no group is kCamera). `constants` are used for
+/// conditioning vector `conditioning` [batch, C] (which is not read if no group is kCamera). `constants` are used for
 /// intensities. Returns the name of the planes [batch, channel, y, x].
 [[nodiscard]] std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& groups, size_t transitions,
                                          const capture::SensorConstants& constants, const std::string& events,
-                                         const std::string& traits, const OnnxSize& size);
+                                         const std::string& conditioning, const OnnxSize& size);
 
 /// Returns why a network cannot be exported, naming the layer, or "" if it can.
 [[nodiscard]] std::string onnx_refusal(const Network& network);

@@ -22,17 +22,17 @@ struct Conventions {
   bool normalises_voxels;
   bool ends_in_sigmoid;
   size_t pad_multiple;  ///< 0: as the layers require
-  Tone tone;
+  FrameTone tone;
 };
 
 // The configurations of EVREAL. That of FireNet lacks the number of encoders, for which EVREAL then uses four.
-constexpr Conventions kConventions[] = {{"firenet", Family::kFireNet, true, false, 16, Tone::kNone},
-                                        {"firenet+", Family::kFireNetPlus, false, false, 1, Tone::kNone},
-                                        {"e2vid", Family::kUnet, true, true, 0, Tone::kRobust},
-                                        {"e2vid+", Family::kUnet, false, false, 0, Tone::kNone},
-                                        {"ssl-e2vid", Family::kUnet, false, false, 0, Tone::kExpRobust},
-                                        {"hypere2vid", Family::kDynamicUnet, false, false, 0, Tone::kNone},
-                                        {"et-net", Family::kTransformer, false, true, 0, Tone::kNone}};
+constexpr Conventions kConventions[] = {{"firenet", Family::kFireNet, true, false, 16, FrameTone::kNone},
+                                        {"firenet+", Family::kFireNetPlus, false, false, 1, FrameTone::kNone},
+                                        {"e2vid", Family::kUnet, true, true, 0, FrameTone::kRobust},
+                                        {"e2vid+", Family::kUnet, false, false, 0, FrameTone::kNone},
+                                        {"ssl-e2vid", Family::kUnet, false, false, 0, FrameTone::kExpRobust},
+                                        {"hypere2vid", Family::kDynamicUnet, false, false, 0, FrameTone::kNone},
+                                        {"et-net", Family::kTransformer, false, true, 0, FrameTone::kNone}};
 
 constexpr const char* kLastConv = "pred.conv2d.weight";
 

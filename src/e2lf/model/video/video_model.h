@@ -13,7 +13,7 @@ namespace e2lf::model {
 
 /// The mapping applied to a frame after the network, before it is clamped to [0, 1]. Quantiles are those of the frame,
 /// with linear interpolation between its sorted values.
-enum class Tone {
+enum class FrameTone {
   kNone,       ///< nothing
   kRobust,     ///< (I - q1) / (q99 - q1), where q1 and q99 are the 1 % and 99 % quantiles
   kStandard,   ///< the same with the smallest and the largest value
@@ -21,8 +21,8 @@ enum class Tone {
 };
 
 /// Converts between a tone and its name in model files: "none", "robust", "standard" or "exp-robust".
-[[nodiscard]] const char* tone_name(Tone tone);
-[[nodiscard]] Result<Tone> tone_from_name(const std::string& name);
+[[nodiscard]] const char* tone_name(FrameTone tone);
+[[nodiscard]] Result<FrameTone> tone_from_name(const std::string& name);
 
 /// A network that makes grey frames from the voxel grids (capture/measurement/voxel_grid.h) of consecutive windows of a
 /// recording. Its memory is carried from frame to frame. It is stored as a model file with "measurement": "voxel-grid".
@@ -31,7 +31,7 @@ struct VideoModel {
   size_t bins = 5;                 ///< of the voxel grid = input channels of the network
   bool normalises_voxels = false;  ///< each grid, to mean 0 and standard deviation 1 of its non-zero voxels
   size_t pad_multiple = 1;         ///< images are padded with zeros to multiples of this many pixels
-  Tone tone = Tone::kNone;
+  FrameTone tone = FrameTone::kNone;
   Network network;  ///< one output channel at the resolution of the input
   Weights weights;
   Json provenance = Json::object();

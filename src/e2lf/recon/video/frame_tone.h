@@ -11,8 +11,8 @@ namespace e2lf::recon {
 /// - 1), like numpy's percentile(). There must be at least one value and no NaN. The values are reordered.
 [[nodiscard]] float quantile(std::span<float> values, double share);
 
-/// Maps a frame to its range (see model::Tone) and clamps it to [0, 1]. A constant frame becomes 0 if the tone uses
-/// quantiles.
-void apply_tone(model::Tone tone, std::span<float> frame);
+/// Maps a frame to its range (see model::FrameTone) and clamps it to [0, 1]. A constant frame becomes 0 if the tone
+/// uses quantiles.
+void apply_frame_tone(model::FrameTone tone, std::span<float> frame);
 
 }  // namespace e2lf::recon
