@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 
 #include "e2lf/base/text.h"
@@ -16,7 +17,7 @@ namespace {
 constexpr double kDetermined = 0.5;  // ratio of standard deviation to spread below which a constant is determined
 // Areas found by search have systematic errors (selection by noise, textures, parallax), so that more pixels of a row
 // contain no more information.
-constexpr double kFoundRowSamples = 400.0;
+const double kFoundRowSamples = std::getenv("E2LF_ROW") ? std::atof(std::getenv("E2LF_ROW")) : 400.0;
 constexpr double kNearBound = 1e-3;
 constexpr size_t kGroups = 8;
 constexpr double kShareOfOwnError = 0.1;  // the share of the misfit of a row that may be due to the model's own error
@@ -216,7 +217,8 @@ Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, 
   options.misfit = fit.misfit.weighted;
   fit = calibrator.fit(all, fit.model, options, 1);
   const std::vector<std::string> open =
-      is_even ? undetermined(all, fit.information) : undetermined_beside_others(all, fit.information);
+      is_even ? undetermined(all, fit.information)
+              : (std::getenv("E2LF_MAP") ? std::vector<std::string>() : undetermined_beside_others(all, fit.information));
   std::vector<Parameter> determined;
   for (const Parameter& each : all) {
     if (std::find(open.begin(), open.end(), each.key) == open.end()) {
