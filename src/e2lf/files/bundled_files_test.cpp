@@ -16,7 +16,7 @@ TEST(BundledFiles, AreFoundByNameWithAndWithoutTheirExtension) {
   EXPECT_EQ(*model, bundled_model());
   EXPECT_EQ(*model, find_file_or_bundled(kBundledCodes, "e2lf-n4.safetensors").value());
   EXPECT_EQ(find_file_or_bundled(kBundledCameras, "paper").value().filename(), "paper.json");
-  EXPECT_EQ(*model, find_file_or_bundled(kBundledModels, "models/e2lf-n4.safetensors").value());
+  EXPECT_EQ(*model, bundled_file_named(kBundledModels, "models/e2lf-n4.safetensors"));
   EXPECT_EQ(shown_name(kBundledModels, *model), "e2lf-n4");
 }
 
