@@ -14,10 +14,10 @@ namespace e2lf::calibrate {
 namespace {
 
 constexpr size_t kLeastSize = 64;
-constexpr size_t kReachPx = 2;  // neighbours lie up to so many pixels away
+constexpr size_t kReachPx = 2;  // the largest distance of neighbours, in px
 constexpr size_t kMostNeighbours = (2 * kReachPx + 1) * (2 * kReachPx + 1) - 1;
 
-/// Signed counts of each transition summed over the cycles of a scene, and the events of all of them.
+/// The signed counts of each transition summed over the cycles of a scene, and the total number of events.
 struct NeighbourSums {
   size_t height = 0, width = 0, cycles = 0;
   std::vector<std::vector<int32_t>> counts;
@@ -40,7 +40,7 @@ NeighbourSums sums_of(const StillScene& scene) {
   return sums;
 }
 
-/// Calls visit(neighbour) for those of a pixel that lie in the picture.
+/// Calls visit(neighbour) for the neighbours of a pixel that lie in the picture.
 template <typename Visit>
 void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visit) {
   const size_t y = pixel / width, x = pixel % width;
@@ -51,8 +51,9 @@ void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visi
   }
 }
 
-/// By how many events a pixel leaves the range of its neighbours widened to twice its size, over all transitions. Over
-/// many cycles thresholds far from the mean leave the range itself: without those the mismatch would seem smaller.
+/// Returns by how many events a pixel leaves the range of its neighbours widened to twice its size, over all
+/// transitions. Over many cycles, pixels with unusual thresholds leave the range itself; excluding them would bias the
+/// mismatch.
 int32_t excess(const NeighbourSums& sums, size_t pixel) {
   int32_t sum = 0;
   for (const auto& counts : sums.counts) {
@@ -72,9 +73,9 @@ bool is_hot(const NeighbourSums& sums, size_t pixel) {
   return excess(sums, pixel) >= std::max(3.0 * std::sqrt(cycles), cycles);
 }
 
-/// Whether the neighbours of a pixel all count so much that silence means something.
+/// Returns true if all neighbours of a pixel have enough events for its silence to be significant.
 bool is_lit(const NeighbourSums& sums, size_t pixel) {
-  constexpr size_t kOutliers = 2;  // that may be dead too
+  constexpr size_t kOutliers = 2;  // neighbours that may be dead, too
   std::array<int32_t, kMostNeighbours> activity{};
   size_t count = 0;
   each_neighbour(sums.height, sums.width, pixel,
@@ -93,7 +94,7 @@ std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes) {
   parallel_for(states.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const auto in_all = [&](const auto& test) { return std::all_of(sums.begin(), sums.end(), test); };
-      // Dead ones first: among bright neighbours they leave the range too.
+      // Dead pixels are tested first, because they also leave the range of bright neighbours.
       if (in_all([&](const NeighbourSums& each) { return each.activity[p] == 0; }) &&
           std::any_of(sums.begin(), sums.end(), [&](const NeighbourSums& each) { return is_lit(each, p); })) {
         states[p] = PixelState::kDead;

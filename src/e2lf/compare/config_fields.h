@@ -3,8 +3,8 @@
 
 #include "e2lf/compare/config.h"
 
-/// The one list of all keys of a configuration. Reading and the table in docs/compare.md go through it: visit(key,
-/// field, meaning) is called for each field, visit.list(key, list, fields, meaning) for each list of objects.
+/// The single list of all keys of a configuration, used for reading and for the table in docs/compare.md. visit(key,
+/// field, meaning) is called for each field, and visit.list(key, list, fields) for each list of objects.
 namespace e2lf::compare {
 
 template <typename Visitor>

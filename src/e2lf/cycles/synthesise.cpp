@@ -13,7 +13,7 @@
 namespace e2lf::cycles {
 namespace {
 
-/// Draws one after the other from a stream of its own.
+/// A sequence of draws from its own stream.
 class Draws {
  public:
   Draws(uint64_t seed, uint64_t stream) : rng_(seed, stream) {}
@@ -75,7 +75,7 @@ class SpreadCycle {
                        static_cast<uint8_t>(is_on), t_us});
   }
 
-  /// A time after a change of pattern: exponential, cut off at the end of the burst by drawing from what is left.
+  /// Draws a time after a change of pattern from an exponential distribution that is truncated at the end of the burst.
   int64_t delay_us() {
     const double span_us = static_cast<double>(options_.burst_us - options_.latency_us);
     const double reach = 1 - std::exp(-span_us / options_.decay_us);

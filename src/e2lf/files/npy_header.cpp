@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kMaxRank = 64;
 
-/// Reads the Python literals that a header is made of; what is not there comes back as nullopt or false.
+/// Reads the Python literals of which a header consists. A missing literal is returned as nullopt or false.
 class LiteralReader {
  public:
   explicit LiteralReader(std::string_view text) : text_(text) {}
@@ -52,7 +52,7 @@ class LiteralReader {
     return std::nullopt;
   }
 
-  /// "(720, 1280)", "(3,)", "()".
+  /// Reads a tuple such as "(720, 1280)", "(3,)" or "()".
   std::optional<std::vector<size_t>> tuple() {
     std::vector<size_t> numbers;
     if (!accept('(')) return std::nullopt;
@@ -94,7 +94,7 @@ struct ElementCode {
   bool padding = false;
 };
 
-/// "<i2", "|u1", ">f4"; "|V3" is padding and allowed within records only.
+/// Parses a type code such as "<i2", "|u1" or ">f4". "|V3" denotes padding, which is allowed within records only.
 Result<ElementCode> parse_code(const std::string& text, const std::string& location) {
   const bool has_order = !text.empty() && std::strchr("<>|=", text[0]) != nullptr;
   ElementCode code;
@@ -117,7 +117,7 @@ void append_number(const ElementCode& code, NpyHeader& header) {
   header.array.item_size += code.size;
 }
 
-/// [('x', '<u2'), ('', '|V2'), ...]: the opening bracket has been read.
+/// Parses [('x', '<u2'), ('', '|V2'), ...], whose opening bracket has already been read.
 Result<void> parse_record(LiteralReader& reader, NpyHeader& header, const std::string& location) {
   while (!reader.accept(']')) {
     if (!reader.accept('(')) return malformed_npy(location, "a field is not a tuple");
@@ -249,7 +249,7 @@ std::vector<uint8_t> npy_header_bytes(const NpyArray& array) {
   for (const size_t extent : array.shape) shape += cat(shape.empty() ? "" : " ", extent, ",");
   if (array.shape.size() > 1) shape.pop_back();
   std::string text = cat("{'descr': ", descr_text(array), ", 'fortran_order': False, 'shape': (", shape, "), }");
-  // The data begin at a multiple of 64 bytes, the text ends with a newline; long record types need version 2.
+  // The data begin at a multiple of 64 bytes, and the text ends with a newline. Long record types need version 2.
   const size_t version = text.size() + 80 > 0xFFFF ? 2 : 1;
   const size_t length_size = version == 1 ? 2 : 4;
   const size_t used = kMagic.size() + 2 + length_size + text.size() + 1;

@@ -13,7 +13,7 @@ constexpr float kHalfSide = 0.27F;  // of the table
 constexpr float kMiddleZ = 0.95F;   // of its middle; x = 0
 constexpr float kBackWall = 1.5F;   // z
 
-/// Places things by where they stand on a table that is turned.
+/// Places objects on the rotated table by their position on it.
 class Table {
  public:
   Table(float turn, uint64_t seed) : turn_(turn), cosine_(std::cos(turn)), sine_(std::sin(turn)), rng_(seed, 1) {}

@@ -7,7 +7,7 @@
 namespace e2lf::model {
 namespace {
 
-/// Appends layers to a network and returns the name of each, so that they chain.
+/// Appends layers to a network and returns the name of each, so that they can be chained.
 class Builder {
  public:
   explicit Builder(Network& network) : network_(network) {}
@@ -22,7 +22,7 @@ class Builder {
                 .residual = {}});
   }
 
-  /// `count` blocks of conv-ReLU-conv with their input added.
+  /// Adds `count` blocks of conv-ReLU-conv with skip connections.
   std::string residual_blocks(const std::string& name, std::string input, size_t channels, size_t count) {
     for (size_t i = 0; i < count; ++i) {
       const std::string inner = conv(cat(name, "_", i, "a"), input, channels);

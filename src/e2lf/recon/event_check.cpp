@@ -53,7 +53,7 @@ class PixelCheck {
 };
 
 /// The camera with nothing that differs from pixel to pixel: what its counts are in the middle.
-capture::Camera average_pixels(capture::Camera camera) {
+capture::SensorProfile average_pixels(capture::SensorProfile camera) {
   using enum capture::PixelConstant;
   camera = capture::without_noise(std::move(camera));
   camera.pixel[kMismatch] = camera.pixel[kMismatchEach] = 0.0F;

@@ -129,7 +129,7 @@ Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<Out
 }
 
 /// How far the light field that a network makes of some events, told a camera, is from explaining them.
-Result<double> error_told(model::Model model, const capture::Camera& camera, const capture::Codes& codes,
+Result<double> error_told(model::Model model, const capture::SensorProfile& camera, const capture::Codes& codes,
                           const capture::EventImages& events) {
   model.camera = camera;
   E2LF_ASSIGN_OR_RETURN(const recon::Reconstructor reconstructor, recon::Reconstructor::create(std::move(model)));
@@ -142,7 +142,7 @@ Result<double> error_told(model::Model model, const capture::Camera& camera, con
 /// Compares both cameras with the events of the first cycle, by the named network or a bundled one: {"start", "found",
 /// "better"}. Null where no network is told the camera and fits these patterns.
 Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture::Codes& codes,
-                             const capture::Camera& start, const capture::Camera& found,
+                             const capture::SensorProfile& start, const capture::SensorProfile& found,
                              const capture::EventImages& events) {
   RunRecord unused("calibrate");
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, unused));
@@ -184,7 +184,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_ASSIGN_OR_RETURN(auto thresholds, open_optional(arguments.threshold_map, rules));
   E2LF_ASSIGN_OR_RETURN(auto bad, open_optional(arguments.bad_pixels, rules));
   RunRecord record("calibrate");
-  E2LF_ASSIGN_OR_RETURN(capture::Camera start, load_camera(arguments.camera, record));
+  E2LF_ASSIGN_OR_RETURN(capture::SensorProfile start, load_camera(arguments.camera, record));
   std::vector<Source> sources;
   for (const fs::path& path : arguments.inputs) {
     E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, verb, record));

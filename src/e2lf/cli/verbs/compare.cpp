@@ -119,7 +119,7 @@ class Runner {
       const ProgressFn progress = [&](size_t part, size_t total) {
         if (total > 0) bar_.update(done * kParts + std::min(part, total) * kParts / total, jobs.size() * kParts);
       };
-      E2LF_ASSIGN_OR_RETURN(const compare::Measurement measurement, compare::measure(plan_, job, truth_, progress));
+      E2LF_ASSIGN_OR_RETURN(const compare::Outcome measurement, compare::measure(plan_, job, truth_, progress));
       std::vector<uint8_t> png;
       if (plan_.pictures && job.seed == plan_.jobs.front().seed) {
         E2LF_ASSIGN_OR_RETURN(png, picture(measurement.light_field, &truth_));

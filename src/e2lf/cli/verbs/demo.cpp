@@ -6,7 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/output/comparison_page.h"
 #include "e2lf/cli/output/light_field_output.h"
@@ -123,7 +123,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   std::error_code ignored;
   fs::create_directory(folder / "scene", ignored);
   E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
-  capture::Camera recorded;
+  capture::SensorProfile recorded;
   recorded.event_model = sensor::event_model_name(camera.event_model);
   recorded.constants = camera.constants;
   E2LF_RETURN_IF_ERROR(capture::write_event_images(

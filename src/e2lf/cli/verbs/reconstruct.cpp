@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // e2lf reconstruct: event images or a recording -> light field
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -58,7 +59,7 @@ double seconds(CycleClock::duration duration) {
 /// A bundled network that was trained for the patterns of the events.
 Result<std::optional<model::Model>> find_bundled_network(const ReconstructArguments& arguments,
                                                          const RecordedSetup& setup,
-                                                         const std::optional<capture::Camera>& camera,
+                                                         const std::optional<capture::SensorProfile>& camera,
                                                          RunRecord& record) {
   std::optional<capture::Codes> codes = setup.codes;
   if (!arguments.codes.codes.empty()) {
@@ -94,10 +95,28 @@ Result<CycleFlags> wanted_cycles(const ReconstructArguments& arguments, const st
   return flags;
 }
 
+/// The network told the camera that it was made for, where --camera names another one. Its light field is made when it
+/// is asked for.
+std::optional<recon::Rival> rival_of(const ReconstructArguments& arguments, const std::optional<model::Model>& model,
+                                     const std::optional<KnownCodes>& known,
+                                     const std::optional<capture::SensorProfile>& camera) {
+  if (arguments.camera.empty() || arguments.method != "network" || !model || !known || !model->camera ||
+      !model->camera->is_pixel() || !model::is_told_the_camera(*model) ||
+      capture::to_json(*model->camera) == capture::to_json(*camera)) {
+    return std::nullopt;
+  }
+  auto method = [model = *model](const capture::Measurement& measured,
+                                 const ProgressFn&) -> Result<lightfield::LightField> {
+    E2LF_ASSIGN_OR_RETURN(const recon::Reconstructor reconstructor, recon::Reconstructor::create(model));
+    return reconstructor.reconstruct(measured);
+  };
+  return recon::Rival{std::move(method), {known->codes, known->constants, {}, model->camera}};
+}
+
 /// Takes the camera that the network was made for where nothing names one.
 Result<recon::Method> network_method(const ReconstructArguments& arguments, model::Model model,
-                                     const std::optional<KnownCodes>& known, std::optional<capture::Camera>& camera,
-                                     RunRecord& record) {
+                                     const std::optional<KnownCodes>& known,
+                                     std::optional<capture::SensorProfile>& camera, RunRecord& record) {
   if (!model::is_told_the_camera(model) && !arguments.camera.empty()) {
     return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
                  "--camera"};
@@ -137,7 +156,7 @@ Result<void> check_measurement(const ReconstructArguments& arguments, capture::M
 
 /// Those that need patterns alone.
 Result<recon::Method> classical_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
-                                       const std::optional<capture::Camera>& camera, RunRecord& record) {
+                                       const std::optional<capture::SensorProfile>& camera, RunRecord& record) {
   if (arguments.passes > 1) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the method ", arguments.method, " makes one pass; leave the option out"), "--passes"};
@@ -180,7 +199,7 @@ Error at(Error error, const fs::path& input) {
 
 /// What the result of each cycle is checked against; nothing where nobody told the patterns.
 Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCodes>& known,
-                                                     const std::optional<capture::Camera>& camera) {
+                                                     const std::optional<capture::SensorProfile>& camera) {
   if (!known) return std::optional<recon::EventCheck>();
   E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(known->event_model));
   recon::EventCheck check{known->codes, known->constants, model};
@@ -189,12 +208,26 @@ Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCo
 }
 
 /// Black is looked for where physical pixels leave it open and brightness is not to be measured.
-Result<recon::Tone> tone_of(const ReconstructArguments& arguments, const std::optional<capture::Camera>& camera) {
+Result<recon::Tone> tone_of(const ReconstructArguments& arguments,
+                            const std::optional<capture::SensorProfile>& camera) {
   recon::Tone tone;
   E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
   E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
   if (!tone.black && (tone.gain || !camera || !camera->is_pixel())) tone.black = 0.0F;
   return tone;
+}
+
+Json check_json(const recon::EventJudgement& judgement) {
+  Json json = {{"verdict", recon::verdict_name(judgement.verdict)},
+               {"error", judgement.error},
+               {"noise_error", judgement.noise_error},
+               {"ratio", judgement.ratio}};
+  if (!judgement.change.empty()) {
+    json["changed"] = {
+        {"how", judgement.change}, {"error", judgement.changed_error}, {"unchanged_error", judgement.unchanged_error}};
+  }
+  if (judgement.rival_error) json["error_with_the_models_camera"] = *judgement.rival_error;
+  return json;
 }
 
 /// Reconstructs cycles and writes each; what has been done so far.
@@ -223,6 +256,7 @@ class CycleWriter {
       about["event_error"] = field.error->at_first;
       about["least_event_error"] = {{"value", field.error->least}, {"residue", field.error->residue}};
     }
+    if (field.judgement) about["check"] = check_json(*field.judgement);
     if (cycle.is_live) live_log_.add(about["number"], about["events"], about["latency_s"]);
     cycles_.push_back(std::move(about));
     return std::move(field.light_field);
@@ -329,7 +363,40 @@ void print_event_error(const Json& cycle) {
     std::printf(", by %.3f if references start %.2f thresholds above the first intensity", least["value"].get<double>(),
                 residue);
   }
-  std::printf("\n");
+  const Json& check = cycle["check"];
+  std::printf("; %.1f times what noise makes: %s\n", check["ratio"].get<double>(),
+              check["verdict"] == "good"    ? "good"
+              : check["verdict"] == "usual" ? "as usual"
+                                            : "see the warning");
+}
+
+void warn_of_verdict(const Json& cycle) {
+  if (!cycle.contains("check")) return;
+  const Json& check = cycle["check"];
+  if (check["verdict"] == "wrong") {
+    std::array<char, 16> ratio;
+    std::snprintf(ratio.data(), ratio.size(), "%.1f", check["ratio"].get<double>());
+    log_warning(cat("the light field differs from its events by ", ratio.data(),
+                    " times what noise makes: the polarity of the events or the order of the patterns is likely "
+                    "wrong; check both (`e2lf codes show`, docs/recordings.md)"));
+  } else if (check["verdict"] == "changed-better") {
+    const Json& changed = check["changed"];
+    std::array<char, 64> errors;
+    std::snprintf(errors.data(), errors.size(), "%.3f in place of %.3f", changed["error"].get<double>(),
+                  changed["unchanged_error"].get<double>());
+    const std::string how = changed["how"].get<std::string>();
+    log_warning(cat("the events are explained much better ", how, ": a light field of them differs by ", errors.data(),
+                    how.find("polarity") != std::string::npos
+                        ? "; give --invert-polarity"
+                        : "; check the order of the patterns (--codes, --first-pattern)"));
+  } else if (check["verdict"] == "rival-better") {
+    std::array<char, 64> errors;
+    std::snprintf(errors.data(), errors.size(), "%.3f in place of %.3f", check["error"].get<double>(),
+                  check["error_with_the_models_camera"].get<double>());
+    log_warning(
+        cat("the camera of --camera explains the events much worse than the one that the network was made for: ",
+            "they differ by ", errors.data(), "; leave --camera out, or calibrate again"));
+  }
 }
 
 /// Where the views are: each cycle of a recording, and of several, has a folder of its own.
@@ -382,7 +449,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   }
   E2LF_RETURN_IF_ERROR(check_measurement(arguments, input.measurement()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
-  E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<capture::SensorProfile> camera,
+                        camera_of_events(arguments.camera, setup, record));
   const bool is_camera_named = !arguments.camera.empty() && camera->views;
   const auto views = arguments.orientation.after(is_camera_named ? camera->views : setup.views);
   if (!model && arguments.method == "network") {
@@ -391,6 +459,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments.codes, model, setup.codes, record));
   const std::string filter =
       arguments.colour_filter.empty() ? recorded_colour_filter(arguments.input) : arguments.colour_filter;
+  std::optional<recon::Rival> rival = rival_of(arguments, model, codes, camera);
   E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
                                                   ? network_method(arguments, std::move(*model), codes, camera, record)
                                                   : classical_method(arguments, codes, camera, record));
@@ -414,10 +483,12 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     E2LF_ASSIGN_OR_RETURN(LiveView started, LiveView::start(name.filename().string(), output.path(), arguments.port));
     view.emplace(std::move(started));
   }
-  CycleWriter writer(arguments, common, views, shown, {std::move(method), tone, std::move(check)});
+  CycleWriter writer(arguments, common, views, shown,
+                     {std::move(method), tone, std::move(check), std::move(rival), arguments.method != "regularised"});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());
+  if (!writer.cycles().empty()) warn_of_verdict(writer.cycles().front());
   if (input.is_recording()) {
     writer.live_log().finish(input.report());
     if (writer.cycles().empty()) return no_cycle_error(arguments.input, input.report());

@@ -42,7 +42,7 @@ class Batches {
   [[nodiscard]] const std::vector<std::string>& validation() const { return config_.data.validation; }
 
   /// The camera of sensor.camera; nothing where none is named.
-  [[nodiscard]] const std::optional<capture::Camera>& camera() const { return camera_; }
+  [[nodiscard]] const std::optional<capture::SensorProfile>& camera() const { return camera_; }
 
  private:
   Batches(Config config, Dataset dataset, torch::Device device)
@@ -61,7 +61,7 @@ class Batches {
   void apply_camera(uint64_t step, Conditions& conditions) const;
 
   Config config_;
-  std::optional<capture::Camera> camera_;
+  std::optional<capture::SensorProfile> camera_;
   Dataset dataset_;
   torch::Device device_;
   std::vector<size_t> scenes_;             // indices of those to train on

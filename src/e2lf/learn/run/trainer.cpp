@@ -259,8 +259,8 @@ Result<StepReport> Trainer::train_step() {
   return report;
 }
 
-Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes, const capture::Camera& camera,
-                                                  size_t cycles) const {
+Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes,
+                                                  const capture::SensorProfile& camera, size_t cycles) const {
   const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
   const Pipeline pipeline{&network_,
                           &average_,
@@ -280,8 +280,8 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
   return scores;
 }
 
-std::vector<capture::Camera> Trainer::cameras() const {
-  std::vector<capture::Camera> list(1);
+std::vector<capture::SensorProfile> Trainer::cameras() const {
+  std::vector<capture::SensorProfile> list(1);
   list.front().constants = config_.sensor.nominal;
   if (batches_.camera()) list.push_back(*batches_.camera());
   return list;
@@ -303,7 +303,7 @@ StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const 
 /// Every process evaluates, so that none waits for another longer than its patience; the first one writes.
 Result<void> Trainer::log_evaluation(const RunLog& log) const {
   const uint64_t samples = step_ * config_.train.batch;
-  for (const capture::Camera& camera : cameras()) {
+  for (const capture::SensorProfile& camera : cameras()) {
     E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(batches_.validation(), camera));
     if (!peers_.leads()) continue;
     for (const SceneScore& score : scores) {
