@@ -9,7 +9,9 @@
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/output/pictures.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/json_text.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
@@ -53,10 +55,14 @@ void bind_constants(py::module_& module) {
           }));
 }
 
+capture::SensorProfile read_camera(const fs::path& name) {
+  return take(capture::read_camera(take(find_file_or_bundled(kBundledCameras, name.string()))));
+}
+
 void bind_camera(py::module_& module) {
   using capture::SensorProfile;
-  py::class_<SensorProfile>(module, "Camera",
-                            "What is known of a camera: how its pixels make events. See read_camera().")
+  py::class_<SensorProfile>(module, "Camera", "What is known of a camera: how its pixels make events.")
+      .def(py::init(&read_camera), py::arg("name"), "As read_camera().")
       .def_readonly("name", &SensorProfile::name, "As its file says.")
       .def_readonly("event_model", &SensorProfile::event_model, "\"reference-aware\", \"quantised\" or \"pixel\".")
       .def_readonly("constants", &SensorProfile::constants,
@@ -74,14 +80,20 @@ void bind_camera(py::module_& module) {
                       [](const std::string& state) {
                         return take(capture::camera_from_json(take(parse_json(state, "camera")), "camera"));
                       }));
-  module.def(
-      "_read_camera", [](const fs::path& path) { return take(capture::read_camera(path)); }, py::arg("path"));
+  module.def("read_camera", &read_camera, py::arg("name"),
+             "Reads a camera.\n\nname: the path of a camera file, or the name of a bundled camera: \"evk4-lcos\", "
+             "\"ideal\" or \"paper\".");
 }
 
 void bind_codes(py::module_& module) {
   module.def(
-      "read_codes", [](const fs::path& path) { return to_array(take(capture::read_codes(path))); }, py::arg("path"),
-      "Aperture patterns of a .json, .npy or .npz file: float32 [N, view_y, view_x], 0 = closed, 1 = open.");
+      "read_codes",
+      [](const fs::path& path) {
+        return to_array(take(cli::read_patterns(take(find_file_or_bundled(kBundledCodes, path.string())))));
+      },
+      py::arg("path"),
+      "Aperture patterns: float32 [N, view_y, view_x], 0 = closed, 1 = open.\n\n"
+      "path: a .json, .npy or .npz file of them, a model file, or the name of a bundled model.");
   module.def(
       "write_codes",
       [](const fs::path& path, const py::array& codes, bool overwrite) {

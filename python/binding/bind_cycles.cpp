@@ -135,6 +135,7 @@ class CycleIterator {
     Json report = cli::report_json(reader_.report());
     report["least_confidence"] = confidence_.least();
     report["left_out"] = cli::losses_json(reader_.summary());
+    report["live"] = cli::live_json(reader_.summary());
     return to_python(report);
   }
   [[nodiscard]] py::object codes() const {

@@ -29,5 +29,11 @@ mkdir elsewhere
 mv named moved
 (cd elsewhere && "$E2LF" reconstruct --config ../moved/run.json -o again --quiet)
 cmp moved/03_04.png elsewhere/again/03_04.png
+(cd elsewhere && "$E2LF" reconstruct --config ../moved -o of_folder --quiet)
+cmp moved/03_04.png elsewhere/of_folder/03_04.png
+"$E2LF" simulate --config named.npz -o of_file.npz --quiet
+cmp named.npz of_file.npz
+# As documents write it, from any folder.
+(cd elsewhere && "$E2LF" model info models/e2lf-n4.safetensors >/dev/null)
 mv named.npz gone.npz
 fails 1 "named.npz" "$E2LF" reconstruct --config moved/run.json -o again

@@ -2,8 +2,8 @@
 #include "e2lf/cli/flags/camera_option.h"
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/option_types.h"
+#include "e2lf/files/bundled_files.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -202,6 +202,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.resolve("source", source_name(reader.source()));
   record.note("cycles", report_json(report));
   record.note("left_out", losses_json(summary));
+  record.note("live", live_json(summary));
   record.note("read_as", reading_json(reader.recording().info()));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);
@@ -213,6 +214,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   if (common.json) {
     Json json = report_json(report);
     json["left_out"] = losses_json(summary);
+    json["live"] = live_json(summary);
     json["least_confidence"] = confidence.least();
     json["each"] = std::move(cycles);
     std::printf("%s", json_text(json).c_str());

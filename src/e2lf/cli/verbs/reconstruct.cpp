@@ -498,6 +498,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.note("read_as", reading_json(input.info()));
   }
   record.note("left_out", losses_json(input.summary()));
+  record.note("live", live_json(input.summary()));
   const Json notes = writer.notes();
   for (const auto& [key, note] : notes.items()) record.note(key, note);
   record.end_step("reconstruct");

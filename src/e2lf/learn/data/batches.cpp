@@ -3,10 +3,12 @@
 
 #include <algorithm>
 
+#include "e2lf/files/bundled_files.h"
+
 namespace e2lf::learn {
 namespace {
 
-enum SeedPurpose : uint64_t { kNoise = 1, kSynthesis = 2, kSamples = 3 };
+enum SeedPurpose : uint64_t { kNoise = 1, kSynthesis = 2, kSamples = 3, kValidation = 4 };
 constexpr uint64_t kFirstPool = 32;  // light fields synthesised before the first step
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -77,7 +79,8 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
     }
   }
   if (!config.sensor.camera.empty()) {
-    E2LF_ASSIGN_OR_RETURN(batches.camera_, capture::read_camera(config.sensor.camera));
+    E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledCameras, config.sensor.camera));
+    E2LF_ASSIGN_OR_RETURN(batches.camera_, capture::read_camera(path));
     if (!batches.camera_->is_pixel() || !config.patterns.black_first) {
       return Error{ErrorCode::kInvalidValue, "training takes cameras of the event model \"pixel\", with black first",
                    config.sensor.camera};
@@ -100,7 +103,20 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
                  "no light field of the data is left to train on; add some or set data.synthetic_share to 1",
                  config.data.file};
   }
+  if (config.data.validation.empty()) batches.synthesise_validation();
   return batches;
+}
+
+/// Light fields that no step trains on, large enough for an evaluation.
+void Batches::synthesise_validation() {
+  constexpr uint64_t kScenes = 2;
+  SynthesiserOptions options = config_.data.synthesiser;
+  options.size = std::max<int64_t>(options.size, 64);
+  for (uint64_t i = 1; i <= kScenes; ++i) {
+    const auto views = synthesise(dataset_.textures, options, mix_seed(config_.seed, kValidation, i), device_);
+    dataset_.scenes.push_back({cat("synthesised ", i), views_last(views)});
+    config_.data.validation.push_back(dataset_.scenes.back().name);
+  }
 }
 
 void Batches::advance_pool(uint64_t step) {

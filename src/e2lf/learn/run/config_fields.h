@@ -32,7 +32,8 @@ template <typename Data>
 auto data_fields(Data& data) {
   return [&data](auto& visit) {
     visit("file", data.file, "made by `e2lf pack`; empty: procedural textures alone");
-    visit("validation", data.validation, "scenes never trained on; they are evaluated");
+    visit("validation", data.validation,
+          "scenes never trained on; they are evaluated. Without any, two light fields of the synthesiser are");
     visit("exclude", data.exclude, "scenes neither trained on nor evaluated");
     visit("synthetic_share", data.synthetic_share, "share of samples from the synthesiser");
     visit("patch_stride", data.patch_stride,
@@ -58,8 +59,8 @@ auto pattern_fields(Patterns& patterns) {
         "of codes and one. Needs `black_first`");
     visit.choice("event_model", patterns.event_model, kEventModelNames, "Eq. 9 and 10; or \"quantised\", Eq. 8");
     visit("codes", patterns.codes,
-          "patterns to use as they are: a model file, or [JSON](recordings.md#the-patterns) (`e2lf codes show -o "
-          "codes.json` makes it of other files)");
+          "patterns to use as they are: those of a model, by its file or [name](models.md#names), or "
+          "[JSON](recordings.md#the-patterns) (`e2lf codes show -o codes.json` makes it of other files)");
     visit("start", patterns.start, "likewise, patterns that learning starts from; may be fewer than num_patterns");
     visit("noise_start", patterns.noise_start,
           "without any given: start from white noise of this width, in place of soft discs");
@@ -90,7 +91,8 @@ auto sensor_fields(Sensor& sensor) {
     visit("full_gain_share", sensor.full_gain_share, "samples with gain 1");
     visit("gain", sensor.gain, "range of the others");
     visit("camera", sensor.camera,
-          "a camera file of the event model `pixel`; empty: the paper's model alone. Needs `black_first`");
+          "a camera of the event model `pixel`: a file, or the [name](models.md#names) of a bundled one; empty: the "
+          "paper's model alone. Needs `black_first`");
     visit("camera_share", sensor.camera_share, "samples with that camera");
     visit("camera_nominal_share", sensor.camera_nominal_share, "of these: exactly the stated constants");
     visit("camera_spread", sensor.camera_spread, "the others vary over so many times the stated uncertainty");
@@ -145,7 +147,8 @@ void visit_fields(AnyConfig& config, Visitor& visit) {
   visit("precision", config.precision,
         "or `bfloat16`: convolutions in bfloat16, master weights in float32. 1.5 times as fast on a CPU with AMX, far "
         "slower on one without bfloat16");
-  visit("start", config.start, "a model file to start the weights from");
+  visit("start", config.start,
+        "a model to start the weights from: a file, or the [name](models.md#names) of a bundled one");
   visit.section("data", data_fields(config.data));
   visit.section("patterns", pattern_fields(config.patterns));
   visit.section("sensor", sensor_fields(config.sensor));

@@ -47,6 +47,8 @@ class DescriptorCamera final : public Camera {
 
   void stop() override { is_stopped_ = true; }
 
+  bool keeps_unread() const override { return true; }
+
  private:
   int descriptor_;
   bool owned_;
