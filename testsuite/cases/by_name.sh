@@ -16,6 +16,7 @@ rm e2lf-n4
 # Patterns of a model.
 "$E2LF" simulate demo/scene --codes e2lf-n8 -o codes.npz --quiet
 [ "$(py -c 'import numpy; print(numpy.load("codes.npz")["codes"].shape[0])')" = 8 ] || fail "not the patterns of e2lf-n8"
+"$E2LF" reconstruct codes.npz -m e2lf-n8 --codes e2lf-n8 -o codes --quiet 2>err.txt || fail "$(cat err.txt)"
 # Without any, the patterns of e2lf-n4, so that the next step finds its network.
 "$E2LF" simulate demo/scene -o default.npz >said.txt 2>&1
 grep -q "e2lf-n4" said.txt || fail "$(cat said.txt)"

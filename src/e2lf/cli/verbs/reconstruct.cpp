@@ -86,7 +86,7 @@ Result<CycleFlags> wanted_cycles(const ReconstructArguments& arguments, const st
   std::optional<capture::Codes> codes = model ? model->codes : std::nullopt;
   if (model) flags.num_wanted = model->num_patterns;
   if (!arguments.codes.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(codes, capture::read_codes(arguments.codes.codes));
+    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(arguments.codes.codes));
     if (!model) flags.num_wanted = codes->num_patterns;
   }
   if (codes && codes->num_patterns >= 2) {
