@@ -40,7 +40,7 @@ offers "--json" e2lf info rec.raw --js
 offers "e2lf-n4-camera" e2lf reconstruct in.npz -m e2lf-n4-cam
 offers "e2lf-n4-camera" e2lf reconstruct in.npz --model = e2lf-n4-cam
 offers "evk4-lcos" e2lf simulate scene --camera evk
-offers "evk4-lcos ideal paper" e2lf simulate scene --camera =
+offers "evk4-lcos" e2lf simulate scene --camera = evk
 offers "e2lf-n8" e2lf simulate scene --codes e2lf-n8
 offers "e2lf-n8" e2lf model info e2lf-n8
 offers "e2lf-n8" e2lf info e2lf-n8
