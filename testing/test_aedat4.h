@@ -25,8 +25,8 @@ void put(Bytes& bytes, T value) {
 }
 
 inline void put_text(Bytes& bytes, std::string_view text) {
-  for (const char character : text)
-    bytes.push_back(static_cast<uint8_t>(character));  // a loop, because GCC 12 misinterprets an insert
+  // A loop, because GCC 12 misreads an insert.
+  for (const char character : text) bytes.push_back(static_cast<uint8_t>(character));
 }
 
 /// Writes the size prefix, root offset, identifier, vtable of one vector field, table, and the count of the vector.

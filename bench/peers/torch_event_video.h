@@ -29,8 +29,8 @@ struct E2lfTorchVideoLayer {
   size_t residual;  ///< number of the tensor + 1; 0 = none
   size_t out_channels, in_channels, kernel, stride, heads;
   int relu;
-  const float *weight,
-      *bias;  ///< [out, in, kernel, kernel] and [out]; for cells, those of the gates; for kE2lfLayerNorm, both [in]
+  const float *weight, *bias;                      ///< [out, in, kernel, kernel] and [out]; of a cell, its gates;
+                                                   ///< of kE2lfLayerNorm, both [in]
   const float *candidate_weight, *candidate_bias;  ///< kE2lfGru
 };
 

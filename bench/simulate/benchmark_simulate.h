@@ -10,9 +10,8 @@ namespace e2lf::bench {
 
 struct SimulationBenchmarkOptions {
   size_t height = 720, width = 1280;
-  size_t num_patterns =
-      4;                 ///< the first is black; in the others, about one cell in six is open, as in learned patterns
-  double seconds = 1.0;  ///< for each measured function, which runs at least twice
+  size_t num_patterns = 4;  ///< the first is black; in the others, about one cell in six is open, as in learned ones
+  double seconds = 1.0;     ///< for each measured function, which runs at least twice
   sensor::EventModelOptions model = {};
 };
 

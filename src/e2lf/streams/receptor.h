@@ -16,8 +16,7 @@ inline constexpr size_t kReceptorNodes = 13;
 /// value at the beginning of the pattern to u: level = u + (start - u) exp(-A t), where t is the time since then.
 struct ReceptorSegment {
   double receptor_rate_hz = 0.0, amplifier_rate_hz = 0.0;
-  double duration_s = 0.0,
-         since_pattern_s = 0.0;                    ///< the latter from the beginning of the pattern
+  double duration_s = 0.0, since_pattern_s = 0.0;  ///< the latter is the start of the segment within the pattern
   std::array<double, kReceptorNodes> time_s = {};  ///< since the beginning of the segment; the last one is its end
   std::array<double, kReceptorNodes> hold = {};    ///< exp(-A t) at these times
 
