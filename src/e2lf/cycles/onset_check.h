@@ -18,16 +18,17 @@ class OnsetCheck {
   /// Takes the time at which a pattern is said to begin.
   void add_start(int64_t t_us);
 
-  /// Returns the median, over the starts, of the time of the steepest rise of the event rate near a start; negative
-  /// where events set in before it. Looks half the shortest interval to either side. Returns nothing where fewer than
-  /// kMinStarts starts show a clear rise, or where these do not agree within 500 us.
+  /// Returns the time of the steepest rise of the event rate near a start, summed over all starts; negative where
+  /// events set in before their start. Looks half the shortest interval to either side. Returns nothing where there are
+  /// fewer than kMinStarts starts, too few events, or no clear rise.
   [[nodiscard]] std::optional<int64_t> onset_us() const;
 
   static constexpr int64_t kWatchedUs = 2'000'000;
   static constexpr size_t kMinStarts = 6;
 
  private:
-  [[nodiscard]] std::optional<int64_t> onset_of(int64_t start_us, int64_t reach_us) const;
+  /// Returns the events around the starts, summed over these, in bins of 100 us; the middle is the start.
+  [[nodiscard]] std::vector<uint64_t> profile(int64_t reach_us) const;
 
   std::optional<int64_t> first_us_;
   std::vector<uint32_t> counts_;  ///< of events, for each 100 us since the first
