@@ -7,8 +7,9 @@ namespace e2lf::cycles {
 namespace {
 
 constexpr int64_t kBinUs = 100;
-constexpr int64_t kSmoothedBins = 3;  // on either side of a rise
+constexpr int64_t kSmoothedBins = 5;  // on either side of a rise
 constexpr int64_t kMostReachUs = 5'000;
+constexpr double kChanceShare = 0.02;   // of the largest rate
 constexpr uint64_t kLeastEvents = 200;  // behind the rise
 constexpr uint64_t kClearFactor = 2;    // of the events behind the rise to those in front of it
 constexpr size_t kMostCounted = 8192;   // events of a call
@@ -58,16 +59,21 @@ std::optional<int64_t> OnsetCheck::onset_us() const {
     for (size_t bin = first; bin < first + kSmoothedBins; ++bin) all += events[bin];
     return all;
   };
+  // Slow pixels raise the rate by and by, most of all in proportion to what is left of the pattern before.
+  uint64_t most = 0;
+  for (size_t bin = 0; bin + kSmoothedBins <= events.size(); ++bin) most = std::max(most, sum(bin));
+  const double least = kChanceShare * static_cast<double>(most) + 1.0;  // below that, counts are chance
   size_t best = 0;
-  int64_t best_rise = 0;
+  double best_rise = 0;
   for (size_t bin = kSmoothedBins; bin + kSmoothedBins <= events.size(); ++bin) {
-    const int64_t rise = static_cast<int64_t>(sum(bin)) - static_cast<int64_t>(sum(bin - kSmoothedBins));
+    const double rise =
+        (static_cast<double>(sum(bin)) + least) / (static_cast<double>(sum(bin - kSmoothedBins)) + least);
     if (rise > best_rise) {
       best = bin;
       best_rise = rise;
     }
   }
-  if (best_rise == 0) return std::nullopt;
+  if (best == 0) return std::nullopt;
   const uint64_t behind = sum(best), before = sum(best - kSmoothedBins);
   if (behind < kLeastEvents || behind < kClearFactor * before) return std::nullopt;
   return (static_cast<int64_t>(best) - static_cast<int64_t>(events.size() / 2)) * kBinUs;
