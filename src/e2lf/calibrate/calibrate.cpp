@@ -217,8 +217,9 @@ Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, 
   options.misfit = fit.misfit.weighted;
   fit = calibrator.fit(all, fit.model, options, 1);
   const std::vector<std::string> open =
-      is_even ? undetermined(all, fit.information)
-              : (std::getenv("E2LF_MAP") ? std::vector<std::string>() : undetermined_beside_others(all, fit.information));
+      is_even
+          ? undetermined(all, fit.information)
+          : (std::getenv("E2LF_MAP") ? std::vector<std::string>() : undetermined_beside_others(all, fit.information));
   std::vector<Parameter> determined;
   for (const Parameter& each : all) {
     if (std::find(open.begin(), open.end(), each.key) == open.end()) {

@@ -18,9 +18,9 @@ class OnsetCheck {
   /// Takes the time at which a pattern is said to begin.
   void add_start(int64_t t_us);
 
-  /// Returns the time of the largest relative rise of the event rate near a start, summed over all starts; negative where
-  /// events set in before their start. Looks half the shortest interval to either side. Returns nothing where there are
-  /// fewer than kMinStarts starts, too few events, or no clear rise.
+  /// Returns the time of the largest relative rise of the event rate near a start, summed over all starts; negative
+  /// where events set in before their start. Looks half the shortest interval to either side. Returns nothing where
+  /// there are fewer than kMinStarts starts, too few events, or no clear rise.
   [[nodiscard]] std::optional<int64_t> onset_us() const;
 
   static constexpr int64_t kWatchedUs = 2'000'000;
