@@ -469,7 +469,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.resolve("colour-filter", filter);
   }
   record.end_step("open");
-  const auto shown = codes ? std::optional(codes->codes) : std::nullopt;
+  // Slow pixels still make the OFF events of black when the first pattern has come: their signs tell nothing.
+  const bool is_slow = camera && camera->is_pixel();
+  const auto shown = codes && !is_slow ? std::optional(codes->codes) : std::nullopt;
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
   // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
@@ -484,7 +486,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     view.emplace(std::move(started));
   }
   CycleWriter writer(arguments, common, views, shown,
-                     {std::move(method), tone, std::move(check), std::move(rival), arguments.method != "regularised"});
+                     {std::move(method), tone, std::move(check), std::move(rival), arguments.method == "network"});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());
