@@ -7,18 +7,11 @@ namespace e2lf::cycles {
 namespace {
 
 constexpr int64_t kBinUs = 100;
-constexpr int64_t kSmoothedBins = 3;  // on either side of a rise
+constexpr int64_t kWindowBins = 3;  // on either side of a change
 constexpr int64_t kMostReachUs = 5'000;
-constexpr uint64_t kLeastEvents = 200;  // behind a rise
-constexpr uint64_t kClearFactor = 3;    // of the events behind a rise to those in front of it
-constexpr int64_t kAgreementUs = 500;
+constexpr double kLeastScore = 10;     // per start; chance alone makes 1
+constexpr double kClearFactor = 3;     // of the best time's score to the median over all times
 constexpr size_t kMostCounted = 8192;  // events of a call
-
-int64_t quantile(std::vector<int64_t> values, double share) {
-  const auto place = values.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 }  // namespace
 
@@ -42,25 +35,19 @@ void OnsetCheck::add_start(int64_t t_us) {
   if (starts_us_.empty() || t_us < starts_us_.front() + kWatchedUs) starts_us_.push_back(t_us);
 }
 
-std::optional<int64_t> OnsetCheck::onset_of(int64_t start_us, int64_t reach_us) const {
-  const int64_t begin = (start_us - reach_us - *first_us_) / kBinUs, end = (start_us + reach_us - *first_us_) / kBinUs;
-  if (begin < kSmoothedBins || end + kSmoothedBins > static_cast<int64_t>(counts_.size())) return std::nullopt;
-  const auto sum = [&](int64_t first) {
-    uint64_t events = 0;
-    for (int64_t bin = first; bin < first + kSmoothedBins; ++bin) events += counts_[static_cast<size_t>(bin)];
-    return events;
-  };
-  int64_t best = begin, best_rise = 0;
-  for (int64_t bin = begin; bin < end; ++bin) {
-    const int64_t rise = static_cast<int64_t>(sum(bin)) - static_cast<int64_t>(sum(bin - kSmoothedBins));
-    if (rise > best_rise) {
-      best = bin;
-      best_rise = rise;
+double OnsetCheck::score_at(int64_t offset_us) const {
+  double score = 0;
+  for (const int64_t start_us : starts_us_) {
+    const int64_t bin = (start_us + offset_us - *first_us_) / kBinUs;
+    if (bin < kWindowBins || bin + kWindowBins > static_cast<int64_t>(counts_.size())) continue;
+    double before = 0, behind = 0;
+    for (int64_t i = 0; i < kWindowBins; ++i) {
+      before += counts_[static_cast<size_t>(bin - 1 - i)];
+      behind += counts_[static_cast<size_t>(bin + i)];
     }
+    if (before + behind > 0) score += (behind - before) * (behind - before) / (behind + before);
   }
-  const uint64_t behind = sum(best), before = sum(best - kSmoothedBins);
-  if (behind < kLeastEvents || behind < kClearFactor * before) return std::nullopt;
-  return *first_us_ + best * kBinUs - start_us;
+  return score;
 }
 
 std::optional<int64_t> OnsetCheck::onset_us() const {
@@ -69,13 +56,17 @@ std::optional<int64_t> OnsetCheck::onset_us() const {
   for (size_t i = 1; i < starts_us_.size(); ++i) {
     reach_us = std::min(reach_us, (starts_us_[i] - starts_us_[i - 1]) / 2);
   }
-  std::vector<int64_t> onsets_us;
-  for (const int64_t start_us : starts_us_) {
-    if (const auto onset_us = onset_of(start_us, reach_us)) onsets_us.push_back(*onset_us);
-  }
-  if (onsets_us.size() < kMinStarts) return std::nullopt;
-  if (quantile(onsets_us, 0.75) - quantile(onsets_us, 0.25) > kAgreementUs) return std::nullopt;
-  return quantile(onsets_us, 0.5);
+  const int64_t reach = reach_us / kBinUs;
+  std::vector<double> scores;
+  for (int64_t offset = -reach; offset <= reach; ++offset) scores.push_back(score_at(offset * kBinUs));
+  const auto best = std::max_element(scores.begin(), scores.end());
+  const int64_t onset_us = (best - scores.begin() - reach) * kBinUs;
+  const double best_score = *best;
+  const auto middle = scores.begin() + static_cast<ptrdiff_t>(scores.size() / 2);
+  std::nth_element(scores.begin(), middle, scores.end());
+  const bool is_clear =
+      best_score >= kLeastScore * static_cast<double>(starts_us_.size()) && best_score >= kClearFactor * *middle;
+  return is_clear ? std::optional(onset_us) : std::nullopt;
 }
 
 }  // namespace e2lf::cycles

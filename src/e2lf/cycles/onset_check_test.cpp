@@ -8,14 +8,15 @@ namespace {
 
 /// Bursts every 10 ms that set in at once and fade within 3 ms, a little noise between them, and starts that are said
 /// to be `late_us` after the bursts.
-OnsetCheck bursts(int64_t late_us, size_t events_per_burst = 2000) {
+OnsetCheck bursts(int64_t late_us, int64_t num_bursts = 39) {
+  constexpr size_t kEventsPerBurst = 2000;
   OnsetCheck check;
   std::vector<int64_t> times_us;
-  for (int64_t burst = 1; burst < 40; ++burst) {
+  for (int64_t burst = 1; burst <= num_bursts; ++burst) {
     const int64_t begin_us = 10'000 * burst;
     for (int64_t t_us = begin_us - 7'000; t_us < begin_us; t_us += 70) times_us.push_back(t_us);
-    for (size_t i = 0; i < events_per_burst; ++i) {
-      const double share = static_cast<double>(i) / static_cast<double>(events_per_burst);
+    for (size_t i = 0; i < kEventsPerBurst; ++i) {
+      const double share = static_cast<double>(i) / static_cast<double>(kEventsPerBurst);
       times_us.push_back(begin_us + static_cast<int64_t>(3000 * share * share));
     }
     check.add_start(begin_us + late_us);
@@ -38,9 +39,32 @@ TEST(OnsetCheck, B4TriggersThatAreAllLateByTheSameTimeAreMeasured) {
   }
 }
 
-TEST(OnsetCheck, FewEventsAndFewStartsSayNothing) {
-  EXPECT_FALSE(bursts(500, 100).onset_us());
+TEST(OnsetCheck, B4SlowPixelsWhoseEventsEndAtTheNextChangeTellOfLateTriggersToo) {
+  for (const int64_t late_us : {0, 500, 1500}) {
+    OnsetCheck check;
+    std::vector<int64_t> times_us;
+    for (int64_t change = 1; change < 40; ++change) {
+      const int64_t begin_us = 10'000 * change;
+      // Events become more and more frequent until the next change.
+      for (int64_t t_us = 2'000; t_us < 10'000; t_us += 200'000 / t_us) times_us.push_back(begin_us + t_us);
+      check.add_start(begin_us + late_us);
+    }
+    check.add_events(times_us);
+    const auto onset_us = check.onset_us();
+    ASSERT_TRUE(onset_us) << late_us;
+    EXPECT_NEAR(*onset_us, -late_us, 200) << late_us;
+  }
+}
+
+TEST(OnsetCheck, FewStartsAndNoEventsSayNothing) {
+  EXPECT_FALSE(bursts(500, 5).onset_us());
   EXPECT_FALSE(OnsetCheck().onset_us());
+  OnsetCheck steady;
+  std::vector<int64_t> times_us;
+  for (int64_t t_us = 0; t_us < 400'000; t_us += 10) times_us.push_back(t_us);
+  for (int64_t start = 1; start < 39; ++start) steady.add_start(10'000 * start);
+  steady.add_events(times_us);
+  EXPECT_FALSE(steady.onset_us());
 }
 
 TEST(OnsetCheck, StartsWithoutRelationToTheEventsSayNothing) {
