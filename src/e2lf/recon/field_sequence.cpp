@@ -59,9 +59,9 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (check_ && capture::has_events(measurement.kind)) {
     E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, measurement.events));
-    if (is_first_) {
+    if (is_first_ && judging_ != Judging::kNone) {
       E2LF_ASSIGN_OR_RETURN(field.judgement, judge(*check_, field.light_field, measurement.events, rival_,
-                                                   tries_changes_ ? method_ : Method()));
+                                                   judging_ == Judging::kChanges ? method_ : Method()));
     }
     is_first_ = false;
   }
