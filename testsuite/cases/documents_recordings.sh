@@ -4,7 +4,7 @@ scene() { e2lf demo -o demo --quiet && ln -s demo/scene SCENE; }
 recordings() {
   scene
   ln -s models/e2lf-n4.safetensors MODEL
-  cp cameras/evk4-lcos.json mine.json
+  cp cameras/paper.json mine.json
   e2lf simulate SCENE -m MODEL -o REC.raw --cycles 2 --quiet
 }
 video() {

@@ -17,7 +17,7 @@ constexpr double kWrongRatio = 1.5;
 constexpr double kRivalRatio = 1.2;        // of the error to the rival's
 constexpr double kLeastNoiseError = 0.05;  // counts: a camera without noise still rounds
 constexpr double kChangedRatio = 0.97;     // of the error of changed events to that of the given ones
-constexpr double kClearRatio = 0.9;        // the same, where the given events are explained as well
+constexpr double kClearRatio = 0.8;        // the same, where the given events are explained as well
 constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // ratios of events that are right
 constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
 constexpr uint64_t kSeed = 1;

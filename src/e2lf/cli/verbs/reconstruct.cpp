@@ -389,8 +389,8 @@ void warn_of_verdict(const Json& cycle) {
     std::array<char, 16> ratio;
     std::snprintf(ratio.data(), ratio.size(), "%.1f", check["ratio"].get<double>());
     log_warning(cat("the light field differs from its events by ", ratio.data(),
-                    " times what noise makes: the polarity of the events or the order of the patterns is likely "
-                    "wrong; check both (`e2lf codes show`, docs/recordings.md)"));
+                    " times what noise makes: the polarity of the events, the order of the patterns or the camera "
+                    "is likely wrong; check them (`e2lf codes show`, --camera, docs/recordings.md)"));
   } else if (check["verdict"] == "changed-better") {
     const Json& changed = check["changed"];
     std::array<char, 64> errors;
