@@ -7,10 +7,10 @@ RUN apt-get update && apt-get install -y --no-install-recommends \
     nlohmann-json3-dev libcli11-dev pybind11-dev python3-dev python3-numpy
 COPY . /e2lf
 WORKDIR /e2lf
-RUN cmake --preset minimal -DE2LF_WITH_VIEWER=OFF && cmake --build build/minimal && cd build/minimal && cpack -G DEB
+RUN cmake --preset release -DE2LF_WITH_TORCH=OFF -DE2LF_WITH_VIEWER=OFF && cmake --build build/release && cd build/release && cpack -G DEB
 
 FROM debian:12-slim
-COPY --from=build /e2lf/build/minimal/e2lf_*.deb /e2lf/build/minimal/python3-e2lf_*.deb /packages/
+COPY --from=build /e2lf/build/release/e2lf_*.deb /e2lf/build/release/python3-e2lf_*.deb /packages/
 RUN apt-get update && apt-get install -y --no-install-recommends /packages/*.deb && rm -rf /packages /var/lib/apt/lists/*
 WORKDIR /out
 ENTRYPOINT ["e2lf"]

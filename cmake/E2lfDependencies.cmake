@@ -14,6 +14,8 @@ find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(JPEG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
+# SSSE3 alone is what CPUs of 2006 have; every kernel compiled for it as well takes time and gains nothing on others.
+set_property(TARGET PkgConfig::HWY APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
 
 # HDF5 1.10's CMake package brings global flags; the pkg-config file names just what is needed.
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)

@@ -42,6 +42,26 @@ function(e2lf_use_precompiled target name)
   endif()
 endfunction()
 
+# e2lf_compile_together(<target>): several sources at once, which read their headers once. Kernels stay alone: Highway
+# compiles their source several times over. Names in unnamed namespaces of a module must therefore differ.
+function(e2lf_compile_together target)
+  if(NOT E2LF_UNITY)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    if(source MATCHES "\\.cpp$" AND EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+      file(STRINGS ${CMAKE_CURRENT_SOURCE_DIR}/${source} kernels REGEX "foreach_target.h" LIMIT_COUNT 1)
+      if(kernels)
+        set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      endif()
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  # GCC takes what is included for a header, where a class must not hold a type of an unnamed namespace.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
 # e2lf_add_library(<module> SRCS ... [HEADERS ...] [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...]
 #                  [PRIVATE_DEFINITIONS ...] [PRECOMPILED <name>])
 # Makes e2lf_<module> with the alias e2lf::<module>. HEADERS are those that others may include, with all that they
@@ -65,6 +85,7 @@ function(e2lf_add_library module)
     set_target_properties(e2lf_${module} PROPERTIES LINK_DEPENDS ${names} DEFINE_SYMBOL "")
   endif()
   e2lf_use_precompiled(e2lf_${module} "${ARG_PRECOMPILED}")
+  e2lf_compile_together(e2lf_${module})
   if(ARG_HEADERS AND NOT E2LF_LEARN_ONLY AND NOT E2LF_FUZZ)
     e2lf_offer_module(${module} ${ARG_HEADERS})
   endif()

@@ -6,7 +6,7 @@
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes_header.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
@@ -151,7 +151,7 @@ Result<void> write_patterns(const fs::path& folder) {
   std::string header;
   for (const auto& [key, value] : capture::codes_to_header(codes)) header += key + " " + value + "\n";
   E2LF_RETURN_IF_ERROR(write_choice(out / "header", 3, bytes_of(header)));
-  capture::Camera camera;
+  capture::SensorProfile camera;
   E2LF_RETURN_IF_ERROR(write_file(folder / "camera" / "paper", to_json(camera).dump()));
   camera.event_model = "pixel";
   camera.pixel.values.fill(0.5F);

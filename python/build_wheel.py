@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # Folders beside share/e2lf in an environment of Python: e2lf.data_file() looks there.
 DATA = {"models": "*.safetensors", "cameras": "*.json"}
 # Build trees that may hold the module already, the optimised ones first.
-REUSED = ["wheel", "minimal", "release", "dev"]
+REUSED = ["wheel", "release", "dev"]
 PROGRESS_S = 10
 
 
@@ -103,7 +103,7 @@ def build():
         tell(f"e2lf: building for {interpreter()} in {folder}; the first time takes minutes")
         # The cache of a checkout that lay elsewhere is of no use.
         fresh = [] if is_same(cached(folder).get("CMAKE_HOME_DIRECTORY", ROOT), ROOT) else ["--fresh"]
-        cmake(*fresh, "--preset", "minimal", "-B", folder, "-DE2LF_WITH_PYTHON=ON", "-DE2LF_WITH_VIEWER=OFF",
+        cmake(*fresh, "--preset", "release", "-B", folder, "-DE2LF_WITH_TORCH=OFF", "-DE2LF_WITH_PYTHON=ON", "-DE2LF_WITH_VIEWER=OFF",
               "-DE2LF_WITH_FILMS=OFF", f"-DPython_EXECUTABLE={interpreter()}")
     cmake("--build", folder, "-j", os.cpu_count(), "--target", "e2lf_python")
     return folder

@@ -8,10 +8,11 @@
 
 #include "e2lf/recordings/io/byte_source.h"
 
-/// A source for tests and fuzzing: hands bytes out in pieces, as a live source would.
+/// A source for tests and fuzzing that provides bytes in pieces, as a live source would.
 namespace e2lf::recordings {
 
-/// Cuts lie at the given positions (ascending), then every `step` bytes; a fetch sees one piece more at a time.
+/// The pieces end at the given positions (ascending), and then every `step` bytes. Each fetch sees at most the pieces
+/// that it needs.
 class ChunkedSource final : public ByteSource {
  public:
   ChunkedSource(std::vector<uint8_t> bytes, std::vector<size_t> cuts, size_t step)
@@ -23,7 +24,7 @@ class ChunkedSource final : public ByteSource {
       const size_t next = cut != cuts_.end() ? *cut : arrived_ + step_;
       arrived_ = std::min(next, bytes_.size());
     }
-    // A copy of exactly these bytes: reading beyond them is seen by the address sanitizer.
+    // The copy has exactly these bytes, so that the address sanitizer detects reads beyond them.
     piece_.assign(bytes_.begin() + static_cast<ptrdiff_t>(position_),
                   bytes_.begin() + static_cast<ptrdiff_t>(arrived_));
     return std::span<const uint8_t>(piece_);

@@ -6,18 +6,18 @@
 #include <random>
 #include <vector>
 
-/// Damage done to bytes at random, for tests and fuzzing.
+/// Random damage of bytes, for tests and fuzzing.
 namespace e2lf::recordings {
 
 enum class Damage { kLost, kInserted, kFlipped, kZeroed, kOverwritten, kTruncated };
 inline constexpr int kNumDamages = 6;
 
 struct DamagedPlace {
-  size_t begin = 0;  ///< where it begins
-  size_t size = 0;   ///< bytes of the undamaged data that are touched
+  size_t begin = 0;  ///< where the damage begins
+  size_t size = 0;   ///< number of affected bytes of the undamaged data
 };
 
-/// Damages `bytes` behind `first` in one place, by up to `max_size` bytes.
+/// Damages `bytes` after `first` in one place, by up to `max_size` bytes.
 inline DamagedPlace damage(std::vector<uint8_t>& bytes, size_t first, Damage kind, size_t max_size,
                            std::mt19937& random) {
   const size_t begin = first + random() % (bytes.size() - first);

@@ -9,7 +9,7 @@
 
 namespace e2lf::engine {
 
-/// A network's output for one image, on an engine of its own.
+/// Returns the output of a network for one image, on its own engine.
 inline std::vector<float> run_engine(const model::Network& network, const model::Weights& weights,
                                      const std::vector<float>& input, size_t height, size_t width,
                                      Precision precision = Precision::kFloat32) {
@@ -20,12 +20,12 @@ inline std::vector<float> run_engine(const model::Network& network, const model:
   return output;
 }
 
-/// Infinite where the sizes differ.
+/// Returns the largest difference, which is infinite if the sizes differ.
 inline double largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
   double largest = a.size() == b.size() ? 0.0 : INFINITY;
   for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
     const double difference = std::abs(static_cast<double>(a[i]) - b[i]);
-    largest = difference <= largest ? largest : difference;  // NaN wins
+    largest = difference <= largest ? largest : difference;  // NaN takes precedence
   }
   return largest;
 }

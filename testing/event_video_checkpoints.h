@@ -8,7 +8,7 @@
 #include "e2lf/files/safetensors.h"
 #include "testing/test_networks.h"
 
-/// Checkpoints of event-to-video networks with random weights, under the names and in the shapes of the published ones.
+/// Makes checkpoints of event-to-video networks with random weights, with the names and shapes of the published ones.
 namespace e2lf::model {
 
 class CheckpointMaker {
@@ -68,10 +68,10 @@ struct UnetCheckpoint {
   bool is_normalised = false;
   size_t channels = 32;  ///< of the head
   size_t encoders = 3, blocks = 2;
-  bool is_dynamic = false;  ///< the first decoder is HyperE2VID's
+  bool is_dynamic = false;  ///< the first decoder is that of HyperE2VID
 };
 
-/// 6 filters of 5x5 as weighted sums of 12 bases.
+/// Adds 6 filters of 5x5 as weighted sums of 12 bases.
 inline void add_dynamic_decoder(CheckpointMaker& make, const std::string& key, size_t in, size_t out) {
   make.conv(key + ".context_fusion.conv", 6, 32, 3);
   const std::string atoms = key + ".dynamic_atom_generation";
@@ -118,7 +118,7 @@ struct TransformerCheckpoint {
   size_t self_layers = 3, cross_layers = 2, wide = 1024;
 };
 
-/// ET-Net's.
+/// Makes a checkpoint of ET-Net.
 class TransformerMaker {
  public:
   explicit TransformerMaker(const TransformerCheckpoint& sizes) : sizes_(sizes), size_(8 * sizes.channels) {}

@@ -23,7 +23,7 @@ inline void put_text(Bytes& bytes, std::string_view text) {
   for (const char character : text) bytes.push_back(static_cast<uint8_t>(character));
 }
 
-/// Records of an address and a time.
+/// Makes a file from records of an address and a time.
 inline Bytes aedat2_file(std::string_view header, const std::vector<std::pair<uint32_t, uint32_t>>& records) {
   Bytes bytes;
   put_text(bytes, "#!AER-DAT2.0\r\n# This is a raw AE data file - do not edit\r\n");
@@ -44,7 +44,7 @@ inline Bytes packet_header(int16_t type, int16_t source, int32_t overflow, size_
   return bytes;
 }
 
-/// Times are the low 31 bits.
+/// Makes a packet of events, whose times are stored as their lower 31 bits.
 inline Bytes polarity_packet(int16_t source, int32_t overflow, const std::vector<Event>& events) {
   Bytes bytes = packet_header(1, source, overflow, events.size());
   for (const Event& event : events) {
@@ -54,7 +54,7 @@ inline Bytes polarity_packet(int16_t source, int32_t overflow, const std::vector
   return bytes;
 }
 
-/// Special events as (type, time).
+/// Makes a packet of special events, given as (type, time).
 inline Bytes special_packet(int16_t source, int32_t overflow, const std::vector<std::pair<uint32_t, int32_t>>& events) {
   Bytes bytes = packet_header(0, source, overflow, events.size());
   for (const auto& [type, t_us] : events) {

@@ -25,10 +25,11 @@ void put(Bytes& bytes, T value) {
 }
 
 inline void put_text(Bytes& bytes, std::string_view text) {
-  for (const char character : text) bytes.push_back(static_cast<uint8_t>(character));  // GCC 12 misreads an insert
+  // A loop, because GCC 12 misreads an insert.
+  for (const char character : text) bytes.push_back(static_cast<uint8_t>(character));
 }
 
-/// Size prefix, root offset, identifier, vtable of one vector field, table, and the vector's count.
+/// Writes the size prefix, root offset, identifier, vtable of one vector field, table, and the count of the vector.
 inline Bytes begin_packet(std::string_view id, uint32_t count) {
   Bytes bytes;
   put<uint32_t>(bytes, 0);
@@ -52,7 +53,7 @@ inline Bytes event_packet(const EventColumns& events) {
   return bytes;
 }
 
-/// Triggers as (type of the format, time).
+/// Makes a packet of triggers, given as (type of the format, time).
 inline Bytes trigger_packet(const std::vector<std::pair<int8_t, int64_t>>& triggers) {
   Bytes bytes = begin_packet("TRIG", static_cast<uint32_t>(triggers.size()));
   const size_t vector = bytes.size();
@@ -92,7 +93,7 @@ inline constexpr const char* kXml =
 <node name="3" path="/mainloop/Recorder/outInfo/3/"><attr key="typeIdentifier" type="string">TRIG</attr></node>
 </node></dv>)";
 
-/// Events 0 and triggers 3 of one camera, events 4 and triggers 5 of another.
+/// Describes events 0 and triggers 3 of one camera, and events 4 and triggers 5 of another.
 inline constexpr const char* kTwoCameras =
     R"(<dv version="2.0"><node name="outInfo" path="/mainloop/Recorder/outInfo/">
 <node name="0" path="/mainloop/Recorder/outInfo/0/"><attr key="typeIdentifier" type="string">EVTS</attr>

@@ -8,16 +8,16 @@
 #include <string>
 #include <unistd.h>
 
-/// What tests of every module need: a folder of their own and the data at hand.
+/// Helpers for the tests of every module: a folder of their own, and the available data.
 namespace e2lf {
 
-/// An empty folder for one test, removed with everything in it at the end.
+/// An empty folder for one test, which is removed with its content at the end.
 class TestFolder {
  public:
   TestFolder() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     std::string name = "e2lf." + std::to_string(::getpid()) + "." + test->test_suite_name() + "." + test->name();
-    // The name of a parametrised test has slashes.
+    // The names of parametrised tests contain slashes.
     std::replace(name.begin(), name.end(), '/', '.');
     path_ = std::filesystem::temp_directory_path() / name;
     std::filesystem::remove_all(path_);
@@ -37,7 +37,7 @@ class TestFolder {
   std::filesystem::path path_;
 };
 
-/// A file or folder below E2LF_DATA; empty when it is not there.
+/// Returns the path of a file or folder below E2LF_DATA, or an empty path if it does not exist.
 inline std::filesystem::path test_data(const std::string& name) {
   const char* root = std::getenv("E2LF_DATA");
   if (root == nullptr) return {};
@@ -47,6 +47,6 @@ inline std::filesystem::path test_data(const std::string& name) {
 
 }  // namespace e2lf
 
-/// Skips the test, saying why, when `name` is not below E2LF_DATA.
+/// Skips the test with an explanation if `name` does not exist below E2LF_DATA.
 #define E2LF_REQUIRE_DATA(name) \
   if (::e2lf::test_data(name).empty()) GTEST_SKIP() << "no " << (name) << " below E2LF_DATA"

@@ -8,7 +8,7 @@
 
 namespace e2lf {
 
-/// A .gz file with these contents.
+/// Returns a .gz file with these contents.
 inline std::vector<uint8_t> gzip(const std::vector<uint8_t>& bytes) {
   z_stream stream{};
   deflateInit2(&stream, 6, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY);

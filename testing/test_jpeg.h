@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
-// jpeglib.h needs size_t and FILE first.
+// jpeglib.h needs size_t and FILE to be declared first.
 #include <jpeglib.h>
 
 namespace e2lf::lightfield {
 
-/// A JPEG of the best quality; samples [y, x, component].
+/// Encodes a JPEG with the best quality from samples [y, x, component].
 inline std::vector<uint8_t> make_jpeg(const std::vector<uint8_t>& samples, int width, int height, int components,
                                       J_COLOR_SPACE space) {
   jpeg_compress_struct codec{};

@@ -12,23 +12,23 @@
 
 namespace e2lf::streams {
 
-/// A sensor in a light that a test turns up and down; keeps all its events.
+/// A sensor under light controlled by a test. It keeps all its events.
 class TestLight {
  public:
-  /// The light of the first call of show() or ramp() has been there for ever.
+  /// The pixels begin in the steady state for the light of the first call of show() or ramp().
   explicit TestLight(const StreamOptions& options, size_t height = 1, size_t width = 1, bool uses_reference = false)
       : size_(height * width), stream_(EventStream::create(options, height, width).value()) {
     if (uses_reference) stream_.use_reference();
   }
 
-  /// A pattern with the same light everywhere; it jumps to it.
+  /// Shows a pattern with uniform light, to which the light jumps.
   void show(float light, int64_t duration_us) { show(std::vector<float>(size_, light), duration_us); }
   void show(const std::vector<float>& light, int64_t duration_us, bool is_black = false) {
     const int64_t end_us = now_us_ + duration_us;
     advance({now_us_, end_us, light, light, pattern_++, now_us_, end_us, is_black});
   }
 
-  /// A pattern in which the light follows log_light(seconds since its begin), in straight pieces of `piece_us`.
+  /// Shows a pattern in which the light follows light(seconds since its beginning), in linear pieces of `piece_us`.
   void follow(const std::function<double(double)>& light, int64_t duration_us, int64_t piece_us) {
     const int64_t begin_us = now_us_, end_us = begin_us + duration_us;
     const auto image = [&](int64_t t_us) {
@@ -50,7 +50,7 @@ class TestLight {
   [[nodiscard]] const EventStream& stream() const { return stream_; }
   [[nodiscard]] int64_t now_us() const { return now_us_; }
 
-  /// The signed sum of all events at or after `from_us`.
+  /// Returns the signed sum of all events at or after `from_us`.
   [[nodiscard]] int64_t sum(int64_t from_us = 0) const {
     int64_t sum = 0;
     for (size_t i = 0; i < events_.size(); ++i) sum += events_.t[i] < from_us ? 0 : events_.p[i] != 0 ? 1 : -1;
@@ -71,7 +71,7 @@ class TestLight {
   uint64_t pattern_ = 0;
 };
 
-/// The paper's models or ESIM without noise.
+/// Returns options for the paper's models or ESIM without noise.
 inline StreamOptions quiet(StreamModel model, float tau = 0.3F, float eps = 0.01F) {
   StreamOptions options;
   options.model = model;
@@ -79,7 +79,7 @@ inline StreamOptions quiet(StreamModel model, float tau = 0.3F, float eps = 0.01
   return options;
 }
 
-/// Physical pixels that follow the light at once, are equal and have no noise.
+/// Returns options for physical pixels that follow the light immediately, are identical and have no noise.
 inline StreamOptions ideal_pixels(float tau = 0.3F, float eps = 0.01F) {
   using enum capture::PixelConstant;
   StreamOptions options;
@@ -95,7 +95,7 @@ struct MeanAndDeviation {
   double mean = 0.0, deviation = 0.0;
 };
 
-/// Of the thresholds that the time of each pixel's first event stands for.
+/// Computes the mean and deviation of the thresholds implied by the time of each pixel's first event.
 template <typename ThresholdAt>
 MeanAndDeviation first_thresholds(const recordings::EventColumns& events, size_t height, size_t width,
                                   const ThresholdAt& threshold_at) {
@@ -115,7 +115,7 @@ MeanAndDeviation first_thresholds(const recordings::EventColumns& events, size_t
   return result;
 }
 
-/// Light whose logarithm with eps is `log_light`.
+/// Returns the light for which ln(light + eps) is `log_light`.
 inline double light_of_log(double log_light, double eps = 0.01) {
   return std::exp(log_light) - eps;
 }

@@ -7,7 +7,7 @@
 
 namespace e2lf::lightfield {
 
-/// A small light field whose samples are whole multiples of 1 / 255 and differ along every axis.
+/// Returns a small light field whose samples are multiples of 1 / 255 and differ along every axis.
 inline LightField numbered_light_field(const Shape& shape) {
   LightField out(shape);
   for (size_t i = 0; i < out.data().size(); ++i) {

@@ -8,7 +8,7 @@
 
 namespace e2lf {
 
-/// Collects what the library says while it lives.
+/// Collects the messages of the library during its lifetime.
 class TestLog {
  public:
   TestLog() : previous_(set_log_sink([this](LogLevel, const std::string& message) { text_ += message + "\n"; })) {}

@@ -11,7 +11,7 @@
 
 namespace e2lf::engine {
 
-/// A network for tests, by name, with the channels of every layer known.
+/// A named network for tests.
 struct TestNetwork {
   std::string name;
   model::Network network;
@@ -55,7 +55,8 @@ inline model::Layer transposed(const std::string& name, const std::string& input
   return layer;
 }
 
-/// Plain, residual, the paper's shape with few channels, and multi-scale networks with every operation.
+/// Returns plain and residual networks, the architecture of the paper with few channels, and multi-scale networks with
+/// every operation.
 inline std::vector<TestNetwork> test_networks() {
   using model::Op;
   std::vector<TestNetwork> list;
@@ -93,7 +94,7 @@ inline std::vector<TestNetwork> test_networks() {
                     reshape("up2", Op::kUpsampleBilinear, {"a"}, 2), conv("b", "up2", 5, 5, false),
                     reshape("out", Op::kSigmoid, {"b"})}},
                   6});
-  // Filters of each pixel, as many as the channels do not fit, of several vectors and of one.
+  // Dynamic filters with channel numbers that do not fill whole vectors, of several vectors and of one.
   model::Layer wide = reshape("wide", Op::kDynamicFilter, {"a", "f"}),
                narrow = reshape("out", Op::kDynamicFilter, {"m", "g"});
   wide.kernel = 5;
@@ -103,7 +104,7 @@ inline std::vector<TestNetwork> test_networks() {
                    {conv("a", "input", 83, 3), conv("p", "input", 50, 1, false), reshape("f", Op::kTanh, {"p"}), wide,
                     conv("m", "wide", 5, 1), conv("q", "a", 27, 3, false), reshape("g", Op::kTanh, {"q"}), narrow}},
                   1});
-  // Sums that convolutions can make themselves, of one of them and something else, before and after the other.
+  // Sums that convolutions can compute themselves, of a convolution and another tensor, in both orders.
   model::Layer up = transposed("up", "half", 32, 2);
   up.relu = false;
   list.push_back(
@@ -136,7 +137,8 @@ inline model::Layer attention(const std::string& name, std::vector<std::string> 
   return layer;
 }
 
-/// Networks whose pixels see the whole image, with heads of several sizes; around them what runs row by row.
+/// Returns networks whose pixels depend on the whole image, with heads of several sizes, surrounded by layers that run
+/// row by row.
 inline std::vector<TestNetwork> whole_image_networks() {
   using model::Op;
   std::vector<TestNetwork> list;
@@ -179,8 +181,8 @@ inline std::vector<TestNetwork> whole_image_networks() {
   return list;
 }
 
-/// Networks with both kinds of cells, at full and at lower resolution, as the last layer too; one keeps rows that its
-/// output does not depend on. Two see their last output again.
+/// Returns networks with both kinds of cells, at full and at lower resolution, also as the last layer; one keeps rows
+/// on which its output does not depend, and two feed back their last output.
 inline std::vector<TestNetwork> recurrent_networks() {
   using model::Op;
   std::vector<TestNetwork> list;
@@ -226,7 +228,7 @@ inline std::vector<TestNetwork> recurrent_networks() {
   return list;
 }
 
-/// Weights that keep the size of values from layer to layer; biases that matter.
+/// Returns weights that preserve the magnitude of values from layer to layer, and biases that are not negligible.
 inline model::Weights random_weights(const model::Network& network, uint64_t seed) {
   model::Weights weights;
   for (const model::WeightShape& tensor : model::weight_shapes(network)) {

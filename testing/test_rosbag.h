@@ -12,7 +12,7 @@
 #include <sqlite3.h>
 #endif
 
-/// Builds bags of ROS 2, for tests and fuzzing.
+/// Builds ROS 2 bags, for tests and fuzzing.
 namespace e2lf::recordings::rosbag {
 
 using Bytes = std::vector<uint8_t>;
@@ -20,7 +20,7 @@ using Bytes = std::vector<uint8_t>;
 inline constexpr const char* kPacketType = "event_camera_msgs/msg/EventPacket";
 inline constexpr const char* kListType = "dvs_msgs/msg/EventArray";
 
-/// Fields of a message in CDR behind its header of four bytes.
+/// Writes the fields of a message in CDR after its four-byte header.
 class MessageWriter {
  public:
   template <typename T>
@@ -60,7 +60,7 @@ inline Bytes packet_message(uint64_t number, std::string_view encoding, uint64_t
   return message.take();
 }
 
-/// Times in us since 1970.
+/// Makes a message from events whose times are in us since 1970.
 inline Bytes list_message(const EventColumns& events) {
   MessageWriter message;
   message.put_header(640, 480);
@@ -112,7 +112,7 @@ class RecordWriter {
   Bytes bytes;
 };
 
-/// An MCAP file; `pack` compresses its only chunk by the algorithm of that name, or there is no chunk.
+/// Makes an MCAP file. `pack` compresses its single chunk by the algorithm `name`; without it, there is no chunk.
 inline Bytes mcap_file(const std::vector<TestTopic>& topics, const TestMessages& messages, std::string_view name = "",
                        Bytes (*pack)(const Bytes&) = nullptr) {
   Bytes records;
@@ -153,7 +153,7 @@ inline Bytes mcap_file(const std::vector<TestTopic>& topics, const TestMessages&
 }
 
 #ifdef E2LF_HAVE_SQLITE
-/// The bytes of a database as rosbag2 stores it.
+/// Returns the bytes of a database as rosbag2 stores it.
 inline Bytes sqlite_file(const std::vector<TestTopic>& topics, const TestMessages& messages) {
   sqlite3* database = nullptr;
   sqlite3_open(":memory:", &database);

@@ -6,16 +6,16 @@
 
 #include "e2lf/calibrate/still_scene.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::calibrate {
 
-/// A camera much like that of cameras/evk4-lcos.json, whose constants all show.
-inline capture::Camera plain_camera() {
+/// Returns a camera similar to that of cameras/evk4-lcos.json, in which all constants have an effect.
+inline capture::SensorProfile plain_camera() {
   using enum capture::PixelConstant;
-  capture::Camera camera;
+  capture::SensorProfile camera;
   camera.name = "plain";
   camera.event_model = "pixel";
   camera.pixel.values = {0.01F, 27.0F, 280.0F, 0.0015F, 0.40F, 0.35F, 0.10F,   0.03F,
@@ -24,8 +24,8 @@ inline capture::Camera plain_camera() {
   return camera;
 }
 
-/// Even patches of 128x160 px, 5x3 of them, whose brightness grows by equal factors but in mixed order, so that each
-/// part of the field has dark and bright ones. The aperture sees the same from everywhere.
+/// Returns 5x3 even patches of 128x160 px, whose brightness increases by equal factors in mixed order, so that each
+/// part of the field has dark and bright ones. All views are equal.
 inline lightfield::LightField patches(float darkest, float brightest) {
   constexpr size_t kRows = 3, kColumns = 5, kHeight = 160, kWidth = 128, kPatches = kRows * kColumns;
   lightfield::LightField field({8, 8, kRows * kHeight, kColumns * kWidth});
@@ -40,7 +40,7 @@ inline lightfield::LightField patches(float darkest, float brightest) {
   return field;
 }
 
-/// Black, then patterns that open an eighth, three quarters and a quarter of every cell.
+/// Returns black, followed by patterns that open an eighth, three quarters and a quarter of every cell.
 inline capture::Codes known_open_areas() {
   capture::Codes codes(4, 8, 8);
   size_t n = 0;
@@ -51,8 +51,8 @@ inline capture::Codes known_open_areas() {
   return codes;
 }
 
-/// Cycles of a scene as a camera records them.
-inline StillScene simulate(const capture::Camera& camera, const lightfield::LightField& field, size_t cycles,
+/// Simulates the cycles of a scene as a camera records them.
+inline StillScene simulate(const capture::SensorProfile& camera, const lightfield::LightField& field, size_t cycles,
                            const capture::Codes& codes = capture::default_codes()) {
   StillScene scene;
   for (size_t cycle = 0; cycle < cycles; ++cycle) {

@@ -9,7 +9,7 @@
 
 #include "e2lf/recordings/recording.h"
 
-/// Streams and files that the module's tests share.
+/// Streams and files shared by the tests of the module.
 namespace e2lf::recordings {
 
 struct RandomStream {
@@ -38,7 +38,8 @@ inline EventBatch random_stream(const RandomStream& options) {
   return batch;
 }
 
-/// A file of the data at hand ("events/other/sample.aedat4"); empty when E2LF_DATA is not set or has no such file.
+/// Returns the path of a data file ("events/other/sample.aedat4"), or an empty path if E2LF_DATA is not set or has no
+/// such file.
 inline std::filesystem::path data_file(const std::string& name) {
   const char* folder = std::getenv("E2LF_DATA");
   if (folder == nullptr) return {};
@@ -46,7 +47,7 @@ inline std::filesystem::path data_file(const std::string& name) {
   return std::filesystem::exists(path) ? path : std::filesystem::path();
 }
 
-/// A folder of its own for one test, removed with the object.
+/// A folder for one test, which is removed with the object.
 class TestFolder {
  public:
   TestFolder() {

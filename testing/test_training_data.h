@@ -11,8 +11,8 @@
 
 namespace e2lf::learn {
 
-/// A folder of its own for one test, with a small packed file: scenes "first" (values 0..99) and "second" (100..199) of
-/// 8x8 views of 32x32 px, and one texture.
+/// A folder for one test with a small packed file: the scenes "first" (values 0..99) and "second" (100..199) with 8x8
+/// views of 32x32 px, and one texture.
 class TestData {
  public:
   TestData() {
@@ -36,7 +36,7 @@ class TestData {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] std::filesystem::path path() const { return folder_ / "packed.safetensors"; }
 
-  /// A run of a few seconds on this data.
+  /// Returns the configuration of a run of a few seconds on this data.
   [[nodiscard]] Config config() const {
     Config config;
     config.data.file = path().string();

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "bench/decode/benchmark_streams.h"
+#include "e2lf/base/clock.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/recording.h"
@@ -17,11 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-/// A clock for one thread's work that stands while other programs have the processor, and the usual one for several.
+/// Returns processor time for the work of one thread, which excludes time used by other programs, and wall-clock time
+/// for several threads.
 double clock_s(int threads) {
   timespec now{};
   ::clock_gettime(threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &now);
@@ -45,7 +43,7 @@ Result<recordings::DecodeSummary> decode_to_columns(const BenchmarkStream& strea
   return reader->summary();
 }
 
-/// Millions of events per second of the fastest run, all of which must give the same events.
+/// Returns millions of events per second of the fastest run. All runs must give the same number of events.
 Result<double> measure(const DecodeBenchmarkOptions& options, const BenchmarkStream& stream, uint64_t events,
                        int threads) {
   double best_s = 0;
@@ -62,7 +60,7 @@ Result<double> measure(const DecodeBenchmarkOptions& options, const BenchmarkStr
   return static_cast<double>(events) * 1e-6 / best_s;
 }
 
-/// Runs `work` on the scalar kernels.
+/// Runs `work` with the scalar kernels.
 template <typename Work>
 auto with_scalar_kernels(const Work& work) -> decltype(work()) {
   const std::string isa = current_isa();
@@ -95,7 +93,7 @@ struct Found {
   double bytes_per_event = 0;
 };
 
-/// The recordings of a folder by encoding, fewest bytes per event first.
+/// Returns the recordings of a folder by encoding, in ascending order of bytes per event.
 Result<std::map<std::string, std::vector<Found>>> find_recordings(const fs::path& folder) {
   std::map<std::string, std::vector<Found>> found;
   std::error_code status;
@@ -123,7 +121,7 @@ Result<std::map<std::string, std::vector<Found>>> find_recordings(const fs::path
   return found;
 }
 
-/// The recording that has a shape; empty = none.
+/// Returns the recording with this shape, or an empty path if there is none.
 fs::path recording_of(StreamShape shape, const std::map<std::string, std::vector<Found>>& found) {
   const auto files = found.find(shape == StreamShape::kEvt2 ? "evt2" : "evt3");
   if (files == found.end() || shape == StreamShape::kEvt3Vector || shape == StreamShape::kEvt21) return {};

@@ -20,7 +20,7 @@ namespace {
 
 constexpr uint32_t kWidth = 1280, kHeight = 720;
 
-/// Random events, one shape after the other in a clock that begins where a sensor's might.
+/// Generates random events of a shape, with times that begin at a realistic value.
 class Synthesis {
  public:
   explicit Synthesis(StreamShape shape) : shape_(shape) {}
@@ -88,10 +88,10 @@ const char* encoding_of(StreamShape shape) {
   return shape == StreamShape::kEvt21 ? "evt2.1" : "evt3";
 }
 
-/// Where the time words of an encoding are, for moving them on.
+/// The location of the time words of an encoding, needed to advance them.
 struct TimeWords {
   size_t word_bytes = 0;
-  size_t offset = 0;  ///< of the part with the time in a word
+  size_t offset = 0;  ///< offset of the time within a word
   bool is_wide = false;
 
   [[nodiscard]] uint32_t mask() const {
@@ -128,7 +128,7 @@ Result<uint64_t> count_events(const std::filesystem::path& path) {
   return reader->summary().events();
 }
 
-/// The whole words of a recording from its first time word on.
+/// Returns the whole words of a recording from its first time word on.
 std::span<const uint8_t> words_from_time(std::span<const uint8_t> payload, const TimeWords& time) {
   size_t begin = 0;
   while (begin + time.word_bytes <= payload.size() && !time.is_time(&payload[begin])) begin += time.word_bytes;

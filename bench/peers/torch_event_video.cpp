@@ -29,7 +29,7 @@ struct Convolution {
   torch::Tensor operator()(const torch::Tensor& x) const { return torch::conv2d(x, weight, bias, stride, padding); }
 };
 
-/// A layer, and of cells what they remember; of positions their code.
+/// A layer with the state of its cell or with its position code.
 struct Module {
   E2lfTorchVideoLayer layer{};
   Convolution conv, candidate;
@@ -64,7 +64,7 @@ struct Module {
     return hidden = hidden * (1 - gates[0]) + wanted * gates[0];
   }
 
-  /// Made once, as in the published program.
+  /// Computes the code only once, as the published program does.
   torch::Tensor position_code(const torch::Tensor& x) {
     if (hidden.defined()) return hidden;
     const auto pairs = torch::arange((x.size(1) + 1) / 2, torch::kDouble);
@@ -74,7 +74,7 @@ struct Module {
     return hidden = code.to(torch::kFloat32).reshape(x.sizes());
   }
 
-  /// The products that torch's own MultiheadAttention makes.
+  /// Computes the same products as torch's MultiheadAttention.
   torch::Tensor attend(const torch::Tensor& queries, const torch::Tensor& keys, const torch::Tensor& values) const {
     const auto heads = Convolution::as_int(layer.heads), size = queries.size(1) / heads;
     const auto parts = [&](const torch::Tensor& x) { return x.reshape({heads, size, -1}).transpose(1, 2); };

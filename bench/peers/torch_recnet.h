@@ -7,8 +7,8 @@
 extern "C" {
 #endif
 
-/// The paper's network and an image, for libtorch. Layers are in order: conv1..conv3 (linear), l1..l19 (ReLU), l20, to
-/// which conv3's result is added; all are stride 1 with zero padding.
+/// The paper's network and an image, for libtorch. The layers are conv1..conv3 (linear), l1..l19 (ReLU) and l20, to
+/// which the result of conv3 is added. All have stride 1 with zero padding.
 struct E2lfTorchJob {
   size_t num_layers;
   const size_t* out_channels;
@@ -20,13 +20,13 @@ struct E2lfTorchJob {
   float* output;       ///< [64, height, width], of the last run
   int threads;
   size_t runs;
-  double* seconds;  ///< one for each run
+  double* seconds;  ///< one per run
 };
 
-/// Runs the job in float32; null, or what went wrong (valid until the next call).
+/// Runs the job in float32. Returns null, or an error message that is valid until the next call.
 const char* e2lf_torch_recnet(const struct E2lfTorchJob* job);
 
-/// "1.13.1" and the like.
+/// Returns the version, e.g. "1.13.1".
 const char* e2lf_torch_version(void);
 
 #ifdef __cplusplus

@@ -7,7 +7,7 @@
 
 namespace {
 
-/// The paper's AcqNet: four patterns, the first black, reference-aware events with both noises.
+/// The paper's AcqNet: four patterns, the first of which is black, and reference-aware events with both kinds of noise.
 struct Acquisition : torch::nn::Module {
   torch::Tensor patterns = register_parameter("patterns", 0.1 * torch::randn({3, 64}));
 
@@ -33,7 +33,7 @@ torch::nn::Conv2d conv(int64_t in, int64_t out, int64_t kernel) {
   return torch::nn::Conv2d(torch::nn::Conv2dOptions(in, out, kernel).padding(kernel / 2));
 }
 
-/// The paper's RecNet: three linear 5x5 convolutions, then twenty of 3x3 whose result is added to theirs.
+/// The paper's RecNet: three linear 5x5 convolutions, followed by twenty 3x3 ones whose result is added to theirs.
 struct Reconstruction : torch::nn::Module {
   torch::nn::Sequential linear{conv(3, 17, 5), conv(17, 32, 5), conv(32, 64, 5)};
   torch::nn::Sequential deep;

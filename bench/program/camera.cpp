@@ -9,7 +9,6 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/camera_settings.h"
 #include "e2lf/cli/flags/inputs.h"
@@ -19,6 +18,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/best_gain.h"
 #include "e2lf/eval/metrics.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/streams/camera_stream.h"
@@ -139,8 +139,8 @@ Result<std::vector<LightField>> read_scenes(const CameraBench& options) {
 }
 
 /// PSNR of every setting, model and scene.
-Result<Json> measure(const CameraBench& options, const capture::Camera& camera, const std::vector<NamedModel>& models,
-                     const std::vector<LightField>& scenes, bool is_quiet) {
+Result<Json> measure(const CameraBench& options, const capture::SensorProfile& camera,
+                     const std::vector<NamedModel>& models, const std::vector<LightField>& scenes, bool is_quiet) {
   const std::vector<CameraSetting> settings = camera_settings(camera);
   ProgressBar bar("camera", is_quiet);
   size_t done = 0;
@@ -203,7 +203,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, {.inputs = std::move(inputs),
                                                                                 .overwrite = verb.common().overwrite}));
   RunRecord record("camera");
-  E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera(options.camera, record));
+  E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
     return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; name another",
                  "--camera " + options.camera};

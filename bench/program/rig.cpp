@@ -9,11 +9,11 @@
 #include "bench/program/report.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/reconstruct.h"
@@ -97,7 +97,7 @@ Result<capture::EventImages> accumulate(const std::vector<uint8_t>& bytes, size_
   return std::move(cycle->images);
 }
 
-Result<Json> measure(const RigBench& options, const capture::Camera& camera, model::Model model) {
+Result<Json> measure(const RigBench& options, const capture::SensorProfile& camera, model::Model model) {
   const capture::Codes codes = *model.codes;
   E2LF_ASSIGN_OR_RETURN(const auto precision, engine::precision_from_name(options.precision));
   engine::EngineOptions engine;
@@ -189,7 +189,7 @@ int run_rig(const std::vector<std::string>& arguments) {
     if (!model.codes)
       return Error{ErrorCode::kNotFound, "the model holds no patterns; use one that does", path->string()};
     RunRecord record("rig");
-    E2LF_ASSIGN_OR_RETURN(const capture::Camera camera, load_camera(options.camera, record));
+    E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
     E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, std::move(model)));
     return finish(verb, json, rig_report(json), reports);
   });

@@ -30,7 +30,7 @@ capture::Codes sparse_codes(size_t num_patterns) {
   return codes;
 }
 
-/// Megapixels per second of the fastest run of `work`, which yields a Result.
+/// Returns megapixels per second of the fastest run of `work`, which returns a Result.
 template <typename Work>
 Result<double> measure(const SimulationBenchmarkOptions& options, const Work& work) {
   using Clock = std::chrono::steady_clock;

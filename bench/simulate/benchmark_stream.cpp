@@ -16,7 +16,7 @@ constexpr float kBrightness[] = {0.6F, 0.5F, 0.5F, 0.5F, 0.0F, 0.12F, 0.12F, 0.1
 constexpr int64_t kPatternUs = 10592;
 constexpr int kRuns = 2;
 
-/// One number of threads while it lives.
+/// Sets the number of threads during its lifetime.
 class ThreadCap {
  public:
   explicit ThreadCap(int threads) : before_(num_threads()) { set_num_threads(threads); }
@@ -36,7 +36,7 @@ double processor_s() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// Events per second of the fastest cycle; `count` gets how many it has.
+/// Returns the events per second of the fastest cycle; `count` receives their number.
 double measure(streams::EventStream stream, const std::vector<std::vector<float>>& images, double (*now_s)(),
                uint64_t& count) {
   double best_s = 0;

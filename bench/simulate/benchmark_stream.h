@@ -9,17 +9,17 @@
 
 namespace e2lf::bench {
 
-/// Simulation event by event, events per second: the best of two cycles. One thread is measured by its processor time,
-/// which a busy machine changes little.
+/// The speed of simulating individual events, in events per second, as the best of two cycles. A single thread is
+/// measured by its processor time, which depends little on the load of the machine.
 struct StreamBenchmark {
-  uint64_t events = 0;      ///< of one cycle
+  uint64_t events = 0;      ///< in one cycle
   double events_per_s = 0;  ///< with all threads
   double one_thread_events_per_s = 0;
   double reference_events_per_s = 0;  ///< of the scalar reference on one thread
 };
 
-/// Measures eight patterns of noise, the first half bright, then black, then dim ones, as the paper's cycle has them.
-/// Fails as streams::EventStream::create() does.
+/// Measures eight patterns of noise: the first half bright, then black, then dim ones, as in the paper's cycle. Fails
+/// as streams::EventStream::create() does.
 [[nodiscard]] Result<StreamBenchmark> benchmark_stream(const streams::StreamOptions& options, size_t height,
                                                        size_t width);
 

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <pybind11/stl.h>
+
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/version.h"
+#include "e2lf/files/bundled_files.h"
 #include "python/binding/errors.h"
 #include "python/binding/module.h"
 
@@ -21,11 +25,40 @@ void log_to_python(LogLevel level, const std::string& message) {
   }
 }
 
+std::string path_or_throw(const std::optional<std::filesystem::path>& path, const std::string& message) {
+  if (path) return path->string();
+  PyErr_SetString(PyExc_FileNotFoundError, message.c_str());
+  throw py::error_already_set();
+}
+
+void bind_bundled_files(py::module_& module) {
+  module.def(
+      "data_file",
+      [](const std::string& name) {
+        return path_or_throw(bundled_file(name), name +
+                                                     " does not come with this installation of e2lf; give the path "
+                                                     "of a file");
+      },
+      py::arg("name"),
+      "The path of a file that comes with e2lf.\n\n"
+      "name: with its folder, such as \"models/e2lf-n4.safetensors\" or \"cameras/evk4-lcos.json\".");
+  module.def(
+      "bundled_model",
+      [](const std::string& name) {
+        return path_or_throw(
+            bundled_file_named(kBundledModels, name),
+            cat("there is no bundled model ", name, "; give one of ", join(bundled_names(kBundledModels))));
+      },
+      py::arg("name") = "e2lf-n4",
+      "The path of a bundled model; docs/models.md says which is for what. read_model() takes the name, too.\n\n"
+      "name: such as \"e2lf-n4\", \"e2lf-n8\" or \"e2lf-n4-camera\".");
+}
+
 }  // namespace
 
 void bind_base(py::module_& module) {
   module.attr("__version__") = cli::kVersion;
-  module.attr("_source_tree") = E2LF_SOURCE_TREE;
+  bind_bundled_files(module);
   take(apply_isa_cap());
   set_log_sink(log_to_python);
   py::module_::import("atexit").attr("register")(py::cpp_function([] { set_log_sink({}); }));

@@ -7,9 +7,11 @@
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/camera.h"
-#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/output/pictures.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/json_text.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
@@ -53,32 +55,45 @@ void bind_constants(py::module_& module) {
           }));
 }
 
+capture::SensorProfile read_camera(const fs::path& name) {
+  return take(capture::read_camera(take(find_file_or_bundled(kBundledCameras, name.string()))));
+}
+
 void bind_camera(py::module_& module) {
-  using capture::Camera;
-  py::class_<Camera>(module, "Camera", "What is known of a camera: how its pixels make events. See read_camera().")
-      .def_readonly("name", &Camera::name, "As its file says.")
-      .def_readonly("event_model", &Camera::event_model, "\"reference-aware\", \"quantised\" or \"pixel\".")
-      .def_readonly("constants", &Camera::constants, "Of the paper's models; of \"pixel\" eps and the mean threshold.")
+  using capture::SensorProfile;
+  py::class_<SensorProfile>(module, "Camera", "What is known of a camera: how its pixels make events.")
+      .def(py::init(&read_camera), py::arg("name"), "As read_camera().")
+      .def_readonly("name", &SensorProfile::name, "As its file says.")
+      .def_readonly("event_model", &SensorProfile::event_model, "\"reference-aware\", \"quantised\" or \"pixel\".")
+      .def_readonly("constants", &SensorProfile::constants,
+                    "Of the paper's models; of \"pixel\" eps and the mean threshold.")
       .def_property_readonly(
-          "views", [](const Camera& self) { return orientation_word(self.views); }, kViewsDoc)
+          "views", [](const SensorProfile& self) { return orientation_word(self.views); }, kViewsDoc)
       .def(
-          "to_dict", [](const Camera& self) { return to_python(capture::to_json(self)); },
+          "to_dict", [](const SensorProfile& self) { return to_python(capture::to_json(self)); },
           "What a camera file holds: every constant with its uncertainty.")
-      .def("__repr__", [](const Camera& self) { return "<e2lf.Camera " + self.name + ", " + self.event_model + ">"; })
-      .def("__eq__",
-           [](const Camera& self, const Camera& other) { return capture::to_json(self) == capture::to_json(other); })
-      .def(py::pickle([](const Camera& self) { return json_line(capture::to_json(self)); },
+      .def("__repr__",
+           [](const SensorProfile& self) { return "<e2lf.Camera " + self.name + ", " + self.event_model + ">"; })
+      .def("__eq__", [](const SensorProfile& self,
+                        const SensorProfile& other) { return capture::to_json(self) == capture::to_json(other); })
+      .def(py::pickle([](const SensorProfile& self) { return json_line(capture::to_json(self)); },
                       [](const std::string& state) {
                         return take(capture::camera_from_json(take(parse_json(state, "camera")), "camera"));
                       }));
-  module.def(
-      "_read_camera", [](const fs::path& path) { return take(capture::read_camera(path)); }, py::arg("path"));
+  module.def("read_camera", &read_camera, py::arg("name"),
+             "Reads a camera.\n\nname: the path of a camera file, or the name of a bundled camera: \"evk4-lcos\", "
+             "\"ideal\" or \"paper\".");
 }
 
 void bind_codes(py::module_& module) {
   module.def(
-      "read_codes", [](const fs::path& path) { return to_array(take(capture::read_codes(path))); }, py::arg("path"),
-      "Aperture patterns of a .json, .npy or .npz file: float32 [N, view_y, view_x], 0 = closed, 1 = open.");
+      "read_codes",
+      [](const fs::path& path) {
+        return to_array(take(cli::read_patterns(take(find_file_or_bundled(kBundledCodes, path.string())))));
+      },
+      py::arg("path"),
+      "Aperture patterns: float32 [N, view_y, view_x], 0 = closed, 1 = open.\n\n"
+      "path: a .json, .npy or .npz file of them, a model file, or the name of a bundled model.");
   module.def(
       "write_codes",
       [](const fs::path& path, const py::array& codes, bool overwrite) {
@@ -103,13 +118,13 @@ py::object read_event_images(const fs::path& path) {
   if (file.camera) camera = py::cast(take(capture::camera_from_npy(*file.camera, path.string())));
   std::optional<capture::Orientation> views;
   if (file.views) views = take(capture::views_from_npy(*file.views, path.string()));
-  if (!file.views && file.camera) views = camera.cast<capture::Camera>().views;
+  if (!file.views && file.camera) views = camera.cast<capture::SensorProfile>().views;
   return make_tuple_of("EventImageFile", std::move(cycles), std::move(codes), std::move(camera),
                        orientation_word(views));
 }
 
 void write_event_images(const fs::path& path, const std::vector<py::array>& cycles,
-                        const std::optional<py::array>& codes, const capture::Camera* camera,
+                        const std::optional<py::array>& codes, const capture::SensorProfile* camera,
                         const std::optional<std::string>& views, bool overwrite) {
   std::optional<NpyArray> patterns, orientation;
   if (views) orientation = capture::views_to_npy(take(capture::orientation_from_name(*views, "views")));

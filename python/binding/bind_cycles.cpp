@@ -135,6 +135,7 @@ class CycleIterator {
     Json report = cli::report_json(reader_.report());
     report["least_confidence"] = confidence_.least();
     report["left_out"] = cli::losses_json(reader_.summary());
+    report["live"] = cli::live_json(reader_.summary());
     return to_python(report);
   }
   [[nodiscard]] py::object codes() const {
@@ -241,7 +242,7 @@ void bind_cycle_reader(py::module_& module) {
 /// A recording as `e2lf simulate` writes it.
 void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cycles,
                 const std::optional<py::array>& codes, const ScheduleArgument& schedule, bool triggers,
-                int64_t begin_us, uint64_t seed, const capture::Camera* camera, bool overwrite) {
+                int64_t begin_us, uint64_t seed, const capture::SensorProfile* camera, bool overwrite) {
   std::vector<Borrowed<capture::EventImages>> images;
   for (const py::array& each : images_of_cycles) images.push_back(event_images_of(each, "cycles"));
   if (images.empty()) throw py::value_error("there is no cycle");

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
 #include "python/binding/arrays.h"
@@ -10,9 +11,21 @@
 
 namespace e2lf::python {
 
+namespace {
+
+std::shared_ptr<model::Model> read_model(const std::filesystem::path& name) {
+  return std::make_shared<model::Model>(without_gil([&]() -> Result<model::Model> {
+    E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, name.string()));
+    return model::read_model(path);
+  }));
+}
+
+}  // namespace
+
 void bind_model(py::module_& module) {
   using model::Model;
-  py::class_<Model, std::shared_ptr<Model>>(module, "Model", "What a model file holds; see read_model().")
+  py::class_<Model, std::shared_ptr<Model>>(module, "Model", "What a model file holds.")
+      .def(py::init(&read_model), py::arg("name"), "As read_model().")
       .def_readonly("name", &Model::name, "As its file says.")
       .def_readonly("num_patterns", &Model::num_patterns, "N; reconstruction takes N - 1 event images.")
       .def_property_readonly(
@@ -33,12 +46,8 @@ void bind_model(py::module_& module) {
           "What `e2lf model info --json` says.")
       .def("__str__", [](const Model& self) { return model::summary_text(self); })
       .def("__repr__", [](const Model& self) { return "<e2lf.Model " + self.name + ">"; });
-  module.def(
-      "read_model",
-      [](const std::filesystem::path& path) {
-        return std::make_shared<Model>(without_gil([&] { return model::read_model(path); }));
-      },
-      py::arg("path"), "Reads a model file.");
+  module.def("read_model", &read_model, py::arg("path"),
+             "Reads a model.\n\npath: of a model file, or the name of a bundled model, such as \"e2lf-n4\".");
 }
 
 }  // namespace e2lf::python

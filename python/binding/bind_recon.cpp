@@ -44,7 +44,7 @@ Result<lightfield::LightField> by_method(recon::Method method, const std::string
 /// A network that is ready to run.
 class Network {
  public:
-  Network(const model::Model& model, const std::string& precision, const capture::Camera* camera)
+  Network(const model::Model& model, const std::string& precision, const capture::SensorProfile* camera)
       : reconstructor_(make(model, precision, camera)) {}
 
   py::array reconstruct(py::array images, const GainArgument& gain, size_t passes, size_t cycles,
@@ -85,7 +85,7 @@ class Network {
 
  private:
   static recon::Reconstructor make(const model::Model& model, const std::string& precision,
-                                   const capture::Camera* camera) {
+                                   const capture::SensorProfile* camera) {
     model::Model own = model;
     if (camera != nullptr && !model::is_told_the_camera(model)) {
       throw ResultError(
@@ -120,7 +120,7 @@ py::array invert(const py::array& images, const py::array& codes,
 
 py::dict event_error(const py::array& light_field, const py::array& images, const py::array& codes, float gain,
                      const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
-                     const capture::Camera* camera) {
+                     const capture::SensorProfile* camera) {
   const auto field = light_field_of(light_field, "light_field");
   const auto counts = event_images_of(images, "images");
   recon::EventCheck check{codes_of(codes, "codes"), constants.value_or(capture::SensorConstants()),
@@ -143,8 +143,8 @@ void bind_recon(py::module_& module) {
       "at a time.\n\n"
       "precision: \"auto\", \"float32\" or \"bfloat16\".\n"
       "camera: the Camera that recorded, for networks that are told; None = the model's.")
-      .def(py::init<const model::Model&, const std::string&, const capture::Camera*>(), py::arg("model"), py::kw_only(),
-           py::arg("precision") = "auto", py::arg("camera") = nullptr)
+      .def(py::init<const model::Model&, const std::string&, const capture::SensorProfile*>(), py::arg("model"),
+           py::kw_only(), py::arg("precision") = "auto", py::arg("camera") = nullptr)
       .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
            py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
            py::arg("progress") = py::none(),

@@ -27,7 +27,7 @@ Borrowed<lightfield::LightField> light_on_sensor(const py::array& light_field, c
 }
 
 /// Of the paper's model, or of a camera's physical pixels; refuses what does not apply.
-py::array simulate(const py::array& light_field, const py::array& codes, const capture::Camera* camera,
+py::array simulate(const py::array& light_field, const py::array& codes, const capture::SensorProfile* camera,
                    const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
                    float scene_gain, float residue, uint64_t seed, std::optional<uint64_t> map_seed,
                    const std::string& colour_filter) {

@@ -58,6 +58,8 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
 void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary) {
   const std::vector<recordings::Loss> losses = recordings::losses(summary);
   const std::string restarts = recordings::restart_text(summary);
+  const std::string live = recordings::live_text(summary);
+  if (!live.empty()) (summary.live.loses_events ? log_warning : log_info)(cat(name, ": ", live));
   if (!restarts.empty()) log_warning(cat(name, ": ", restarts));
   if (!losses.empty()) log_warning(cat(name, ": left out ", recordings::loss_text(losses)));
 }

@@ -4,7 +4,6 @@ Arrays are numpy's. Light fields are float32 [view_y, view_x, y, x] in [0, 1], e
 patterns ("codes") float32 [N, view_y, view_x]. Events are structured arrays with fields x, y, p, t, as in the Metavision
 tools. Times are microseconds (us), lengths pixels (px). Bad data raises Error. Messages go to logging's "e2lf".
 """
-from ._data import bundled_model, data_file, read_camera
 from ._e2lf import (
     Camera,
     Cycles,
@@ -21,11 +20,13 @@ from ._e2lf import (
     __version__,
     accumulate,
     auto_gain,
+    bundled_model,
     coded_intensities,
     compare,
     contact_sheet,
     convert,
     create_recording,
+    data_file,
     default_codes,
     depth,
     demo_scene,
@@ -43,6 +44,7 @@ from ._e2lf import (
     paper_schedule,
     plain_schedule,
     psnr,
+    read_camera,
     read_codes,
     read_event_images,
     read_events,

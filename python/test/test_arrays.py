@@ -79,6 +79,20 @@ class ErrorTest(InFolder):
             self.assertEqual(text, f"{error.location}: {error.message}" if error.location else error.message)
             self.assertTrue(error.code)
 
+    def test_models_cameras_and_codes_are_given_by_name(self):
+        self.assertEqual(e2lf.Model("e2lf-n4").name, "e2lf-n4")
+        self.assertEqual(e2lf.read_model("e2lf-n8.safetensors").num_patterns, 8)
+        self.assertEqual(e2lf.Camera("evk4-lcos"), e2lf.read_camera(Path(e2lf.data_file("cameras/evk4-lcos.json"))))
+        self.assertEqual(e2lf.read_codes("e2lf-n8").shape, (8, 8, 8))
+        # A file of exactly this name goes before the bundled one.
+        Path("e2lf-n4").write_bytes(Path(e2lf.bundled_model("e2lf-n8")).read_bytes())
+        self.assertEqual(e2lf.Model("e2lf-n4").name, "e2lf-n8")
+        for call, known in ((e2lf.Model, "e2lf-n4-camera"), (e2lf.Camera, "evk4-lcos"), (e2lf.read_codes, "e2lf-n8")):
+            with self.assertRaisesRegex(e2lf.Error, f"nobodys: there is no such .*{known}"):
+                call("nobodys")
+        with self.assertRaisesRegex(FileNotFoundError, "e2lf-n4-camera"):
+            e2lf.bundled_model("nobodys")
+
     def test_an_error_says_which_argument_mends_it(self):
         e2lf.write_png("p.png", np.zeros((4, 4), np.float32))
         with self.assertRaises(e2lf.Error) as caught:

@@ -16,6 +16,7 @@ rm e2lf-n4
 # Patterns of a model.
 "$E2LF" simulate demo/scene --codes e2lf-n8 -o codes.npz --quiet
 [ "$(py -c 'import numpy; print(numpy.load("codes.npz")["codes"].shape[0])')" = 8 ] || fail "not the patterns of e2lf-n8"
+"$E2LF" reconstruct codes.npz -m e2lf-n8 --codes e2lf-n8 -o codes --quiet 2>err.txt || fail "$(cat err.txt)"
 # Without any, the patterns of e2lf-n4, so that the next step finds its network.
 "$E2LF" simulate demo/scene -o default.npz >said.txt 2>&1
 grep -q "e2lf-n4" said.txt || fail "$(cat said.txt)"
@@ -29,5 +30,11 @@ mkdir elsewhere
 mv named moved
 (cd elsewhere && "$E2LF" reconstruct --config ../moved/run.json -o again --quiet)
 cmp moved/03_04.png elsewhere/again/03_04.png
+(cd elsewhere && "$E2LF" reconstruct --config ../moved -o of_folder --quiet)
+cmp moved/03_04.png elsewhere/of_folder/03_04.png
+"$E2LF" simulate --config named.npz -o of_file.npz --quiet
+cmp named.npz of_file.npz
+# As documents write it, from any folder.
+(cd elsewhere && "$E2LF" model info models/e2lf-n4.safetensors >/dev/null)
 mv named.npz gone.npz
 fails 1 "named.npz" "$E2LF" reconstruct --config moved/run.json -o again

@@ -23,6 +23,9 @@ for recording in triggers cut; do
   "$E2LF" accumulate replay:$recording.raw -o $recording.live.npz --quiet
   cmp $recording.npz $recording.piped.npz
   cmp $recording.npz $recording.live.npz
+  # How far live input fell behind is in its record.
+  [ "$(json $recording.live.npz.run.json 'j["notes"]["live"]["pauses"]')" = 0 ] || fail "live: $(cat $recording.live.npz.run.json)"
+  [ "$(json $recording.npz.run.json 'j["notes"]["live"]')" = None ] || fail "a file is not live"
 done
 py - <<'PY'
 import numpy as np

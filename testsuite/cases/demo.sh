@@ -2,6 +2,9 @@
 "$E2LF" demo -o demo --width 96 --height 64 --json >result.json
 exists demo/scene/00_00.png demo/scene/07_07.png demo/events.npz demo/events.png demo/recon/07_07.png demo/recon/contact_sheet.png \
   demo/recon/epi.png demo/refocus_near.png demo/refocus_far.png demo/run.json
+if "$E2LF" --version | grep "^viewer: ON" >/dev/null; then
+  grep -q "reconstruction" demo/index.html || fail "the page"
+fi
 check "$(json result.json "j['psnr_db']") > 15"
 fails 1 "(--overwrite)" "$E2LF" demo -o demo --width 96 --height 64
 "$E2LF" demo -o demo --width 96 --height 64 --overwrite --quiet >quiet.txt

@@ -3,9 +3,9 @@ source "$TESTSUITE/documents/page.sh"
 scene() { e2lf demo -o demo --quiet && ln -s demo/scene SCENE; }
 recordings() {
   scene
-  ln -s models/e2lf-n4.safetensors MODEL
+  ln -s models/e2lf-n4-camera.safetensors MODEL
   cp cameras/evk4-lcos.json mine.json
-  e2lf simulate SCENE -m MODEL -o REC.raw --cycles 2 --quiet
+  e2lf simulate SCENE -m MODEL --camera evk4-lcos -o REC.raw --cycles 2 --quiet
 }
 video() {
   scene

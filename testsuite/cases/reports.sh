@@ -76,7 +76,7 @@ if [ -x "$(dirname "$E2LF")/e2lf-train" ]; then
   set=(--set train.steps=4 --set train.batch=1 --set train.log_steps=1 --set train.evaluate_steps=2)
   config=$TESTSUITE/../configs/first-run.json
   "$E2LF" train "$config" -o run "${set[@]}" --report train.html --report train.csv --quiet
-  page train.html "running mean" "learning rate" "Configuration"
+  page train.html "running mean" "learning rate" "Configuration" "synthesised 2"
   exists train.csv run/curves.html
   cmp train.html run/curves.html || fail "the page is that of the run"
   fails 1 "the run writes a file of this name" "$E2LF" train "$config" -o other "${set[@]}" --report other/log.csv

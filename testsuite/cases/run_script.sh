@@ -1,9 +1,9 @@
 # ./run takes paths from the folder it is called in. The script itself runs, with a program that is built already: what would
 # install and build is stood in for.
 "$E2LF" demo -o demo --width 48 --height 32 --quiet
-mkdir -p repository/build/minimal/bin repository/build/release/bin tools caller
+mkdir -p repository/build/release/bin tools caller
 cp "$TESTSUITE/../run" repository/run
-for preset in minimal release; do ln -s "$E2LF" "repository/build/$preset/bin/e2lf"; done
+ln -s "$E2LF" repository/build/release/bin/e2lf
 printf '#!/bin/sh\necho "-- e2lf features:"\n' >tools/cmake
 printf '#!/bin/sh\nprintf "install ok installed"\n' >tools/dpkg-query
 chmod +x tools/*
@@ -37,19 +37,19 @@ file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 add_custom_target(e2lf COMMAND ln -sf $ENV{E2LF} ${CMAKE_BINARY_DIR}/bin/e2lf)
 CMAKE
 cat >first/CMakePresets.json <<'JSON'
-{"version": 3, "configurePresets": [{"name": "minimal", "generator": "Ninja", "binaryDir": "${sourceDir}/build/minimal"}]}
+{"version": 3, "configurePresets": [{"name": "release", "generator": "Ninja", "binaryDir": "${sourceDir}/build/release"}]}
 JSON
 rm tools/cmake
 export E2LF
 first/run e2lf --version >version.txt 2>log.txt || fail "$(cat log.txt)"
 if grep -q "was made for" log.txt; then fail "a first build: $(cat log.txt)"; fi
-echo mine >first/build/minimal/notes.txt
+echo mine >first/build/release/notes.txt
 mv first second
 cp -r second third
 for clone in second third; do
   $clone/run e2lf --version >version.txt 2>log.txt || fail "$clone: $(cat log.txt)"
-  grep -q "run: build/minimal was made for $PWD/first: configuring it again for $PWD/$clone" log.txt || fail "$(cat log.txt)"
-  [ "$(cat $clone/build/minimal/notes.txt)" = mine ] || fail "a file in the build folder is gone"
+  grep -q "run: build/release was made for $PWD/first: configuring it again for $PWD/$clone" log.txt || fail "$(cat log.txt)"
+  [ "$(cat $clone/build/release/notes.txt)" = mine ] || fail "a file in the build folder is gone"
   $clone/run e2lf --version >version.txt 2>log.txt
   if grep -q "was made for" log.txt; then fail "again: $(cat log.txt)"; fi
 done

@@ -57,17 +57,17 @@ python=$(py -c 'import os, sys; print(os.path.realpath(sys.executable))')
 plain
 grep -q "python: ON" pip.txt || fail "$(tail -20 pip.txt)"
 grep -q "cmake failed (exit 1) for $python" pip.txt || fail "no interpreter: $(tail -20 pip.txt)"
-grep -q -- "--preset minimal -B $PWD/plain/build/wheel" called.txt || fail "$(cat called.txt)"
+grep -q -- "--preset release -B $PWD/plain/build/wheel" called.txt || fail "$(cat called.txt)"
 # The second time, and where another build of this checkout has the module, that tree is built further; not one of another
 # checkout.
 plain
 [ "$(sed "s/-j [0-9]*/-j N/" called.txt)" = "cmake --build $PWD/plain/build/wheel -j N --target e2lf_python" ] || fail "$(cat called.txt)"
-mv plain/build/wheel plain/build/minimal
+mv plain/build/wheel plain/build/release
 plain
-grep -q -- "^cmake --build $PWD/plain/build/minimal " called.txt || fail "$(cat called.txt)"
-sed -i "s|^CMAKE_HOME_DIRECTORY:.*|CMAKE_HOME_DIRECTORY:INTERNAL=$PWD/empty|" plain/build/minimal/CMakeCache.txt
+grep -q -- "^cmake --build $PWD/plain/build/release " called.txt || fail "$(cat called.txt)"
+sed -i "s|^CMAKE_HOME_DIRECTORY:.*|CMAKE_HOME_DIRECTORY:INTERNAL=$PWD/empty|" plain/build/release/CMakeCache.txt
 plain
-grep -q -- "--preset minimal -B $PWD/plain/build/wheel" called.txt || fail "$(cat called.txt)"
+grep -q -- "--preset release -B $PWD/plain/build/wheel" called.txt || fail "$(cat called.txt)"
 # pip keeps what a build prints: the terminal is told how far it is.
 cat >told.py <<'PY'
 import os, pty, sys

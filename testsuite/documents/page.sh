@@ -7,13 +7,13 @@ skip_sanitizers "the other cases run each verb with sanitizers"
 page() {
   local page=$1 prepare=${2:-true} folder
   folder=$PWD/$(basename "$page" .md)
-  mkdir -p "$folder/build/minimal/bin" "$folder/build/release/bin"
+  mkdir -p "$folder/build/release/bin"
   for name in models configs cameras examples; do ln -s "$root/$name" "$folder/$name"; done
   ln -s "$TESTSUITE/documents/run" "$folder/run"
-  for preset in minimal release; do ln -s "$TESTSUITE/documents/e2lf" "$folder/build/$preset/bin/e2lf"; done
-  ln -s "$(dirname "$E2LF")/e2lf-train" "$folder/build/minimal/bin/e2lf-train"
+  ln -s "$TESTSUITE/documents/e2lf" "$folder/build/release/bin/e2lf"
+  ln -s "$(dirname "$E2LF")/e2lf-train" "$folder/build/release/bin/e2lf-train"
   export E2LF
-  (cd "$folder" && PATH=$folder/build/minimal/bin:$PATH && "$prepare") >"$folder.prepare.txt" 2>&1 ||
+  (cd "$folder" && PATH=$folder/build/release/bin:$PATH && "$prepare") >"$folder.prepare.txt" 2>&1 ||
     fail "$page: its inputs: $(tail -5 "$folder.prepare.txt")"
   py "$TESTSUITE/documents/documents.py" script "$root/$page" "$TESTSUITE/documents/not_run.txt" >"$folder.sh"
   if [ ! -x "$(dirname "$E2LF")/e2lf-train" ]; then
@@ -23,7 +23,7 @@ page() {
   if ! "$E2LF" --version | grep -q "^films: ON"; then
     sed -i -E 's/^e2lf animate .*\.(gif|mp4|webm).*$/echo "not run (this build makes no films): e2lf animate"/' "$folder.sh"
   fi
-  (cd "$folder" && PATH=$folder/build/minimal/bin:$PATH && bash -ex "$folder.sh") >"$folder.txt" 2>&1 ||
+  (cd "$folder" && PATH=$folder/build/release/bin:$PATH && bash -ex "$folder.sh") >"$folder.txt" 2>&1 ||
     fail "$page: $(tail -5 "$folder.txt")"
   if grep -q "warning: .*patterns" "$folder.txt"; then fail "$page: $(grep "warning:" "$folder.txt")"; fi
   grep "^not run" "$folder.txt" | sed "s|^|$page: |" || true

@@ -6,7 +6,7 @@
 
 namespace e2lf {
 
-/// A caller broke a documented precondition: a bug in the program, not in the data.
+/// Thrown when a caller breaks a documented precondition, which is a bug in the program and not in its data.
 class ContractError : public std::logic_error {
  public:
   using std::logic_error::logic_error;
@@ -16,13 +16,13 @@ class ContractError : public std::logic_error {
 
 }  // namespace e2lf
 
-/// Throws ContractError with file, line and condition when a precondition does not hold; on in every build.
+/// Throws ContractError with file, line and condition when a precondition does not hold. Active in every build.
 #define E2LF_REQUIRE(condition, message)                                                           \
   do {                                                                                             \
     if (!(condition)) ::e2lf::fail_contract(#condition, __FILE__, __LINE__, std::string(message)); \
   } while (false)
 
-/// The same for inner loops: compiled only with E2LF_ASSERTIONS (the dev and asan presets).
+/// Checks the same in inner loops. It is compiled only with E2LF_ASSERTIONS (the dev and asan presets).
 #ifdef E2LF_ASSERTIONS
 #define E2LF_ASSERT(condition) E2LF_REQUIRE(condition, "")
 #else

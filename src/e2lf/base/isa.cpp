@@ -22,14 +22,14 @@ namespace {
 
 struct Isa {
   const char* name;
-  int64_t targets;  ///< what the cap leaves on (Highway keeps its baseline in any case)
+  int64_t targets;  ///< the targets that the cap leaves enabled (Highway always keeps its baseline)
 };
 
 constexpr int64_t kScalar = HWY_SCALAR | HWY_EMU128;
 constexpr int64_t kSse4 = kScalar | HWY_SSSE3 | HWY_SSE4;
 constexpr int64_t kAvx2 = kSse4 | HWY_AVX2;
-constexpr int64_t kAvx512 = kAvx2 | (2 * HWY_AVX3 - 1);  // and all that is better: later Highways have more
-constexpr const char* kAmx = "amx";                      // no target of Highway
+constexpr int64_t kAvx512 = kAvx2 | (2 * HWY_AVX3 - 1);  // and all better targets; later Highways have more
+constexpr const char* kAmx = "amx";                      // not a Highway target
 
 const std::vector<Isa>& isas() {
   static const std::vector<Isa> list = {
@@ -39,7 +39,7 @@ const std::vector<Isa>& isas() {
 
 std::atomic<bool> g_amx_allowed = true;
 
-/// Whether the CPU has tiles and multiplies bfloat16 in them, and Linux lets this process use them when asked.
+/// Returns true if the CPU has AMX tiles with bfloat16 and Linux grants their use to this process.
 bool ask_for_amx() {
 #if defined(__x86_64__) && defined(__linux__)
   constexpr unsigned kFeatures = (1U << 24U) | (1U << 22U);   // AMX-TILE, AMX-BF16
@@ -58,7 +58,7 @@ bool amx_usable(int64_t targets) {
   return granted;
 }
 
-/// What the cap `word` leaves on.
+/// Returns the targets that the cap `word` leaves enabled.
 Result<int64_t> targets_under(const std::string& word) {
   std::vector<std::string> names;
   for (const Isa& isa : isas()) {
@@ -74,7 +74,8 @@ Result<int64_t> targets_under(const std::string& word) {
 Result<void> set_max_isa(const std::string& word) {
   constexpr int64_t kAll = -1;
   E2LF_ASSIGN_OR_RETURN(const int64_t targets, word.empty() ? Result<int64_t>(kAll) : targets_under(word));
-  // Not DisableTargets(): in Highway 1.0 every call of SupportedTargets() dispatches to the disabled ones again.
+  // DisableTargets() is not used: in Highway 1.0, every call of SupportedTargets() dispatches to the disabled ones
+  // again.
   hwy::SetSupportedTargetsForTest(0);
   g_amx_allowed = word.empty() || word == kAmx;
   if (targets != kAll) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & targets);

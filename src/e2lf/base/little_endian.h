@@ -9,7 +9,7 @@ namespace e2lf {
 
 static_assert(std::endian::native == std::endian::little, "the codecs read and write little-endian words in place");
 
-/// The little-endian word at `bytes`, which need not be aligned.
+/// Reads the little-endian word at `bytes`, which need not be aligned.
 template <typename T>
 [[nodiscard]] inline T load_le(const uint8_t* bytes) {
   T value;

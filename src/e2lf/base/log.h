@@ -8,10 +8,11 @@ namespace e2lf {
 
 enum class LogLevel { kDebug, kInfo, kWarning };
 
-/// Receives the library's messages; the library itself never prints.
+/// Receives the messages of the library, which itself never prints.
 using LogSink = std::function<void(LogLevel level, const std::string& message)>;
 
-/// Installs the sink and returns the previous one; an empty sink (the default) is silence. Call before threads start.
+/// Installs the sink and returns the previous one. An empty sink, the default, discards all messages. It must be called
+/// before any threads are started.
 LogSink set_log_sink(LogSink sink);
 
 void log_debug(const std::string& message);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint64_t kUnknown = std::numeric_limits<uint64_t>::max();
 
-/// The value of "key: N kB" in a file of /proc, in bytes.
+/// Returns the value of the entry "key: N kB" in a file of /proc, in bytes.
 uint64_t proc_bytes(const char* path, const std::string& key) {
   std::ifstream file(path);
   for (std::string word; file >> word;) {

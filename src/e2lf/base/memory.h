@@ -8,11 +8,13 @@
 
 namespace e2lf {
 
-/// Bytes that this process may still take: what the system calls available, less where a limit on its address space
-/// (`ulimit -v`) is nearer. The largest number where the system does not tell.
+/// Returns the number of bytes that this process may still allocate: the memory that the system reports as available,
+/// or what its address space limit (`ulimit -v`) leaves, whichever is less. Returns the largest number if the system
+/// reports neither.
 [[nodiscard]] uint64_t available_memory_bytes();
 
-/// Success when so many bytes are there. Fails with kUnsupported, naming both amounts and `remedy`.
+/// Checks that `bytes` bytes of memory are available. Fails with kUnsupported and a message that states both amounts
+/// and `remedy`.
 [[nodiscard]] Result<void> require_memory(uint64_t bytes, const std::string& remedy, const std::string& location);
 
 }  // namespace e2lf

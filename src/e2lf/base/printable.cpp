@@ -6,7 +6,7 @@
 namespace e2lf {
 namespace {
 
-/// The bytes of the UTF-8 character that a text begins with; 0 where it begins with none.
+/// Returns the size in bytes of the UTF-8 character at the beginning of `text`, or 0 if there is no valid one.
 size_t character_size(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   const size_t size = lead < 0x80 ? 1 : lead < 0xC2 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : lead < 0xF5 ? 4 : 0;

@@ -6,8 +6,8 @@
 
 namespace e2lf {
 
-/// A text for a terminal: control characters, which steer it, become "\\x1b" and the like; ends of lines and tabs stay.
-/// Bytes that are no UTF-8 are treated alike.
+/// Makes a text safe to print on a terminal: control characters, which could steer the terminal, become "\\x1b" and so
+/// on, except for line ends and tabs. Bytes that are not valid UTF-8 are escaped in the same way.
 [[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace e2lf

@@ -12,7 +12,7 @@
 namespace e2lf {
 namespace {
 
-/// The line at the bottom of the terminal. Messages come from several threads.
+/// The line at the bottom of the terminal. The mutex is needed because messages come from several threads.
 struct Line {
   std::mutex mutex;
   bool is_drawn = false;
@@ -73,7 +73,7 @@ void ProgressBar::update(size_t done, size_t total) {
   drawn_ = true;
   const double elapsed_s = std::chrono::duration<double>(now - begin_).count();
   const std::lock_guard lock(line().mutex);
-  // "erase to end of line" clears what a longer line left behind.
+  // "Erase to end of line" clears the remains of a longer line.
   std::fprintf(stderr, "\r%s\x1b[K", progress_line(label_, done, total, elapsed_s, unit_).c_str());
   std::fflush(stderr);
   line().is_drawn = true;

@@ -8,15 +8,16 @@
 
 namespace e2lf {
 
-/// Called by long work with the parts done so far and in all, from one thread at a time; an empty function is silence.
+/// Is called by long operations with the number of parts done and the total, from one thread at a time. An empty
+/// function reports nothing.
 using ProgressFn = std::function<void(size_t done, size_t total)>;
 
-/// One line on stderr, redrawn at most ten times a second: a bar with percentage and remaining time, or, where the
-/// total is not known (0), what is done so far. Silent when stderr is not a terminal or when made quiet. The destructor
-/// takes the line away. One bar is drawn at a time.
+/// Draws one line on stderr, at most ten times a second: a bar with the percentage and the remaining time, or, if the
+/// total is unknown (0), the number of parts done. It draws nothing if stderr is not a terminal or if `quiet` is set.
+/// The destructor removes the line. Only one bar is drawn at a time.
 class ProgressBar {
  public:
-  /// `unit`: what is counted, in the plural, for totals that are not known.
+  /// `unit` names what is counted, in the plural; it is shown if the total is unknown.
   explicit ProgressBar(std::string label, bool quiet = false, std::string unit = "");
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
@@ -24,7 +25,7 @@ class ProgressBar {
 
   void update(size_t done, size_t total);
 
-  /// A callback that draws on this bar; the bar must outlive it.
+  /// Returns a callback that draws on this bar. The bar must outlive it.
   [[nodiscard]] ProgressFn callback();
 
  private:
@@ -36,11 +37,11 @@ class ProgressBar {
   Clock::time_point last_draw_;
 };
 
-/// Takes the line that is drawn away until the next update, so that something else can be said on stderr.
+/// Removes the current line until the next update, so that another message can be written to stderr.
 void hide_progress();
 
-/// The bar's line, e.g. "reconstruct  [#####.....]  50 %  3 s left", with a total of 0 "convert  1200 events  3 s";
-/// separate so that it can be tested.
+/// Formats the line of the bar, e.g. "reconstruct  [#####.....]  50 %  3 s left", or, with a total of 0, "convert  1200
+/// events  3 s". It is a separate function so that it can be tested.
 [[nodiscard]] std::string progress_line(const std::string& label, size_t done, size_t total, double elapsed_s,
                                         const std::string& unit = "");
 

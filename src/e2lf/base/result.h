@@ -10,26 +10,26 @@
 
 namespace e2lf {
 
-/// What kind of thing went wrong; few and stable, so that callers can branch on them.
+/// The kinds of errors. They are few and stable, so that callers can branch on them.
 enum class ErrorCode {
-  kNotFound,           ///< a file, folder, key or view that should be there is not
+  kNotFound,           ///< a file, folder, key or view is missing
   kExists,             ///< the output exists and may not be overwritten
-  kFormat,             ///< the bytes are not what the format says
-  kTruncated,          ///< the data ends before it should
-  kUnsupported,        ///< well formed, but of a kind this build does not handle
-  kInvalidValue,       ///< NaN, out of range, an unknown option
+  kFormat,             ///< the bytes do not follow the format
+  kTruncated,          ///< the data end too early
+  kUnsupported,        ///< well-formed, but of a kind that this build does not handle
+  kInvalidValue,       ///< NaN, out of range, or an unknown option
   kShape,              ///< sizes that do not fit together
   kIo,                 ///< the system refused to read or write
   kMissingDependency,  ///< this build lacks a library
   kCancelled,          ///< the caller asked to stop
-  kInternal,           ///< a library failed in a way we do not understand
+  kInternal,           ///< a library failed in an unexpected way
 };
 
-/// The name of a code as used in JSON output, e.g. "not_found".
+/// Returns the name of a code as used in JSON output, e.g. "not_found".
 [[nodiscard]] const char* error_code_name(ErrorCode code);
 
-/// What a caller can set to mend an error or to say what was assumed. The library states facts; e2lf's verbs add the
-/// flag.
+/// The settings with which a caller can fix an error or override an assumption. The library only names the setting; the
+/// verbs of e2lf add the command-line flag.
 enum class Setting {
   kNone,
   kOverwrite,
@@ -48,19 +48,19 @@ enum class Setting {
   kPort,
 };
 
-/// Bad data as a value. `message` reads "<what went wrong>; <what to do>"; `location` is a file and place in it
-/// ("views/03_04.png", "model.safetensors: byte 16", "config.json: $.train.batch") or empty.
+/// Describes bad data as a value. `message` reads "<what went wrong>; <what to do>". `location` is a file and a place
+/// in it ("views/03_04.png", "model.safetensors: byte 16", "config.json: $.train.batch"), or empty.
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string message;
   std::string location;
-  Setting setting = Setting::kNone;  ///< what mends it, where a setting does
+  Setting setting = Setting::kNone;  ///< the setting that fixes it, if there is one
 
-  /// "location: message", or just the message where there is no location.
+  /// Returns "location: message", or only the message if there is no location.
   [[nodiscard]] std::string text() const;
 };
 
-/// Either a value or an Error. Reading the one that is not there breaks the contract and throws ContractError.
+/// Holds either a value or an Error. Accessing the one that is not held breaks the contract and throws ContractError.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -79,7 +79,7 @@ class [[nodiscard]] Result {
     require_ok();
     return std::get<0>(state_);
   }
-  /// By value, so that `for (auto& item : read().value())` does not walk a destroyed temporary.
+  /// Returns by value, so that `for (auto& item : read().value())` does not iterate over a destroyed temporary.
   [[nodiscard]] T value() && {
     require_ok();
     return std::get<0>(std::move(state_));
@@ -102,7 +102,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> state_;
 };
 
-/// Success, or an Error: `return {};` is success.
+/// Holds either success or an Error. `return {};` means success.
 template <>
 class [[nodiscard]] Result<void> {
  public:
@@ -129,13 +129,14 @@ class [[nodiscard]] Result<void> {
 #define E2LF_CONCAT_INNER(a, b) a##b
 #define E2LF_CONCAT(a, b) E2LF_CONCAT_INNER(a, b)
 
-/// Returns the error of a Result<void> expression from the enclosing function.
+/// Returns from the enclosing function with the error of a Result<void> expression, if it has one.
 #define E2LF_RETURN_IF_ERROR(expr)                                           \
   do {                                                                       \
     if (auto e2lf_status = (expr); !e2lf_status) return e2lf_status.error(); \
   } while (false)
 
-/// `E2LF_ASSIGN_OR_RETURN(auto image, read_png(path));` takes the value or returns the error.
+/// Assigns the value of a Result, or returns its error from the enclosing function: `E2LF_ASSIGN_OR_RETURN(auto image,
+/// read_png(path));`
 #define E2LF_ASSIGN_OR_RETURN(declaration, expr)                                                \
   auto E2LF_CONCAT(e2lf_result_, __LINE__) = (expr);                                            \
   if (!E2LF_CONCAT(e2lf_result_, __LINE__)) return E2LF_CONCAT(e2lf_result_, __LINE__).error(); \

@@ -38,7 +38,8 @@ float CounterRng::uniform(uint64_t index) const {
 
 std::array<float, 2> CounterRng::normal2(uint64_t index) const {
   const auto words = bits(index);
-  // The float32 nearest to a word close to 2^32 is 2^32 itself: keep the logarithm's argument at or below one.
+  // The float32 nearest to a word close to 2^32 is 2^32 itself. The minimum keeps the argument of the logarithm at or
+  // below one.
   const float u0 = std::min((static_cast<float>(words[0]) + 0.5F) * 0x1p-32F, 1.0F);
   const float radius = std::sqrt(-2.0F * std::log(u0));
   const float angle = static_cast<float>(words[1]) * (2.0F * std::numbers::pi_v<float> * 0x1p-32F);

@@ -6,27 +6,29 @@
 
 namespace e2lf {
 
-/// Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): four random words from a
-/// counter and a key. Stateless, so a draw depends on nothing but its arguments.
+/// Computes four random words from a counter and a key with Philox4x32-10 (Salmon et al., "Parallel random numbers: as
+/// easy as 1, 2, 3", SC 2011). It is stateless, so that a draw depends only on its arguments.
 [[nodiscard]] std::array<uint32_t, 4> philox4x32(std::array<uint32_t, 4> counter, std::array<uint32_t, 2> key);
 
-/// Draws that depend only on (seed, stream, index): a simulation is the same for any number of threads and any order.
-/// Key = seed; counter = {index low, index high, stream low, stream high}.
+/// Generates draws that depend only on (seed, stream, index), so that a simulation gives the same result for any number
+/// of threads and any order. The key is the seed; the counter is {index low, index high, stream low, stream high}.
 class CounterRng {
  public:
   CounterRng(uint64_t seed, uint64_t stream) : seed_(seed), stream_(stream) {}
 
-  /// Four independent uniform words for this index.
+  /// Returns four independent uniform words for this index.
   [[nodiscard]] std::array<uint32_t, 4> bits(uint64_t index) const;
 
-  /// Uniform in [0, 1), 24 bits, from the first word of bits(index).
+  /// Returns a uniform number in [0, 1) with 24 bits, made from the first word of bits(index).
   [[nodiscard]] float uniform(uint64_t index) const;
 
-  /// Two independent standard normal draws by Box-Muller from the first two words of bits(index), in float32:
-  /// r = sqrt(-2 ln(u0)), u0 = (word0 + 0.5) / 2^32 rounded to float32; angle = 2 pi word1 / 2^32; {r cos, r sin}.
+  /// Returns two independent standard normal draws, computed in float32 with the Box-Muller transform from the first
+  /// two words of bits(index): r = sqrt(-2 ln(u0)), u0 = (word0 + 0.5) / 2^32 rounded to float32, angle = 2 pi word1 /
+  /// 2^32; the draws are {r cos(angle), r sin(angle)}.
   [[nodiscard]] std::array<float, 2> normal2(uint64_t index) const;
 
-  /// Uniform integer in [0, bound), bound >= 1, by multiply-shift from the first word (bias below bound / 2^32).
+  /// Returns a uniform integer in [0, bound), where bound >= 1, by multiply-shift of the first word of bits(index). The
+  /// bias is below bound / 2^32.
   [[nodiscard]] uint32_t below(uint64_t index, uint32_t bound) const;
 
  private:

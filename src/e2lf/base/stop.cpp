@@ -28,7 +28,7 @@ int stop_signal() {
 
 void stop_on_signals() {
   struct sigaction action {};
-  action.sa_handler = on_signal;  // without SA_RESTART: a read that waits returns
+  action.sa_handler = on_signal;  // without SA_RESTART, so that a blocked read returns
   for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
 

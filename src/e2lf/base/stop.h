@@ -3,16 +3,18 @@
 
 namespace e2lf {
 
-/// Long work asks this between its units (a batch of events, a cycle, a step) and ends early, with what is complete.
+/// Returns true if a stop was requested. Long operations ask this between their units (a batch of events, a cycle, a
+/// step) and then end early with what is complete.
 [[nodiscard]] bool stop_requested();
 
-/// Which signal asked for it; 0 = none.
+/// Returns the number of the signal that requested the stop, or 0 if there was none.
 [[nodiscard]] int stop_signal();
 
-/// Makes the first SIGINT or SIGTERM ask for a stop. A second one ends the process at once, as by default.
+/// Installs handlers so that the first SIGINT or SIGTERM requests a stop. A second one ends the process at once, as by
+/// default.
 void stop_on_signals();
 
-/// Asks for a stop as a signal does, or takes that back with 0; for tests.
+/// Requests a stop as `signal` would, or withdraws the request if `signal` is 0. For tests.
 void request_stop(int signal);
 
 }  // namespace e2lf

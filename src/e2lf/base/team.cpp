@@ -18,17 +18,18 @@
 namespace e2lf {
 namespace {
 
-// Looks before a thread sleeps: some 30 us on a free core, longer than the pause between two rounds of the engine. Each
-// look gives the core away to whoever wants it.
+// The number of polls before a thread sleeps. They take about 30 us on a free core, which is longer than the pause
+// between two rounds of the engine. Each poll yields the core to any thread that wants it.
 constexpr int kLooks = 100;
 
-// What threads tell each other, in one number: which run it is, whether helpers may still begin, how many are in it.
+// The state that the threads share, packed into one number: the number of the run, whether helpers may still begin, and
+// how many of them take part.
 constexpr uint32_t kMembers = 0xFF, kOpen = 0x100, kRun = 0x200, kEnd = 0;
 constexpr size_t kMostHelpers = kMembers;
 
 thread_local bool g_is_member = false;
 
-/// Waits until state no longer is `seen`.
+/// Waits until the state differs from `seen`.
 void wait_for_change(const std::atomic<uint32_t>& state, uint32_t seen) {
   for (int look = 0; look < kLooks; ++look) {
     if (state.load(std::memory_order_acquire) != seen) return;
@@ -45,7 +46,7 @@ class Team {
   Team& operator=(const Team&) = delete;
   ~Team() {
     if (!is_of_this_process()) {
-      static_cast<void>(helpers_.release());  // threads of the process that this one was forked from
+      static_cast<void>(helpers_.release());  // these threads belong to the process that this one was forked from
       return;
     }
     state_ = kEnd;
@@ -72,7 +73,7 @@ class Team {
   }
 
  private:
-  /// Fewer where the system has no more threads.
+  /// Starts the missing helpers, or fewer if the system cannot provide as many threads.
   void add_helpers() {
     try {
       while (helpers_->size() < wanted_) {
@@ -84,7 +85,7 @@ class Team {
 
   void help(size_t member) {
     g_is_member = true;
-    uint32_t done = kRun;  // the last run that this helper was in, or one that was before it came
+    uint32_t done = kRun;  // the last run that this helper took part in, or one before it was started
     for (uint32_t now = state_.load(std::memory_order_acquire); now != kEnd;
          now = state_.load(std::memory_order_acquire)) {
       const uint32_t run = now & ~(kMembers | kOpen);
@@ -111,7 +112,7 @@ class Team {
   }
 
   pid_t owner_ = ::getpid();
-  std::atomic<uint32_t> state_ = kRun;  // closed; never kEnd before the end
+  std::atomic<uint32_t> state_ = kRun;  // closed; kEnd is set only by the destructor
   std::atomic<size_t> wanted_ = 0;      // changes only while no helper may begin
   const std::function<void(size_t)>* body_ = nullptr;
   std::mutex failing_;

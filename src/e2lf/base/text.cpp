@@ -42,7 +42,7 @@ std::string shape_text(const std::vector<size_t>& shape) {
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates, std::string_view quote) {
   if (candidates.empty()) return "there are none";
-  // What is left out behind a beginning costs nothing: it is how names are cut short.
+  // A candidate that begins with the word has distance 0, because names are often abbreviated to their beginning.
   const auto distance = [&](const std::string& candidate) {
     const bool is_beginning = !word.empty() && std::string_view(candidate).starts_with(word);
     return is_beginning ? 0 : edit_distance(word, candidate);

@@ -8,7 +8,7 @@
 
 namespace e2lf {
 
-/// Joins its arguments as an ostream would print them: cat("view ", 3, " is missing").
+/// Concatenates its arguments as an ostream would print them: cat("view ", 3, " is missing").
 template <typename... Args>
 [[nodiscard]] std::string cat(const Args&... args) {
   std::ostringstream out;
@@ -16,14 +16,15 @@ template <typename... Args>
   return std::move(out).str();
 }
 
-/// "a, b, c".
+/// Joins the parts with the separator between them: "a, b, c".
 [[nodiscard]] std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
 
-/// A shape as "[3, 720, 1280]".
+/// Formats a shape as "[3, 720, 1280]".
 [[nodiscard]] std::string shape_text(const std::vector<size_t>& shape);
 
-/// For error messages about a word that is not known: "did you mean "batch"?" where a candidate begins with the word or
-/// is a typing mistake away, else "known are batch, steps, rate" (twelve at most), else "there are none".
+/// Completes an error message about an unknown word. Returns "did you mean "batch"?" if a candidate begins with the
+/// word or differs from it by a typing mistake, otherwise "known are batch, steps, rate" (at most twelve), or "there
+/// are none" if there are no candidates.
 [[nodiscard]] std::string suggestion(std::string_view word, const std::vector<std::string>& candidates,
                                      std::string_view quote = "\"");
 

@@ -16,7 +16,7 @@ int num_threads() {
 #ifdef _OPENMP
   return omp_get_max_threads();
 #else
-  return 1;  // the build for fuzzing
+  return 1;  // the fuzzing build has no OpenMP
 #endif
 }
 
@@ -32,7 +32,7 @@ void parallel_for(size_t count, size_t min_chunk, const std::function<void(size_
   min_chunk = std::max<size_t>(min_chunk, 1);
   const size_t threads = std::clamp<size_t>(count / min_chunk, 1, static_cast<size_t>(num_threads()));
   if (threads == 1) return body(0, count);
-  // Several chunks for each thread, so that one slow chunk does not hold up the rest.
+  // Each thread gets several chunks, so that one slow chunk does not delay the rest.
   const size_t chunk = std::max(min_chunk, (count + threads * 4 - 1) / (threads * 4));
   const size_t chunks = (count + chunk - 1) / chunk;
   std::atomic<size_t> next = 0;

@@ -22,7 +22,7 @@ size_t transitions_of(size_t cells) {
   return transitions;
 }
 
-/// Sums of a histogram, of which moments are made.
+/// The sums of a histogram from which moments are computed.
 struct Sums {
   std::vector<double> mean;
   std::vector<double> product;  ///< transitions x transitions
@@ -49,7 +49,7 @@ Sums sums_of(std::span<const Value> histogram, size_t transitions) {
   return sums;
 }
 
-/// Collects means over areas and covariances within each.
+/// Accumulates means over areas and covariances within each.
 class MomentSum {
  public:
   explicit MomentSum(size_t transitions) : mean_(transitions), covariance_(transitions * transitions) {}
@@ -104,7 +104,7 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
   }
   for (size_t cell = 0; cell < cells; ++cell) {
     result.total_variation += 0.5 * std::abs(difference[cell]);
-    // The mean distance of a share of so many samples from its probability.
+    // The expected deviation of a share of this number of samples from its probability.
     const double p = std::clamp(model[cell], 0.0, 1.0);
     result.chance += 0.5 * std::min(std::sqrt(2.0 * p * (1.0 - p) / (std::numbers::pi * result.samples)), 2.0 * p);
   }
@@ -114,7 +114,7 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
   return result;
 }
 
-AgreementReport compare(const capture::Camera& camera, const std::vector<float>& open_shares,
+AgreementReport compare(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
                         const std::vector<Area>& areas) {
   const std::vector<double> brightness = fit_brightness(camera, open_shares, areas);
   std::vector<std::vector<double>> predictions(areas.size());

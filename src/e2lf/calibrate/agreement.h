@@ -9,35 +9,35 @@
 
 namespace e2lf::calibrate {
 
-/// Means, deviations and correlations of the counts of one cycle.
+/// The means, standard deviations and correlations of the counts of one cycle.
 struct Moments {
-  std::vector<double> mean, deviation;  ///< of each transition
+  std::vector<double> mean, deviation;  ///< for each transition
   std::vector<double> correlation;      ///< of transitions 1 and 2, 2 and 3, 1 and 3
 };
 
-/// How well a model tells the counts of some areas.
+/// How well a model predicts the counts of a set of areas.
 struct Agreement {
   double brightness = 0.0;  ///< mean count of the first two transitions
-  double x = 0.0, y = 0.0;  ///< the mean place in the field
+  double x = 0.0, y = 0.0;  ///< mean position in the field
   double samples = 0.0;
   Moments measured, simulated;
-  double total_variation = 0.0;  ///< between the joint histograms: 0 = equal, 1 = apart
-  double chance = 0.0;           ///< about what so few samples make of it where the model is true
+  double total_variation = 0.0;  ///< distance of the joint histograms: 0 = equal, 1 = disjoint
+  double chance = 0.0;           ///< approximately its value if the model is true, due to the number of samples
 };
 
-/// The agreement of areas taken together. Deviations and correlations are those within areas, which hold one
-/// brightness each.
+/// Computes the agreement of several areas together. Standard deviations and correlations are those within areas, each
+/// of which has one brightness.
 [[nodiscard]] Agreement agreement_of(const std::vector<const Area*>& areas,
                                      const std::vector<std::vector<double>>& predictions);
 
 struct AgreementReport {
   std::vector<Agreement> rows;    ///< by brightness
-  std::vector<Agreement> places;  ///< each area of its own: by brightness, then field position
+  std::vector<Agreement> places;  ///< each area by itself, by brightness and then by field position
 };
 
-/// The agreement of a camera with areas; each takes the brightness that fits it best. Rows of fewer than 300 samples
-/// are left out.
-[[nodiscard]] AgreementReport compare(const capture::Camera& camera, const std::vector<float>& open_shares,
+/// Computes the agreement of a camera with areas, each of which gets the brightness that fits it best. Rows of fewer
+/// than 300 samples are omitted.
+[[nodiscard]] AgreementReport compare(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
                                       const std::vector<Area>& areas);
 
 }  // namespace e2lf::calibrate

@@ -13,17 +13,17 @@
 namespace e2lf::calibrate {
 namespace {
 
-constexpr double kDetermined = 0.5;  // standard deviation over spread below which the data determine a constant
-// Areas that a search found have errors of their own (what was chosen by its noise, textures, parallax): more pixels of
-// a row tell no more.
+constexpr double kDetermined = 0.5;  // ratio of standard deviation to spread below which a constant is determined
+// Areas found by search have systematic errors (selection by noise, textures, parallax), so that more pixels of a row
+// contain no more information.
 constexpr double kFoundRowSamples = 400.0;
 constexpr double kNearBound = 1e-3;
 constexpr size_t kGroups = 8;
-constexpr double kShareOfOwnError = 0.1;  // of a row's misfit that the model's own error may make
+constexpr double kShareOfOwnError = 0.1;  // the share of the misfit of a row that may be due to the model's own error
 constexpr float kMostUncertainty = 0.95F;
 constexpr size_t kLeastAreas = 4;
 
-/// The flat areas of all scenes, found once.
+/// The flat areas of all scenes, which are found only once.
 class FlatScene {
  public:
   FlatScene(const std::vector<StillScene>& scenes, const std::vector<PixelState>& states, bool is_even)
@@ -54,12 +54,12 @@ class FlatScene {
   std::vector<FlatAreas> flat_;
 };
 
-/// Squares of which a fit is made: every second one where the others are kept out.
+/// Returns true for the squares used by a fit: every second one if the others are kept out.
 bool is_fitted(bool keep_out, size_t square_y, size_t square_x) {
   return !keep_out || (square_y + square_x) % 2 == 0;
 }
 
-/// The group that leaves the fit with others in turn; neighbours are in different ones.
+/// Returns the group of squares that is left out together; neighbours are in different groups.
 size_t group_of(size_t square_y, size_t square_x) {
   return (square_y * 3 + square_x / 2) % kGroups;
 }
@@ -76,7 +76,7 @@ AreaKey key_of(const Area& area) {
   return {area.scene, area.row, area.cell};
 }
 
-/// Standard deviations by the curvature, with the first guess as one more measurement.
+/// Returns the standard deviations from the curvature, with the starting values as an additional measurement.
 Eigen::VectorXd deviations(const Eigen::MatrixXd& information, const Eigen::VectorXd& spreads) {
   Eigen::MatrixXd matrix = information;
   matrix.diagonal() += spreads.cwiseAbs2().cwiseInverse();
@@ -84,20 +84,8 @@ Eigen::VectorXd deviations(const Eigen::MatrixXd& information, const Eigen::Vect
   return inverse.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-/// The keys of what the data do not determine while nothing else is known either.
-std::vector<std::string> undetermined_beside_others(const std::vector<Parameter>& parameters,
-                                                    const Eigen::MatrixXd& information) {
-  std::vector<std::string> keys;
-  const Eigen::VectorXd spreads = spreads_of(parameters);
-  const Eigen::VectorXd ratios = deviations(information, spreads).cwiseQuotient(spreads);
-  for (size_t i = 0; i < parameters.size(); ++i) {
-    if (ratios[static_cast<Eigen::Index>(i)] > kDetermined) keys.push_back(parameters[i].key);
-  }
-  return keys;
-}
-
-/// The keys of what the data do not determine: the worst is taken out, one after the other, until the rest is
-/// determined.
+/// Returns the keys of the constants that the data do not determine. The least determined one is removed repeatedly
+/// until the rest is determined.
 std::vector<std::string> undetermined(std::vector<Parameter> parameters, Eigen::MatrixXd information) {
   std::vector<std::string> keys;
   while (!parameters.empty()) {
@@ -116,7 +104,8 @@ std::vector<std::string> undetermined(std::vector<Parameter> parameters, Eigen::
   return keys;
 }
 
-Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& codes, const capture::Camera& start) {
+Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& codes,
+                   const capture::SensorProfile& start) {
   E2LF_RETURN_IF_ERROR(check_scenes(scenes));
   const size_t transitions = scenes.front().cycles.front().transitions;
   if (codes.num_patterns != transitions + 1) {
@@ -137,10 +126,10 @@ Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& 
   return {};
 }
 
-/// The work of one calibration.
+/// Performs one calibration.
 class Calibrator {
  public:
-  Calibrator(const FlatScene& scene, const std::vector<float>& shares, const capture::Camera& start,
+  Calibrator(const FlatScene& scene, const std::vector<float>& shares, const capture::SensorProfile& start,
              const CalibrationOptions& options)
       : scene_(scene),
         shares_(shares),
@@ -150,7 +139,7 @@ class Calibrator {
 
   [[nodiscard]] const std::vector<Area>& areas() const { return areas_; }
 
-  /// The first guess, with the brightness of each area that fits it.
+  /// Returns the starting camera, with the brightness of each area that fits it.
   [[nodiscard]] Model first_model() const { return {start_, fit_brightness(start_, shares_, areas_)}; }
 
   [[nodiscard]] Fit fit(const std::vector<Parameter>& parameters, const Model& from, FitOptions fit_options,
@@ -163,8 +152,8 @@ class Calibrator {
     return fit_camera(parameters, shares_, areas_, start_, from, fit_options);
   }
 
-  /// How far the parameters move when parts of the picture are left out, as a standard deviation: a jackknife of one
-  /// step, as far as the equations at the result tell.
+  /// Returns the standard deviations of the parameters if parts of the picture are left out: a jackknife with one step
+  /// each, in the linear approximation at the result.
   [[nodiscard]] Eigen::VectorXd deviations_over_picture(const std::vector<Parameter>& parameters, const Model& whole,
                                                         const FitOptions& fit_options) const {
     std::map<AreaKey, double> brightness;
@@ -191,21 +180,25 @@ class Calibrator {
  private:
   const FlatScene& scene_;
   const std::vector<float>& shares_;
-  const capture::Camera& start_;
+  const capture::SensorProfile& start_;
   const CalibrationOptions& options_;
   std::vector<Area> areas_;
 };
 
-/// What the data determine, and how well.
+/// The parameters that the data determine, with their uncertainty.
 struct Solution {
-  capture::Camera camera;
+  capture::SensorProfile camera;
   std::vector<Parameter> determined;
-  Eigen::VectorXd deviation;  ///< of each of those
+  Eigen::VectorXd deviation;  ///< of each determined parameter
 };
 
-/// Fits all parameters; again with the deviance divided by the misfit found, and more weight for many samples where
-/// areas are even and the model is so good that they tell more; and again without those that are not determined.
-Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, bool is_even) {
+/// Fits all parameters; then again with the deviance divided by the misfit found. Where areas are even, the second fit
+/// gives more weight to many samples if the model is accurate enough, and a third one omits the parameters that are not
+/// determined. Where areas were found by search, the receptor's rate keeps its value: the result would mostly follow
+/// from the remaining texture, and an error in it changes the brightness. The prior decides how far the others move.
+Solution solve(const Calibrator& calibrator, std::vector<Parameter> all, bool is_even) {
+  const std::string receptor_rate = capture::pixel_constant_key(capture::PixelConstant::kReceptorRate);
+  if (!is_even) std::erase_if(all, [&](const Parameter& each) { return each.key == receptor_rate; });
   const Model first = calibrator.first_model();
   FitOptions options{.most_row_samples = is_even ? kRowSamples : kFoundRowSamples};
   Fit fit = calibrator.fit(all, first, options, 0);
@@ -213,8 +206,7 @@ Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, 
   if (is_even && trusted > options.most_row_samples) options.most_row_samples = trusted;
   options.misfit = fit.misfit.weighted;
   fit = calibrator.fit(all, fit.model, options, 1);
-  const std::vector<std::string> open =
-      is_even ? undetermined(all, fit.information) : undetermined_beside_others(all, fit.information);
+  const std::vector<std::string> open = is_even ? undetermined(all, fit.information) : std::vector<std::string>();
   std::vector<Parameter> determined;
   for (const Parameter& each : all) {
     if (std::find(open.begin(), open.end(), each.key) == open.end()) {
@@ -229,8 +221,9 @@ Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, 
   return {fit.model.camera, std::move(determined), deviation};
 }
 
-/// The estimate of a constant from the middle and deviation of what was fitted.
-Estimate estimate_of(const Parameter& parameter, const capture::Camera& camera, double deviation, bool is_determined) {
+/// Returns the estimate of a constant from its fitted value and standard deviation.
+Estimate estimate_of(const Parameter& parameter, const capture::SensorProfile& camera, double deviation,
+                     bool is_determined) {
   Estimate result{parameter.key, parameter.get(camera), 0.0, 0.0, is_determined};
   const double width = kQuantile * deviation;
   result.low = parameter.is_logarithm ? result.value * std::exp(-width) : result.value - width;
@@ -238,9 +231,9 @@ Estimate estimate_of(const Parameter& parameter, const capture::Camera& camera, 
   return result;
 }
 
-/// What is suspicious about constants that were fitted: a jump out of what was known before, or an end at a bound.
-std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, const capture::Camera& start,
-                                     const capture::Camera& found) {
+/// Returns warnings about suspicious constants: those that left their prior uncertainty or ended at a bound.
+std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, const capture::SensorProfile& start,
+                                     const capture::SensorProfile& found) {
   std::vector<std::string> warnings;
   const Eigen::VectorXd before = to_vector(parameters, start), after = to_vector(parameters, found);
   const std::vector<Bound> bounds = fit_bounds();
@@ -265,9 +258,9 @@ std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, c
   return warnings;
 }
 
-/// Keeps how far constants may be off in the camera itself.
+/// Stores the uncertainty of the constants in the camera.
 void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::VectorXd& deviation,
-                      capture::Camera& camera) {
+                      capture::SensorProfile& camera) {
   for (size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& parameter = parameters[i];
     const auto width = static_cast<float>(kQuantile * deviation[static_cast<Eigen::Index>(i)]);
@@ -284,7 +277,7 @@ void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::Vec
 }  // namespace
 
 Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const capture::Codes& codes,
-                              const capture::Camera& start, const CalibrationOptions& options) {
+                              const capture::SensorProfile& start, const CalibrationOptions& options) {
   E2LF_RETURN_IF_ERROR(check(scenes, codes, start));
   E2LF_ASSIGN_OR_RETURN(const std::vector<Parameter> all, fit_parameters(codes.num_patterns - 1, start, options.held));
   Calibration result;

@@ -14,7 +14,7 @@ namespace {
 using enum capture::PixelConstant;
 
 /// A first guess that is off by a tenth and more.
-capture::Camera wrong_guess(capture::Camera camera) {
+capture::SensorProfile wrong_guess(capture::SensorProfile camera) {
   camera.pixel[kThresholdOn] *= 1.12F;
   camera.pixel[kThresholdOff] *= 0.9F;
   camera.pixel[kReceptorRate] *= 0.75F;
@@ -35,9 +35,9 @@ std::map<std::string, Estimate> by_key(const Calibration& calibration) {
 
 /// Calibrates from even patches behind known open areas, and asks for the constants within the tolerances of
 /// docs/calibration.md.
-void expect_recovered(const capture::Camera& truth) {
+void expect_recovered(const capture::SensorProfile& truth) {
   const capture::Codes codes = known_open_areas();
-  const capture::Camera guess = wrong_guess(truth);
+  const capture::SensorProfile guess = wrong_guess(truth);
   const auto found =
       calibrate({simulate(truth, patches(0.01F, 0.6F), 4, codes)}, codes, guess, {.held = {}, .is_even = true});
   ASSERT_TRUE(found) << found.error().text();
@@ -109,14 +109,14 @@ TEST(Calibrate, HoldsWhatItIsToldAndRefusesUnknownKeys) {
   const auto refused = calibrate({scene}, capture::default_codes(), guess, {.held = {"threshold_onn"}});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().text().find("threshold_on"), std::string::npos);
-  capture::Camera paper;
+  capture::SensorProfile paper;
   EXPECT_EQ(calibrate({scene}, capture::default_codes(), paper, {}).error().code, ErrorCode::kInvalidValue);
   const StillScene black{{capture::EventImages(3, 64, 64)}};
   EXPECT_EQ(calibrate({black}, capture::Codes(3, 8, 8), guess, {}).error().code, ErrorCode::kShape);
 }
 
 /// Keys of all constants but one, to hold.
-std::vector<std::string> all_but(const capture::Camera& camera, const std::string& key) {
+std::vector<std::string> all_but(const capture::SensorProfile& camera, const std::string& key) {
   std::vector<std::string> keys;
   for (const Parameter& each : fit_parameters(3, camera, {}).value()) {
     if (each.key != key) keys.push_back(each.key);
@@ -140,6 +140,24 @@ TEST(Calibrate, MovesAConstantThatIsDeterminedToTheTruthAndWarnsOfTheJumpByName)
   const auto from_truth = calibrate({scene}, capture::default_codes(), truth, options);
   ASSERT_TRUE(from_truth);
   EXPECT_TRUE(from_truth->warnings.empty());
+}
+
+TEST(Calibrate, AnOrdinarySceneMovesThresholdsToTheTruthAndKeepsTheReceptorsRate) {
+  const auto truth = plain_camera();
+  auto guess = truth;
+  guess.pixel[kReceptorRate] *= 0.8F;
+  guess.pixel[kThresholdOn] *= 1.1F;
+  guess.pixel[kThresholdOff] *= 0.9F;
+  guess.uncertainty[kThresholdOn] = guess.uncertainty[kThresholdOff] = 0.1F;
+  const auto found = calibrate({simulate(truth, patches(0.02F, 0.6F), 5)}, capture::default_codes(), guess, {});
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_EQ(found->camera.pixel[kReceptorRate], guess.pixel[kReceptorRate]);
+  EXPECT_FALSE(by_key(*found).at("receptor_rate_hz").is_determined);
+  for (const auto constant : {kThresholdOn, kThresholdOff}) {
+    const float before = std::abs(guess.pixel[constant] / truth.pixel[constant] - 1.0F);
+    EXPECT_LT(std::abs(found->camera.pixel[constant] / truth.pixel[constant] - 1.0F), 0.7F * before)
+        << capture::pixel_constant_key(constant);
+  }
 }
 
 TEST(FitParameters, SpreadAsTheStartingCameraStatesOrAsPlausible) {

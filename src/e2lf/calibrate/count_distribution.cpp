@@ -14,23 +14,23 @@ namespace {
 using enum capture::PixelConstant;
 
 constexpr size_t kThresholds = 21, kPoints = kThresholds * 2 * 8;
-constexpr double kReach = 3.2;                        // standard deviations of the mismatch to either side
+constexpr double kThresholdReach = 3.2;               // standard deviations of the mismatch to either side
 constexpr double kLeastProbability = 1e-5 / kPoints;  // of a path, with the weight of its point
-constexpr double kLeastThreshold = 0.3;               // of the mean one, as in the simulation
+constexpr double kLeastThreshold = 0.3;               // relative to the mean threshold, as in the simulation
 constexpr double kLeastNoise = 1e-3;                  // of the log intensity, so that probabilities change smoothly
 
 double normal_cdf(double x) {
   return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 }
 
-/// Two standard normal draws and a uniform one over 0..1, with the share of their probability.
+/// Two standard normal draws and a uniform one in 0..1, with the weight of the point.
 struct Point {
   double both = 0.0, other = 0.0, reset = 0.0, weight = 0.0;
 };
 
-/// Counts step with the threshold and the reference, so points spread at random would need many thousands; noise makes
-/// the steps smooth enough for rules of few points: even steps for the threshold, of which bright areas need the most,
-/// two for what ON and OFF do not share, and Gauss's eight for the reference.
+/// Counts jump with the threshold and the reference, so that randomly distributed points would be needed by the
+/// thousands. Noise smooths the jumps enough for rules with few points: equidistant ones for the threshold, which needs
+/// the most in bright areas, two for the difference between ON and OFF, and eight Gauss points for the reference.
 std::array<Point, kPoints> make_points() {
   constexpr std::array<double, 4> kPlaces = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
                                              0.9602898564975363};
@@ -40,7 +40,7 @@ std::array<Point, kPoints> make_points() {
   double sum = 0.0;
   size_t place = 0;
   for (size_t i = 0; i < kThresholds; ++i) {
-    const double both = kReach * (2.0 * static_cast<double>(i) / (kThresholds - 1) - 1.0);
+    const double both = kThresholdReach * (2.0 * static_cast<double>(i) / (kThresholds - 1) - 1.0);
     for (const double other : {-1.0, 1.0}) {
       for (const double side : {-1.0, 1.0}) {
         for (size_t k = 0; k < kPlaces.size(); ++k) {
@@ -54,14 +54,14 @@ std::array<Point, kPoints> make_points() {
   return points;
 }
 
-/// What the counts of one transition depend on, but the reference.
+/// The quantities on which the counts of one transition depend, except for the reference.
 struct Step {
   double level = 0.0, noise = 0.0, dark_off = 0.0, dark_on = 0.0;
 
   [[nodiscard]] double undisturbed() const { return 1.0 - dark_off - dark_on; }
 };
 
-/// Follows the counts of one pixel along every path and adds up their probabilities.
+/// Follows the counts of one pixel along every path and accumulates their probabilities.
 class Paths {
  public:
   Paths(std::span<const Step> steps, std::span<double> result) : steps_(steps), result_(result) {}
@@ -90,7 +90,7 @@ class Paths {
 
   struct Place {
     double reference, probability;
-    double silent;  ///< that the level caused no event
+    double silent;  ///< probability that the level caused no event
     size_t cell;
   };
 
@@ -102,8 +102,8 @@ class Paths {
     double dark, other_dark;
   };
 
-  /// All counts of one sign. An event that nothing caused leads to the same reference as one more that the level
-  /// caused; so both are followed together.
+  /// Follows all counts of one sign. A spurious event leads to the same reference as one more event caused by the
+  /// level, so both cases are followed together.
   void go_on(size_t n, const Side& side, const Place& place) {
     const Step& step = steps_[n];
     double beyond = side.beyond, one_less = place.silent;
@@ -128,14 +128,14 @@ class Paths {
     return value < -6.0 ? 0.0 : value > 6.0 ? 1.0 : normal_cdf(value);
   }
 
-  static constexpr int kLongest = 100;  // counts are below this for thresholds that are
+  static constexpr int kLongest = 100;  // an upper bound of counts for realistic thresholds
 
   std::span<const Step> steps_;
   std::span<double> result_;
   double on_ = 0.0, off_ = 0.0;
 };
 
-/// Levels after black and after each lit pattern; see sensor/pixel_model.h for the equations.
+/// Computes the levels after black and after each active pattern; see sensor/pixel_model.h for the equations.
 double follow_light(const capture::PixelConstants& constants, const PixelLight& light, std::span<Step> steps) {
   double inverse_level = 1.0 / light.inverse, level = std::log(light.inverse), black = 0.0;
   for (size_t n = 0; n < light.of_patterns.size(); ++n) {
@@ -179,7 +179,7 @@ void count_distribution(const capture::PixelConstants& constants, const PixelLig
   const double common = constants[kMismatch], own = constants[kMismatchEach], spread = std::hypot(common, own);
   const double shared = spread > 0.0 ? common * common / (spread * spread) : 0.0;
   for (const Point& point : points) {
-    // Two normal draws of the spread, which share the part that is common to ON and OFF.
+    // Two correlated normal draws with the same standard deviation; ON and OFF share the common part.
     const double other = shared * point.both + std::sqrt(std::max(0.0, 1.0 - shared * shared)) * point.other;
     const double on = constants[kThresholdOn] * std::max(1.0 + spread * point.both, kLeastThreshold);
     const double off = constants[kThresholdOff] * std::max(1.0 + spread * other, kLeastThreshold);

@@ -19,7 +19,7 @@ Area empty_area() {
 }
 
 /// The total variation between the model's probabilities and what the simulation counts on one brightness.
-double distance_to_simulation(const capture::Camera& camera, float brightness) {
+double distance_to_simulation(const capture::SensorProfile& camera, float brightness) {
   lightfield::LightField field({8, 8, 256, 256});
   std::fill(field.data().begin(), field.data().end(), brightness);
   const StillScene scene = simulate(camera, field, 2);

@@ -15,22 +15,22 @@
 namespace e2lf::calibrate {
 namespace {
 
-constexpr double kOther = 1e-4;  // share of samples that no model knows, spread evenly over all combinations
+constexpr double kOther = 1e-4;  // share of samples that the model does not explain, spread evenly
 constexpr double kLeastExpected = 5.0;
 constexpr double kBrightnessStep = 0.02, kMostBrightnessMove = 0.2, kLeastBrightnessMove = 1e-4;
-constexpr double kDarkest = 0.0, kBrightest = 9.0;  // ln(I / eps) between which brightness is sought
+constexpr double kDarkest = 0.0, kBrightest = 9.0;  // range of ln(I / eps) in which brightness is searched
 constexpr size_t kBrightnessGrid = 19;
 constexpr double kMostMove = 0.5;
 
 using Shares = Eigen::VectorXd;  // of each combination of counts
 
-Shares plain_shares(const capture::Camera& camera, const std::vector<float>& open_shares, const Area& area,
+Shares plain_shares(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
                     double brightness) {
   const std::vector<double> model = predict(camera, open_shares, area, brightness);
   return Eigen::Map<const Eigen::VectorXd>(model.data(), static_cast<Eigen::Index>(model.size()));
 }
 
-Shares shares_of_model(const capture::Camera& camera, const std::vector<float>& open_shares, const Area& area,
+Shares shares_of_model(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
                        double brightness) {
   const Shares shares = plain_shares(camera, open_shares, area, brightness);
   return ((1.0 - kOther) * shares).array() + kOther / static_cast<double>(shares.size());
@@ -41,7 +41,7 @@ Shares shares_of_area(const Area& area) {
       .cast<double>();
 }
 
-/// The deviance of one sample: twice by how much the logarithm of its probability falls short of the best possible.
+/// Returns the deviance per sample: twice the amount by which its log probability falls short of the best possible one.
 double deviance(const Shares& measured, const Shares& model) {
   double sum = model.sum() - measured.sum();
   for (Eigen::Index i = 0; i < measured.size(); ++i) {
@@ -50,8 +50,8 @@ double deviance(const Shares& measured, const Shares& model) {
   return 2.0 * sum;
 }
 
-/// Scoring in one unknown, with shorter steps where a whole one leads away.
-double improve_brightness(const capture::Camera& camera, const std::vector<float>& open_shares, const Area& area,
+/// Improves one brightness by scoring, with shorter steps if a full one makes the fit worse.
+double improve_brightness(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
                           const Shares& measured, double brightness, int iterations) {
   const auto shares = [&](double value) { return shares_of_model(camera, open_shares, area, value); };
   Shares model = shares(brightness);
@@ -86,8 +86,9 @@ std::vector<double> weights_of(const std::vector<Area>& areas, double most_row_s
   return weights;
 }
 
-/// Pearson's distance of an area's shares from the model's, for one sample, and its degrees of freedom. Combinations of
-/// which fewer than five samples are expected are taken together: rare ones say nothing each on its own.
+/// Pearson's distance of the shares of an area from those of the model, per sample, and its degrees of freedom.
+/// Combinations with fewer than five expected samples are merged, because rare ones contain no information by
+/// themselves.
 struct Pearson {
   double distance = 0.0, freedom = 0.0;
 };
@@ -113,11 +114,11 @@ Pearson pearson_of(const Shares& measured, const Shares& model, double samples) 
   return result;
 }
 
-/// The fit at work: data, and what it knows of the place where it is.
+/// The data of a fit, and the equations at a model.
 class Fitter {
  public:
   Fitter(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-         const std::vector<Area>& areas, const capture::Camera& start, const FitOptions& options)
+         const std::vector<Area>& areas, const capture::SensorProfile& start, const FitOptions& options)
       : parameters_(parameters),
         open_shares_(open_shares),
         areas_(areas),
@@ -131,12 +132,13 @@ class Fitter {
     for (double& weight : weights_) weight /= misfit_;
   }
 
-  /// The equations at a place: normal matrix and right side without the brightnesses, and what gives those back.
+  /// The equations at a model: normal matrix and right-hand side without the brightnesses, and the coefficients that
+  /// recover those.
   struct Equations {
     Eigen::MatrixXd normal;
     Eigen::VectorXd right;
-    std::vector<Eigen::VectorXd> brightness_of_move;  ///< change of an area's brightness per change of each parameter
-    std::vector<double> brightness_alone;             ///< and without any
+    std::vector<Eigen::VectorXd> brightness_of_move;  ///< change of an area's brightness per unit of each parameter
+    std::vector<double> brightness_alone;             ///< change without any parameter change
   };
 
   [[nodiscard]] Equations equations(const Model& model) const {
@@ -145,11 +147,11 @@ class Fitter {
     std::vector<Eigen::VectorXd> rights(areas_.size());
     Equations result{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size),
                      std::vector<Eigen::VectorXd>(areas_.size()), std::vector<double>(areas_.size())};
-    const std::vector<capture::Camera> stepped = stepped_cameras(model.camera);
+    const std::vector<capture::SensorProfile> stepped = stepped_cameras(model.camera);
     parallel_for(areas_.size(), 1, [&](size_t begin, size_t end) {
       for (size_t a = begin; a < end; ++a) {
         const Shares here = shares(model.camera, a, model.brightness[a]);
-        const Eigen::VectorXd scale = here.cwiseSqrt().cwiseInverse();  // makes chance the same for each combination
+        const Eigen::VectorXd scale = here.cwiseSqrt().cwiseInverse();  // equalises the variance of all combinations
         Eigen::MatrixXd jacobian(here.size(), size);
         for (Eigen::Index i = 0; i < size; ++i) {
           const auto n = static_cast<size_t>(i);
@@ -167,7 +169,7 @@ class Fitter {
         rights[a] = weights_[a] * jacobian.transpose() * residual;
       }
     });
-    for (size_t a = 0; a < areas_.size(); ++a) {  // in order, so that sums are the same for any number of threads
+    for (size_t a = 0; a < areas_.size(); ++a) {  // in order, so that the sums do not depend on the number of threads
       result.normal += normals[a];
       result.right += rights[a];
     }
@@ -190,7 +192,7 @@ class Fitter {
     return (values - start_).cwiseQuotient(spread_).squaredNorm();
   }
 
-  /// The change of the parameters that the equations ask for.
+  /// Solves the equations for the change of the parameters.
   [[nodiscard]] Eigen::VectorXd move_of(const Model& model, const Equations& equations, double damping) const {
     const Eigen::VectorXd values = to_vector(parameters_, model.camera);
     const Eigen::VectorXd firmness = spread_.cwiseAbs2().cwiseInverse();
@@ -201,7 +203,7 @@ class Fitter {
     return matrix.ldlt().solve(right).cwiseMax(-kMostMove).cwiseMin(kMostMove);
   }
 
-  /// One step with damping; the model that it leads to, with each brightness improved.
+  /// Returns the model after one damped step, with each brightness improved.
   [[nodiscard]] Model moved(const Model& model, const Equations& equations, double damping) const {
     const Eigen::VectorXd move = move_of(model, equations, damping);
     const Eigen::VectorXd values = to_vector(parameters_, model.camera);
@@ -218,7 +220,7 @@ class Fitter {
     return result;
   }
 
-  /// How far the model is off, beyond chance.
+  /// Returns the misfit of the model beyond chance.
   [[nodiscard]] Misfit misfit_beyond_chance(const Model& model) const {
     double weighted = 0.0, full = 0.0, freedom = -static_cast<double>(parameters_.size()), samples = 0.0;
     std::set<size_t> rows;
@@ -239,13 +241,13 @@ class Fitter {
   [[nodiscard]] Eigen::VectorXd values_of(const Model& model) const { return to_vector(parameters_, model.camera); }
 
  private:
-  [[nodiscard]] Shares shares(const capture::Camera& camera, size_t area, double brightness) const {
+  [[nodiscard]] Shares shares(const capture::SensorProfile& camera, size_t area, double brightness) const {
     return shares_of_model(camera, open_shares_, areas_[area], brightness);
   }
   static double step_of(const Parameter& parameter) { return 0.02 * std::min(parameter.spread, 0.5); }
 
-  [[nodiscard]] std::vector<capture::Camera> stepped_cameras(const capture::Camera& camera) const {
-    std::vector<capture::Camera> stepped(parameters_.size(), camera);
+  [[nodiscard]] std::vector<capture::SensorProfile> stepped_cameras(const capture::SensorProfile& camera) const {
+    std::vector<capture::SensorProfile> stepped(parameters_.size(), camera);
     const Eigen::VectorXd values = to_vector(parameters_, camera);
     for (size_t i = 0; i < parameters_.size(); ++i) {
       Eigen::VectorXd moved = values;
@@ -255,8 +257,8 @@ class Fitter {
     return stepped;
   }
 
-  /// What camera files refuse, a fit does not reach.
-  static void keep_in_range(capture::Camera& camera) {
+  /// Keeps the constants within the range that camera files allow.
+  static void keep_in_range(capture::SensorProfile& camera) {
     for (const Bound& bound : fit_bounds()) {
       float& value = camera.pixel[bound.constant];
       value = std::clamp(value, bound.low, bound.high);
@@ -284,8 +286,8 @@ std::vector<float> open_shares(const capture::Codes& codes) {
   return capture::light_efficiency(codes);
 }
 
-std::vector<double> predict(const capture::Camera& camera, const std::vector<float>& open_shares, const Area& area,
-                            double brightness) {
+std::vector<double> predict(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
+                            const Area& area, double brightness) {
   const double full = std::exp(brightness), leak = camera.pixel[capture::PixelConstant::kLeak];
   PixelLight light;
   double last = 0.0;
@@ -302,7 +304,7 @@ std::vector<double> predict(const capture::Camera& camera, const std::vector<flo
   return result;
 }
 
-std::vector<double> fit_brightness(const capture::Camera& camera, const std::vector<float>& open_shares,
+std::vector<double> fit_brightness(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
                                    const std::vector<Area>& areas) {
   std::vector<double> brightness(areas.size());
   parallel_for(areas.size(), 1, [&](size_t begin, size_t end) {
@@ -324,14 +326,14 @@ std::vector<double> fit_brightness(const capture::Camera& camera, const std::vec
 }
 
 Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-                          const std::vector<Area>& areas, const capture::Camera& start, const Model& model,
+                          const std::vector<Area>& areas, const capture::SensorProfile& start, const Model& model,
                           const FitOptions& options) {
   const Fitter fitter(parameters, open_shares, areas, start, options);
   return fitter.move_of(model, fitter.equations(model), 0.0);
 }
 
 Fit fit_camera(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-               const std::vector<Area>& areas, const capture::Camera& start, const Model& first,
+               const std::vector<Area>& areas, const capture::SensorProfile& start, const Model& first,
                const FitOptions& options) {
   const Fitter fitter(parameters, open_shares, areas, start, options);
   const auto cost = [&](const Model& model) { return fitter.misfit(model) + fitter.strain(fitter.values_of(model)); };

@@ -16,10 +16,10 @@ constexpr double kLocalMeanPx = 7.0, kWindowPx = 10.0, kTexturePx = 1.5, kSlopeP
 constexpr float kLeastVariance = 0.01F;  // of counts, so that a dark area without events is flat
 constexpr size_t kMarginPx = 40;
 constexpr double kLeastSamples = 150.0;
-constexpr float kDarkest = -1.0F;  // brightness at which the rows begin
+constexpr float kFirstRow = -1.0F;  // the brightness at which the rows begin
 
-/// What texture and slope of a transition may be: the ratio of variances (1 for white noise), and the gradient in
-/// standard deviations that noise alone gives it.
+/// The limits for texture and slope of a transition: the ratio of variances (1 for white noise), and the gradient
+/// relative to its standard deviation for noise alone.
 struct Limits {
   float texture, slope;
 };
@@ -40,14 +40,15 @@ Plane minus(const Plane& a, const Plane& b) {
   return combined(a, b, [](float x, float y) { return x - y; });
 }
 
-/// The variance in a window around each pixel.
+/// Computes the variance in a window around each pixel.
 Plane local_variance(const Plane& plane) {
   const Plane squares = combined(plane, plane, [](float x, float y) { return x * y; });
   return combined(blurred(squares, kWindowPx), blurred(plane, kWindowPx),
                   [](float square, float mean) { return std::max(square - mean * mean, 0.0F); });
 }
 
-/// The share of white noise that is left of its variance when it is blurred by kTexturePx, both without local mean.
+/// Returns the share of the variance of white noise that remains after blurring by kTexturePx, both without the local
+/// mean.
 float white_share() {
   constexpr size_t kSize = 129;
   Plane impulse(kSize, kSize);
@@ -61,14 +62,14 @@ float white_share() {
   return static_cast<float>(energy(blurred(residual, kTexturePx)) / energy(residual));
 }
 
-/// Clears the pixels at which one transition has texture or slope.
+/// Removes the pixels at which one transition has texture or slope.
 void exclude_structure(const Plane& counts, const Plane& single_variance, const Limits& limits,
                        std::vector<bool>& is_flat) {
   static const float share_of_noise = white_share();
   const Plane residual = minus(counts, blurred(counts, kLocalMeanPx));
   const Plane texture = local_variance(blurred(residual, kTexturePx));
   const Plane slope = squared_gradient(blurred(counts, kSlopePx));
-  // The variance of one component of the gradient of white noise of variance 1.
+  // The variance of one component of the gradient of white noise with variance 1.
   const auto slope_of_noise = static_cast<float>(1.0 / (8.0 * std::numbers::pi * std::pow(kSlopePx, 4.0)));
   for (size_t p = 0; p < is_flat.size(); ++p) {
     const float variance = single_variance.values[p] + kLeastVariance;
@@ -79,7 +80,7 @@ void exclude_structure(const Plane& counts, const Plane& single_variance, const 
   }
 }
 
-/// The variance of the counts of single cycles around each pixel, which several cycles do not lessen.
+/// Computes the variance of the counts of single cycles around each pixel, which more cycles do not reduce.
 Plane variance_of_cycles(const StillScene& scene, size_t transition, const std::vector<PixelState>& states) {
   Plane sum(scene.cycles.front().height, scene.cycles.front().width);
   constexpr size_t kEnough = 4;
@@ -98,7 +99,7 @@ size_t cell_of(const Plane& plane, size_t pixel) {
   return y * kFieldRows / plane.height * kFieldColumns + x * kFieldColumns / plane.width;
 }
 
-/// All good pixels but those at the edges, all as bright as nothing.
+/// Returns all good pixels except those at the edges, with a brightness of 0.
 FlatAreas good_areas(const Plane& like, const std::vector<PixelState>& states) {
   const size_t height = like.height, width = like.width;
   FlatAreas areas{std::vector<bool>(height * width), Plane(height, width)};
@@ -143,11 +144,11 @@ FlatAreas even_areas(const StillScene& scene, const std::vector<PixelState>& sta
 }
 
 size_t row_of(float brightness) {
-  return static_cast<size_t>(std::max((brightness - kDarkest) / kRowWidth, 0.0F));
+  return static_cast<size_t>(std::max((brightness - kFirstRow) / kRowWidth, 0.0F));
 }
 
 float brightness_of(size_t row) {
-  return kDarkest + (static_cast<float>(row) + 0.5F) * kRowWidth;
+  return kFirstRow + (static_cast<float>(row) + 0.5F) * kRowWidth;
 }
 
 size_t area_key(const FlatAreas& flat, size_t pixel) {

@@ -12,7 +12,7 @@ namespace {
 using enum capture::PixelConstant;
 using Kind = Parameter::Kind;
 
-constexpr double kLeastValue = 1e-6;  // of a number that is fitted as a logarithm
+constexpr double kLeastValue = 1e-6;  // the smallest value of a number that is fitted as a logarithm
 constexpr double kLeastSpread = 1e-4;
 
 struct Spread {
@@ -29,20 +29,20 @@ constexpr Spread kSpreads[] = {
 };
 constexpr double kTransmissionSpread = 0.1, kSlopeSpread = 0.1;
 
-std::vector<float>& list_of(Kind kind, capture::Camera& camera) {
+std::vector<float>& list_of(Kind kind, capture::SensorProfile& camera) {
   return kind == Kind::kTransmission ? camera.transmission
          : kind == Kind::kSlopeX     ? camera.transmission_slope_x
                                      : camera.transmission_slope_y;
 }
 
-/// The standard deviation of a constant whose 95 % range a camera states, relative to its value.
-double spread_of(const Spread& each, const capture::Camera& start) {
+/// Returns the standard deviation of a constant whose relative 95 % range is stated by a camera.
+double spread_of(const Spread& each, const capture::SensorProfile& start) {
   const auto relative = static_cast<double>(start.uncertainty[each.constant]);
   if (relative <= 0.0) return each.spread;
   return relative / kQuantile * (each.is_logarithm ? 1.0 : std::abs(start.pixel[each.constant]));
 }
 
-std::vector<Parameter> all_parameters(size_t num_lit, const capture::Camera& start) {
+std::vector<Parameter> all_parameters(size_t num_lit, const capture::SensorProfile& start) {
   std::vector<Parameter> parameters;
   for (const Spread& each : kSpreads) {
     const double spread = std::max(spread_of(each, start), kLeastSpread);
@@ -61,14 +61,14 @@ std::vector<Parameter> all_parameters(size_t num_lit, const capture::Camera& sta
 
 }  // namespace
 
-double Parameter::get(const capture::Camera& camera) const {
+double Parameter::get(const capture::SensorProfile& camera) const {
   if (kind == Kind::kConstant) return camera.pixel.values[index];
   auto copy = camera;
   const auto& list = list_of(kind, copy);
   return index < list.size() ? list[index] : kind == Kind::kTransmission ? 1.0 : 0.0;
 }
 
-void Parameter::set(capture::Camera& camera, double value) const {
+void Parameter::set(capture::SensorProfile& camera, double value) const {
   if (kind == Kind::kConstant) {
     camera.pixel.values[index] = static_cast<float>(value);
     return;
@@ -78,7 +78,7 @@ void Parameter::set(capture::Camera& camera, double value) const {
   list[index] = static_cast<float>(value);
 }
 
-Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const capture::Camera& start,
+Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const capture::SensorProfile& start,
                                               const std::vector<std::string>& held) {
   std::vector<Parameter> parameters = all_parameters(num_lit, start);
   std::vector<std::string> keys;
@@ -93,7 +93,7 @@ Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const capture::Cam
   return parameters;
 }
 
-Eigen::VectorXd to_vector(const std::vector<Parameter>& parameters, const capture::Camera& camera) {
+Eigen::VectorXd to_vector(const std::vector<Parameter>& parameters, const capture::SensorProfile& camera) {
   Eigen::VectorXd values(static_cast<Eigen::Index>(parameters.size()));
   Eigen::Index i = 0;
   for (const Parameter& each : parameters) {
@@ -103,7 +103,8 @@ Eigen::VectorXd to_vector(const std::vector<Parameter>& parameters, const captur
   return values;
 }
 
-void from_vector(const std::vector<Parameter>& parameters, const Eigen::VectorXd& values, capture::Camera& camera) {
+void from_vector(const std::vector<Parameter>& parameters, const Eigen::VectorXd& values,
+                 capture::SensorProfile& camera) {
   Eigen::Index i = 0;
   for (const Parameter& each : parameters) {
     const double value = values[i++];

@@ -11,7 +11,7 @@
 namespace e2lf::calibrate {
 namespace {
 
-/// Text as printf writes it.
+/// Formats text as printf does.
 [[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
   std::array<char, 256> buffer;
   va_list arguments;
@@ -31,7 +31,7 @@ std::string numbers(const std::vector<double>& values) {
   return text;
 }
 
-/// What a constant is, for those who read the table.
+/// The unit and meaning of a constant, for readers of the table.
 struct Meaning {
   const char* key;  ///< without the number of a pattern
   const char* unit;

@@ -8,15 +8,15 @@
 
 namespace e2lf::calibrate {
 
-/// A calibration for people: constants with their ranges, bad pixels, and counts measured beside those of the model, by
-/// brightness. `with_places` adds a table by field position.
+/// Formats a calibration as text: constants with their ranges, bad pixels, and measured counts beside those of the
+/// model, by brightness. `with_places` adds a table by field position.
 [[nodiscard]] std::string report_text(const Calibration& calibration, bool with_places);
 
-/// The same for programs: {"constants": [..], "warnings": [..], "pixels": {..}, "rows": [..], "places": [..],
+/// Returns the calibration as JSON: {"constants": [..], "warnings": [..], "pixels": {..}, "rows": [..], "places": [..],
 /// "first_guess": {..}}.
 [[nodiscard]] Json report_json(const Calibration& calibration);
 
-/// The camera file of a calibration: to_json() of the camera, with where each constant comes from.
+/// Returns the camera file of a calibration: to_json() of the camera, with the source of each constant.
 [[nodiscard]] Json camera_json(const Calibration& calibration);
 
 }  // namespace e2lf::calibrate

@@ -21,7 +21,7 @@ std::vector<float> gaussian_kernel(double sigma_px) {
   return kernel;
 }
 
-/// The place of a pixel beyond the edges, mirrored with its edge: -1 is 0.
+/// Returns the mirrored position of a pixel beyond the edges; the edge is repeated, so that -1 becomes 0.
 size_t mirrored(ptrdiff_t place, size_t size) {
   const auto period = static_cast<ptrdiff_t>(2 * size);
   ptrdiff_t inside = place % period;
@@ -29,7 +29,7 @@ size_t mirrored(ptrdiff_t place, size_t size) {
   return static_cast<size_t>(inside < static_cast<ptrdiff_t>(size) ? inside : period - 1 - inside);
 }
 
-/// Blurs every row and turns the plane on its side, so that twice is a blur in both directions.
+/// Blurs every row and transposes the plane, so that two calls blur in both directions.
 Plane blur_rows_transposed(const Plane& plane, const std::vector<float>& kernel) {
   Plane result(plane.width, plane.height);
   const auto radius = static_cast<ptrdiff_t>(kernel.size() / 2);

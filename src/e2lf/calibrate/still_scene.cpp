@@ -14,19 +14,19 @@ namespace e2lf::calibrate {
 namespace {
 
 constexpr size_t kLeastSize = 64;
-constexpr size_t kReach = 2;  // neighbours lie up to so many pixels away
-constexpr size_t kMostNeighbours = (2 * kReach + 1) * (2 * kReach + 1) - 1;
+constexpr size_t kReachPx = 2;  // the largest distance of neighbours, in px
+constexpr size_t kMostNeighbours = (2 * kReachPx + 1) * (2 * kReachPx + 1) - 1;
 
-/// Signed counts of each transition summed over the cycles of a scene, and the events of all of them.
-struct Sums {
+/// The signed counts of each transition summed over the cycles of a scene, and the total number of events.
+struct NeighbourSums {
   size_t height = 0, width = 0, cycles = 0;
   std::vector<std::vector<int32_t>> counts;
   std::vector<int32_t> activity;
 };
 
-Sums sums_of(const StillScene& scene) {
+NeighbourSums sums_of(const StillScene& scene) {
   const capture::EventImages& first = scene.cycles.front();
-  Sums sums{first.height, first.width, scene.cycles.size(), {}, std::vector<int32_t>(first.image_size())};
+  NeighbourSums sums{first.height, first.width, scene.cycles.size(), {}, std::vector<int32_t>(first.image_size())};
   sums.counts.assign(first.transitions, std::vector<int32_t>(first.image_size()));
   for (const capture::EventImages& cycle : scene.cycles) {
     for (size_t n = 0; n < cycle.transitions; ++n) {
@@ -40,20 +40,21 @@ Sums sums_of(const StillScene& scene) {
   return sums;
 }
 
-/// Calls visit(neighbour) for those of a pixel that lie in the picture.
+/// Calls visit(neighbour) for the neighbours of a pixel that lie in the picture.
 template <typename Visit>
 void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visit) {
   const size_t y = pixel / width, x = pixel % width;
-  for (size_t v = y - std::min(y, kReach); v <= std::min(y + kReach, height - 1); ++v) {
-    for (size_t u = x - std::min(x, kReach); u <= std::min(x + kReach, width - 1); ++u) {
+  for (size_t v = y - std::min(y, kReachPx); v <= std::min(y + kReachPx, height - 1); ++v) {
+    for (size_t u = x - std::min(x, kReachPx); u <= std::min(x + kReachPx, width - 1); ++u) {
       if (v != y || u != x) visit(v * width + u);
     }
   }
 }
 
-/// By how many events a pixel leaves the range of its neighbours widened to twice its size, over all transitions. Over
-/// many cycles thresholds far from the mean leave the range itself: without those the mismatch would seem smaller.
-int32_t excess(const Sums& sums, size_t pixel) {
+/// Returns by how many events a pixel leaves the range of its neighbours widened to twice its size, over all
+/// transitions. Over many cycles, pixels with unusual thresholds leave the range itself; excluding them would bias the
+/// mismatch.
+int32_t excess(const NeighbourSums& sums, size_t pixel) {
   int32_t sum = 0;
   for (const auto& counts : sums.counts) {
     int32_t least = INT32_MAX, most = INT32_MIN;
@@ -67,14 +68,14 @@ int32_t excess(const Sums& sums, size_t pixel) {
   return sum;
 }
 
-bool is_hot(const Sums& sums, size_t pixel) {
+bool is_hot(const NeighbourSums& sums, size_t pixel) {
   const auto cycles = static_cast<double>(sums.cycles);
   return excess(sums, pixel) >= std::max(3.0 * std::sqrt(cycles), cycles);
 }
 
-/// Whether the neighbours of a pixel all count so much that silence means something.
-bool is_lit(const Sums& sums, size_t pixel) {
-  constexpr size_t kOutliers = 2;  // that may be dead too
+/// Returns true if all neighbours of a pixel have enough events for its silence to be significant.
+bool is_lit(const NeighbourSums& sums, size_t pixel) {
+  constexpr size_t kOutliers = 2;  // neighbours that may be dead, too
   std::array<int32_t, kMostNeighbours> activity{};
   size_t count = 0;
   each_neighbour(sums.height, sums.width, pixel,
@@ -87,17 +88,17 @@ bool is_lit(const Sums& sums, size_t pixel) {
 }  // namespace
 
 std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes) {
-  std::vector<Sums> sums;
+  std::vector<NeighbourSums> sums;
   for (const StillScene& scene : scenes) sums.push_back(sums_of(scene));
   std::vector<PixelState> states(sums.front().activity.size(), PixelState::kGood);
   parallel_for(states.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const auto in_all = [&](const auto& test) { return std::all_of(sums.begin(), sums.end(), test); };
-      // Dead ones first: among bright neighbours they leave the range too.
-      if (in_all([&](const Sums& each) { return each.activity[p] == 0; }) &&
-          std::any_of(sums.begin(), sums.end(), [&](const Sums& each) { return is_lit(each, p); })) {
+      // Dead pixels are tested first, because they also leave the range of bright neighbours.
+      if (in_all([&](const NeighbourSums& each) { return each.activity[p] == 0; }) &&
+          std::any_of(sums.begin(), sums.end(), [&](const NeighbourSums& each) { return is_lit(each, p); })) {
         states[p] = PixelState::kDead;
-      } else if (in_all([&](const Sums& each) { return each.activity[p] > 0 && is_hot(each, p); })) {
+      } else if (in_all([&](const NeighbourSums& each) { return each.activity[p] > 0 && is_hot(each, p); })) {
         states[p] = PixelState::kHot;
       }
     }
@@ -137,7 +138,7 @@ Result<void> check_scenes(const std::vector<StillScene>& scenes) {
 }
 
 std::vector<Plane> mean_counts(const StillScene& scene, const std::vector<PixelState>& states) {
-  const Sums sums = sums_of(scene);
+  const NeighbourSums sums = sums_of(scene);
   std::vector<Plane> planes;
   for (const auto& counts : sums.counts) {
     Plane& plane = planes.emplace_back(sums.height, sums.width);

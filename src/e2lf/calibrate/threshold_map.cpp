@@ -14,27 +14,27 @@ namespace {
 using enum capture::PixelConstant;
 
 constexpr size_t kFactors = 13;
-constexpr double kReach = 3.0;  // standard deviations of the mismatch to either side
+constexpr double kMismatchReach = 3.0;  // standard deviations of the mismatch to either side
 
-/// How many standard deviations of the mismatch a factor lies from 1.
+/// Returns the deviation of a factor from 1 in standard deviations of the mismatch.
 double place_of(size_t factor) {
-  return kReach * (2.0 * static_cast<double>(factor) / (kFactors - 1) - 1.0);
+  return kMismatchReach * (2.0 * static_cast<double>(factor) / (kFactors - 1) - 1.0);
 }
 
-/// For an area, the logarithm of the probability of each combination of counts, for each factor.
+/// For an area, the log probability of each combination of counts, for each factor.
 using LogTable = std::array<std::vector<float>, kFactors>;
 
-LogTable log_table(const capture::Camera& camera, const std::vector<float>& shares, const Area& area,
+LogTable log_table(const capture::SensorProfile& camera, const std::vector<float>& shares, const Area& area,
                    double brightness) {
   LogTable table;
   const double mismatch = camera.pixel[kMismatch];
   for (size_t f = 0; f < kFactors; ++f) {
-    capture::Camera pixel = camera;
+    capture::SensorProfile pixel = camera;
     const auto factor = static_cast<float>(std::max(1.0 + mismatch * place_of(f), 0.3));
     pixel.pixel[kMismatch] = 0.0F;
     pixel.pixel[kThresholdOn] *= factor;
     pixel.pixel[kThresholdOff] *= factor;
-    constexpr double kOther = 1e-4;  // share of counts that the model does not know
+    constexpr double kOther = 1e-4;  // share of counts that the model does not explain
     for (const double p : predict(pixel, shares, area, brightness)) {
       table[f].push_back(static_cast<float>(std::log(p + kOther)));
     }
@@ -42,9 +42,9 @@ LogTable log_table(const capture::Camera& camera, const std::vector<float>& shar
   return table;
 }
 
-/// Adds what one scene tells of each pixel to the logarithm of its probability for each factor.
+/// Adds the evidence of one scene to the log probability of each factor of each pixel.
 void add_scene(const StillScene& scene, const FlatAreas& flat, const std::vector<float>& shares,
-               const capture::Camera& camera, std::vector<std::array<float, kFactors>>& evidence,
+               const capture::SensorProfile& camera, std::vector<std::array<float, kFactors>>& evidence,
                std::vector<bool>& is_known) {
   const std::vector<Area> areas = collect_areas(scene, 0, flat, [](size_t, size_t) { return true; });
   const std::vector<double> brightness = fit_brightness(camera, shares, areas);
@@ -87,8 +87,8 @@ float mean_factor(const std::array<float, kFactors>& evidence, double mismatch) 
 
 }  // namespace
 
-Plane threshold_map(const std::vector<StillScene>& scenes, const capture::Codes& codes, const capture::Camera& camera,
-                    const std::vector<PixelState>& states, bool is_even) {
+Plane threshold_map(const std::vector<StillScene>& scenes, const capture::Codes& codes,
+                    const capture::SensorProfile& camera, const std::vector<PixelState>& states, bool is_even) {
   const capture::EventImages& first = scenes.front().cycles.front();
   const std::vector<float> shares = open_shares(codes);
   std::vector<std::array<float, kFactors>> evidence(first.image_size());

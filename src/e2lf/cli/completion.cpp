@@ -83,6 +83,10 @@ std::string bash_script(const std::vector<DeclaredVerb>& verbs) {
 _e2lf() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
   local verb= first=1 words= is_value= files=
+  # "--model=NAME" comes as three words.
+  if [ "$current" = "=" ]; then current=
+  elif [ "$previous" = "=" ]; then previous=${COMP_WORDS[COMP_CWORD-2]}
+  fi
   if ((COMP_CWORD > 1)); then verb=${COMP_WORDS[1]} first=2; fi
   case $verb in
     )",

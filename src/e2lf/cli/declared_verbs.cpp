@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/option_types.h"
+#include "e2lf/files/bundled_files.h"
 
 namespace e2lf::cli {
 namespace {
@@ -28,7 +28,7 @@ bool is_number_type(const std::string& type) {
 }
 
 std::vector<std::string> bundled_of(const std::string& type) {
-  if (type == kModelType || type == kCodesType) return bundled_names(kBundledModels);
+  if (type == kModelType || type == kCodesType || type == kThingType) return bundled_names(kBundledModels);
   if (type == kCameraType) return bundled_names(kBundledCameras);
   return {};
 }

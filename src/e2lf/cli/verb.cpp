@@ -16,12 +16,14 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/declared_verbs.h"
 #include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/program.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/workspace.h"
 
 namespace e2lf::cli {
+namespace fs = std::filesystem;
 namespace {
 
 void print_log(LogLevel level, const std::string& message) {
@@ -195,7 +197,8 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
   app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app_.footer("Example:\n  " + example);
   app_.set_help_flag("-h,--help", "print this text");
-  app_.add_option("--config", config_, "JSON file whose keys are the long flags' names, or run.json of an earlier run");
+  app_.add_option("--config", config_,
+                  "JSON file whose keys are the long flags' names, or an earlier result or its run.json");
   app_.add_option("--set", overrides_, "set one key of the configuration: key=value (repeatable)")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);
@@ -221,6 +224,10 @@ int Verb::usage_error(const std::string& message) const {
 
 /// The keys and values of --config: those of the file, or the options of the run that it records.
 Result<Json> Verb::read_config() {
+  // A result stands for its record.
+  std::error_code error;
+  if (fs::is_directory(config_, error)) config_ = (fs::path(config_) / "run.json").string();
+  if (const fs::path record = record_path_beside(config_); fs::exists(record, error)) config_ = record.string();
   E2LF_ASSIGN_OR_RETURN(Json config, read_json(config_));
   if (!config.is_object() || !config.contains("verb") || !config.contains("options")) return config;
   if (config["verb"] != name_) {

@@ -57,7 +57,7 @@ class FieldReader {
   std::optional<Error> error_;
 };
 
-/// Writes a row of a Markdown table for each field.
+/// Writes one row of a Markdown table per field.
 class TableWriter {
  public:
   explicit TableWriter(std::string path = "") : path_(std::move(path)) {}
@@ -86,7 +86,7 @@ class TableWriter {
   std::string path_;
 };
 
-/// Every name is there, once.
+/// Checks that every item has a name and that no name occurs twice.
 template <typename Item>
 Result<void> check_names(const std::vector<Item>& items, const std::string& location) {
   if (items.empty()) return invalid("there is nothing in this list; add something", location);

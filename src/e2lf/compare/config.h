@@ -12,7 +12,7 @@
 
 namespace e2lf::compare {
 
-/// What a comparison is made of: each method on each scene before each sensor, with each seed.
+/// The configuration of a comparison: each method is run on each scene with each sensor and each seed.
 struct MethodConfig {
   std::string name;
   std::string algorithm = "network";                ///< one of kAlgorithms
@@ -27,7 +27,7 @@ struct MethodConfig {
 struct GroupConfig {
   std::string name;
   std::vector<std::string> scenes, stand_in;
-  size_t width = 0, height = 0;  ///< px; 0: all
+  size_t width = 0, height = 0;  ///< px; 0 = everything
   size_t step = 1;
   bool reverse_rows = false;
   bool optional = false;
@@ -55,12 +55,13 @@ struct Config {
 
 inline constexpr const char* kAlgorithms[] = {"network", "inversion", "regularised", "event-video"};
 
-/// Reads a configuration. Fails with kNotFound, kFormat and kInvalidValue (unknown keys with the nearest known one,
-/// values out of range, names given twice, nothing to compare), naming the place in it.
+/// Reads a configuration. Fails with kNotFound, kFormat and kInvalidValue (unknown keys, for which the nearest known
+/// one is suggested, values out of range, duplicate names, or nothing to compare). The location is the place in the
+/// file.
 [[nodiscard]] Result<Config> read_config(const std::filesystem::path& path);
 [[nodiscard]] Result<Config> config_from_json(const Json& json, const std::string& location);
 
-/// The table of all keys in docs/compare.md.
+/// Returns the table of all keys for docs/compare.md.
 [[nodiscard]] std::string documented_keys();
 
 }  // namespace e2lf::compare

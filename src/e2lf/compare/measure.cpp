@@ -28,14 +28,14 @@ namespace {
 using capture::EventImages;
 using lightfield::LightField;
 
-constexpr double kViews = 64;
+constexpr double kViewsOfPaper = 64;
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-Result<EventImages> simulate_events(const Method& method, const Sensor& sensor, const LightField& scene, uint64_t seed,
-                                    uint64_t cycle_seed) {
+Result<EventImages> simulate_events(const ComparedMethod& method, const Sensor& sensor, const LightField& scene,
+                                    uint64_t seed, uint64_t cycle_seed) {
   const SensorConfig& config = sensor.config;
   if (sensor.camera.is_pixel()) {
     return sensor::simulate_pixel_events(method.codes, scene, sensor.camera,
@@ -50,7 +50,7 @@ Result<EventImages> simulate_events(const Method& method, const Sensor& sensor, 
   return sensor::simulate_events(method.codes, scene, options);
 }
 
-Result<capture::Measurement> simulate(const Method& method, const Sensor& sensor, const LightField& scene,
+Result<capture::Measurement> simulate(const ComparedMethod& method, const Sensor& sensor, const LightField& scene,
                                       uint64_t seed, size_t cycle) {
   const uint64_t cycle_seed = seed + 1000 * cycle;
   capture::Measurement measured;
@@ -63,7 +63,7 @@ Result<capture::Measurement> simulate(const Method& method, const Sensor& sensor
   return measured;
 }
 
-/// The sum of the events, beside the mean of the images, where there are some.
+/// Returns the sum of the events and the mean of the images of several cycles.
 capture::Measurement sum_of(const std::vector<capture::Measurement>& cycles) {
   capture::Measurement all = cycles.front();
   std::vector<int16_t>& counts = all.events.counts;
@@ -77,7 +77,7 @@ capture::Measurement sum_of(const std::vector<capture::Measurement>& cycles) {
   return all;
 }
 
-/// Makes a light field of the measurement of a cycle, or of the sum of several.
+/// Makes a light field from the measurement of one cycle, or from the sum of several.
 using Reconstruct =
     std::function<Result<LightField>(const capture::Measurement& measured, size_t cycles, const ProgressFn& progress)>;
 
@@ -86,7 +86,7 @@ struct Algorithm {
   bool takes_sums = false;
 };
 
-Result<Algorithm> algorithm_of(const Method& method, const Sensor& sensor) {
+Result<Algorithm> algorithm_of(const ComparedMethod& method, const Sensor& sensor) {
   if (method.config.algorithm == "regularised") {
     return Algorithm{[&](const capture::Measurement& measured, size_t, const ProgressFn& progress) {
                        return recon::reconstruct_regularised(measured.events, method.codes, sensor.camera.constants, {},
@@ -137,12 +137,12 @@ Result<LightField> reconstruct(const Algorithm& algorithm, const std::vector<cap
   return mean;
 }
 
-/// Bits of each pixel of an intensity image, as the paper counts them.
+/// The bits per pixel of an intensity image, as counted in the paper.
 constexpr double kBitsPerIntensity = 8;
 
-/// How long patterns are shown whose light is measured: the paper's camera takes events after the first pattern; what
-/// takes images exposes all of them.
-double measured_us(const Method& method, const cycles::Schedule& schedule) {
+/// Returns for how long the patterns that contribute to the measurement are shown. The paper's camera records events
+/// after the first pattern; methods that use images expose all patterns.
+double measured_us(const ComparedMethod& method, const cycles::Schedule& schedule) {
   double events_us = 0, pattern_us = 0;
   for (const cycles::ScheduledPattern& pattern : schedule.patterns) {
     if (!pattern.image) continue;
@@ -153,8 +153,8 @@ double measured_us(const Method& method, const cycles::Schedule& schedule) {
   return pattern_us * static_cast<double>(method.codes.num_patterns);
 }
 
-/// Means over the cycles of the events of each transition, and what all cycles together cost.
-void add_costs(const Method& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
+/// Adds the mean events of each transition over the cycles, and the total cost of all cycles.
+void add_costs(const ComparedMethod& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
   const auto count = static_cast<double>(cycles.size());
   std::vector<double> per_transition(cycles.front().events.transitions);
   double total = 0;
@@ -166,7 +166,7 @@ void add_costs(const Method& method, const std::vector<capture::Measurement>& cy
   }
   const cycles::Schedule schedule = cycles::paper_schedule(std::max<size_t>(method.codes.num_patterns, 2));
   const double image_bits =
-      count * kBitsPerIntensity * static_cast<double>(cycles.front().images.num_patterns) / kViews;
+      count * kBitsPerIntensity * static_cast<double>(cycles.front().images.num_patterns) / kViewsOfPaper;
   figures["events_per_pixel"] = total;
   figures["bits_per_pixel"] = eval::event_cost(total).bits_per_light_field_pixel + image_bits;
   figures["measurement_ms"] = count * measured_us(method, schedule) / 1000;
@@ -183,9 +183,9 @@ void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
   for (const auto& view : quality.views) figures["views_psnr_db"].push_back(number(view.metrics.psnr_db));
 }
 
-/// A reconstruction and what it took, without what depends on its gain.
-Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
-                               const ProgressFn& progress) {
+/// Runs a method and returns the reconstruction with its cost, without the figures that depend on its gain.
+Result<Outcome> run_method(const ComparedMethod& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
+                           const ProgressFn& progress) {
   using Clock = std::chrono::steady_clock;
   std::vector<capture::Measurement> cycles;
   for (size_t cycle = 0; cycle < sensor.config.cycles; ++cycle) {
@@ -193,12 +193,12 @@ Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint6
     cycles.push_back(std::move(measured));
   }
   E2LF_ASSIGN_OR_RETURN(const Algorithm algorithm, algorithm_of(method, sensor));
-  Measurement measurement;
+  Outcome measurement;
   const Clock::time_point begin = Clock::now();
   E2LF_ASSIGN_OR_RETURN(measurement.light_field, reconstruct(algorithm, cycles, progress));
   measurement.figures["reconstruct_s"] = std::chrono::duration<double>(Clock::now() - begin).count();
   add_costs(method, cycles, measurement.figures);
-  // Lenses at the edge reach beyond the scene.
+  // Lenses at the edge extend beyond the scene.
   const lightfield::Shape &shape = truth.shape(), &found = measurement.light_field.shape();
   if (found.height != shape.height || found.width != shape.width) {
     E2LF_ASSIGN_OR_RETURN(measurement.light_field,
@@ -207,9 +207,9 @@ Result<Measurement> run_method(const Method& method, const Sensor& sensor, uint6
   return measurement;
 }
 
-/// The same of a network that makes frames while the views are scanned.
-Result<Measurement> run_scan(const Method& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
-                             const ProgressFn& progress) {
+/// Runs a network that makes frames while the views are scanned.
+Result<Outcome> run_scan(const ComparedMethod& method, const Sensor& sensor, uint64_t seed, const LightField& truth,
+                         const ProgressFn& progress) {
   if (sensor.camera.is_pixel() || sensor.config.cycles > 1) {
     return Error{ErrorCode::kUnsupported,
                  "a scan is simulated once, by pixels of v2e with the sensor's tau; leave this method out for sensors "
@@ -219,7 +219,7 @@ Result<Measurement> run_scan(const Method& method, const Sensor& sensor, uint64_
   E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(method.model));
   const ScanOptions options{.tau = sensor.camera.constants.tau, .gain = sensor.config.gain, .seed = seed};
   E2LF_ASSIGN_OR_RETURN(ScanResult scan, scan_to_light_field(model, truth, options, progress));
-  Measurement measurement;
+  Outcome measurement;
   measurement.light_field = std::move(scan.light_field);
   measurement.figures = {{"reconstruct_s", scan.reconstruct_s},
                          {"events_per_pixel", scan.events_per_pixel},
@@ -229,14 +229,13 @@ Result<Measurement> run_scan(const Method& method, const Sensor& sensor, uint64_
   return measurement;
 }
 
-Result<Measurement> measure_unnamed(const Plan& plan, const Job& job, const LightField& truth,
-                                    const ProgressFn& progress) {
-  const Method& method = plan.methods[job.method];
+Result<Outcome> measure_unnamed(const Plan& plan, const Job& job, const LightField& truth, const ProgressFn& progress) {
+  const ComparedMethod& method = plan.methods[job.method];
   const Sensor& sensor = plan.sensors[job.sensor];
   const auto run = is_scan(method) ? run_scan : run_method;
-  E2LF_ASSIGN_OR_RETURN(Measurement measurement, run(method, sensor, job.seed, truth, progress));
+  E2LF_ASSIGN_OR_RETURN(Outcome measurement, run(method, sensor, job.seed, truth, progress));
   LightField& field = measurement.light_field;
-  // Frames have no scale of their own.
+  // The frames have no absolute scale.
   const bool is_fitted = method.config.fit_gain || sensor.config.fit_gain || is_scan(method);
   const float gain = is_fitted ? eval::best_gain(truth, field) : method.config.gain / sensor.config.gain;
   for (float& value : field.data()) value *= gain;
@@ -267,7 +266,7 @@ Result<LightField> load_scene(const Scene& scene) {
   return lightfield::crop(field, {(shape.height - height) / 2, (shape.width - width) / 2, height, width});
 }
 
-Result<Measurement> measure(const Plan& plan, const Job& job, const LightField& truth, const ProgressFn& progress) {
+Result<Outcome> measure(const Plan& plan, const Job& job, const LightField& truth, const ProgressFn& progress) {
   auto measured = measure_unnamed(plan, job, truth, progress);
   if (measured) return measured;
   Error error = measured.error();

@@ -39,7 +39,7 @@ Plan inversion_plan(size_t cycles, float gain) {
 TEST(Measure, IsWhatSimulationInversionAndComparisonGive) {
   const Plan plan = inversion_plan(1, 1.0F);
   const LightField truth = load_scene(plan.scenes[0]).value();
-  const Measurement measured = measure(plan, plan.jobs[0], truth).value();
+  const Outcome measured = measure(plan, plan.jobs[0], truth).value();
 
   sensor::EventModelOptions options;
   options.seed = 7;
@@ -77,14 +77,14 @@ model::Model channel_model(std::vector<model::InputGroup> input, size_t channel)
 TEST(Measure, IntensityImagesCostNoEvents) {
   const TestFolder folder;
   Plan plan = inversion_plan(1, 0.5F);
-  Method& method = plan.methods[0];
+  ComparedMethod& method = plan.methods[0];
   method.config.algorithm = "network";
   method.model = folder / "m.safetensors";
   method.measurement = capture::MeasurementKind::kCodedImages;
   ASSERT_TRUE(model::write_model(method.model, channel_model({{model::InputKind::kImages, 1.0F}}, 1)));
   plan.sensors[0].camera.constants.sigma_i = 0;
   const LightField truth = load_scene(plan.scenes[0]).value();
-  const Measurement measured = measure(plan, plan.jobs[0], truth).value();
+  const Outcome measured = measure(plan, plan.jobs[0], truth).value();
   EXPECT_EQ(measured.figures["events_per_pixel"], 0);
   EXPECT_EQ(measured.figures["bits_per_pixel"], 8 * 4 / 64.0);
   EXPECT_NEAR(measured.figures["measurement_ms"].get<double>(), 4 * 10.592, 1e-9);
@@ -102,7 +102,7 @@ TEST(Measure, NetworksThatAreToldTheCameraKeepTheImageOfAHybrid) {
       {model::InputKind::kCounts, 1.0F}, {model::InputKind::kImageSum, 1.0F}, {model::InputKind::kCamera, 1.0F}};
   for (const size_t cycles : {1, 3}) {
     Plan plan = inversion_plan(cycles, 1.0F);
-    Method& method = plan.methods[0];
+    ComparedMethod& method = plan.methods[0];
     method.config.algorithm = "network";
     method.model = folder / cat("m", cycles, ".safetensors");
     method.measurement = capture::MeasurementKind::kHybrid;

@@ -23,7 +23,7 @@ Image fitted(const Image& image) {
   return lightfield::shrink(image, kMostWidth, std::max<size_t>(1, image.height * kMostWidth / image.width));
 }
 
-/// Grey becomes colour where the canvas has some.
+/// Copies an image onto the canvas, converting grey to colour if the canvas has colour.
 void paste(const Image& image, size_t top, size_t left, Image& canvas) {
   for (size_t y = 0; y < image.height; ++y) {
     for (size_t x = 0; x < image.width; ++x) {
@@ -34,7 +34,7 @@ void paste(const Image& image, size_t top, size_t left, Image& canvas) {
   }
 }
 
-/// Each pixel so many times.
+/// Repeats each pixel times_y x times_x times.
 Image enlarged(const Image& image, size_t times_y, size_t times_x) {
   Image large(image.width * times_x, image.height * times_y, image.channels);
   for (size_t y = 0; y < large.height; ++y) {
@@ -46,7 +46,7 @@ Image enlarged(const Image& image, size_t times_y, size_t times_x) {
   return large;
 }
 
-/// How far the first view is off, the mean over its colours.
+/// Returns the error of the first view, averaged over its colours.
 Image error_image(const Image& view, const Image& truth) {
   Image error(view.width, view.height, 1);
   for (size_t i = 0; i < view.pixels.size(); ++i) {
@@ -56,7 +56,8 @@ Image error_image(const Image& view, const Image& truth) {
   return error;
 }
 
-/// The middle of a picture, enlarged and in a white frame: a third of the view's sides at most.
+/// Returns the middle of a picture, enlarged and with a white frame. Its sides are at most a third of those of the
+/// view.
 Image inset_of(const Image& view, const Image& shown) {
   const size_t times = 3;
   const size_t side = std::max<size_t>(1, std::min(shown.width, shown.height) / 3 / times);

@@ -6,9 +6,9 @@
 
 namespace e2lf::compare {
 
-/// How a light field looks: its first corner view with the middle enlarged in an inset, below it the horizontal EPI of
-/// the middle row. With a truth of the same shape, the error of that view beside it: black is none, white 0.2 and more.
-/// Views wider than 320 px are shrunk.
+/// Draws a preview of a light field: its first corner view with an enlarged inset of the middle and, below it, the
+/// horizontal EPI of the middle row. If a truth of the same shape is given, the error of this view is drawn beside it,
+/// from black for none to white for 0.2 and more. Views wider than 320 px are shrunk.
 [[nodiscard]] lightfield::Image look(const lightfield::LightField& field, const lightfield::LightField* truth);
 
 }  // namespace e2lf::compare

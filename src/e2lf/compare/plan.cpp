@@ -18,7 +18,7 @@ namespace e2lf::compare {
 namespace fs = std::filesystem;
 namespace {
 
-/// To be raised when the arithmetic behind a result changes within a version.
+/// Must be increased when the arithmetic behind a result changes within a version.
 constexpr int kComputation = 1;
 
 bool is_folder(const fs::path& path) {
@@ -30,7 +30,7 @@ Result<model::Model> read_any_model(const fs::path& path) {
   return is_folder(path) ? model::import_release(path) : model::read_model(path);
 }
 
-/// Patterns of a model file, of a file of codes, or of the release's folder.
+/// Reads patterns from a model file, from a file of codes, or from the folder of the release.
 Result<capture::Codes> read_any_codes(const fs::path& path) {
   if (!is_folder(path) && path.extension() != ".safetensors") return capture::read_codes(path);
   E2LF_ASSIGN_OR_RETURN(model::Model model, read_any_model(path));
@@ -39,14 +39,14 @@ Result<capture::Codes> read_any_codes(const fs::path& path) {
                path.string()};
 }
 
-/// An aperture of 8x8 with one cell open after another.
+/// Returns 64 patterns of an 8x8 aperture, each with one cell open.
 capture::Codes one_hot_codes() {
   capture::Codes codes(64, 8, 8);
   for (size_t n = 0; n < codes.num_patterns; ++n) codes.pattern(n)[n] = 1.0F;
   return codes;
 }
 
-/// Hashes each file once.
+/// Hashes each file only once.
 class Hashes {
  public:
   explicit Hashes(const Surroundings& surroundings) : surroundings_(surroundings) {}
@@ -63,8 +63,8 @@ class Hashes {
   std::map<fs::path, std::string> known_;
 };
 
-/// What a scan of views depends on: its pixels are those of v2e with the sensor's tau, whatever the event model.
-/// Physical pixels and several cycles are refused.
+/// Returns the properties of a sensor on which a scan of views depends. Its pixels are those of v2e with the tau of the
+/// sensor, regardless of the event model. Physical pixels and several cycles are rejected.
 Json scan_identity(const Sensor& sensor) {
   return {{"is_pixel", sensor.camera.is_pixel()},
           {"tau", json_number(sensor.camera.constants.tau)},
@@ -72,7 +72,7 @@ Json scan_identity(const Sensor& sensor) {
           {"cycles", sensor.config.cycles}};
 }
 
-/// Puts a plan together.
+/// Makes a plan.
 class Planner {
  public:
   Planner(const Config& config, const Surroundings& surroundings)
@@ -111,14 +111,14 @@ class Planner {
     return path;
   }
 
-  Result<capture::Camera> read_camera(const std::string& name) {
+  Result<capture::SensorProfile> read_camera(const std::string& name) {
     E2LF_ASSIGN_OR_RETURN(const fs::path path, surroundings_.locate_camera(name));
     plan_.files.push_back(path);
     return capture::read_camera(path);
   }
 
   Result<void> add_method(const MethodConfig& config) {
-    Method method;
+    ComparedMethod method;
     method.config = config;
     std::optional<capture::Codes> codes;
     Json model_hash;
@@ -164,7 +164,8 @@ class Planner {
     return {};
   }
 
-  /// The scenes that a name stands for: one, or those that a pattern fits. kNotFound where there are none.
+  /// Returns the scenes that a name denotes: a single one, or those that match a pattern. Fails with kNotFound if there
+  /// are none.
   Result<std::vector<Scene>> find_scenes(const std::string& name, const GroupConfig& group) {
     std::vector<Scene> scenes;
     if (name == "demo" || name.starts_with("demo:")) {
@@ -201,7 +202,7 @@ class Planner {
     return scenes;
   }
 
-  /// Those of the list that are there.
+  /// Returns the scenes of the list that exist.
   Result<std::vector<Scene>> find_all(const std::vector<std::string>& names, const GroupConfig& group,
                                       std::optional<Error>& missing) {
     std::vector<Scene> scenes;
@@ -259,8 +260,8 @@ class Planner {
     constants.sigma_w = config.sigma_w.value_or(constants.sigma_w);
     constants.sigma_z = config.sigma_z.value_or(constants.sigma_z);
     constants.sigma_i = config.sigma_i.value_or(constants.sigma_i);
-    // A name is no constant.
-    capture::Camera nameless = sensor.camera;
+    // The name of a camera does not affect results.
+    capture::SensorProfile nameless = sensor.camera;
     nameless.name = "camera";
     sensor.identity = {{"camera", capture::to_json(nameless)},
                        {"gain", json_number(config.gain)},

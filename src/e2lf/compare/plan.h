@@ -9,24 +9,24 @@
 
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/compare/config.h"
 
 namespace e2lf::compare {
 
 /// A method with its patterns.
-struct Method {
+struct ComparedMethod {
   MethodConfig config;
-  std::filesystem::path model;  ///< a file or the release's folder; empty: none
-  capture::Codes codes;         ///< of a scan of views: one open cell in each
+  std::filesystem::path model;  ///< a file or the folder of the release; empty if there is none
+  capture::Codes codes;         ///< for a scan of views, one open cell each
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
-  std::optional<capture::Camera> told;  ///< where not the sensor's
-  Json identity;                        ///< all that its results depend on
+  std::optional<capture::SensorProfile> told;  ///< the sensor profile given to the network, if not that of the sensor
+  Json identity;                               ///< everything on which its results depend
 };
 
 struct Scene {
   std::string name;
-  std::filesystem::path path;             ///< empty: rendered
+  std::filesystem::path path;             ///< empty if rendered
   std::optional<uint64_t> rendered_seed;  ///< of the demo scene
   GroupConfig group;
   Json identity;
@@ -34,53 +34,53 @@ struct Scene {
 
 struct Sensor {
   SensorConfig config;
-  capture::Camera camera;  ///< with what the configuration changes
+  capture::SensorProfile camera;  ///< with the changes of the configuration applied
   Json identity;
 };
 
-/// Whether a method scans the views for a network that makes frames.
-[[nodiscard]] inline bool is_scan(const Method& method) {
+/// Returns true if a method scans the views for a network that makes frames.
+[[nodiscard]] inline bool is_scan(const ComparedMethod& method) {
   return method.config.algorithm == "event-video";
 }
 
-/// One result: numbers of method, scene and sensor in the plan, and a seed.
+/// One result to compute: the numbers of method, scene and sensor in the plan, and a seed.
 struct Job {
   size_t method = 0, scene = 0, sensor = 0;
   uint64_t seed = 0;
-  Json inputs;      ///< all that the result depends on, by content
-  std::string key;  ///< SHA-256 of them in hex
+  Json inputs;      ///< everything on which the result depends, by content
+  std::string key;  ///< their SHA-256 in hex
 };
 
 struct Plan {
   std::string name;
-  std::vector<Method> methods;
-  std::vector<std::string> left_out;  ///< names of optional methods whose files are not there
+  std::vector<ComparedMethod> methods;
+  std::vector<std::string> left_out;  ///< names of optional methods whose files are missing
   std::vector<Scene> scenes;          ///< group by group
-  std::vector<std::string> groups;    ///< names of those that are there
+  std::vector<std::string> groups;    ///< names of the groups that exist
   std::vector<Sensor> sensors;
   std::vector<std::string> metrics;
   bool pictures = true;
   std::vector<Job> jobs;                     ///< scene by scene, sensor by sensor
-  std::vector<std::filesystem::path> files;  ///< that are read
+  std::vector<std::filesystem::path> files;  ///< the files that are read
 };
 
-/// What a plan asks of the system.
+/// The services that making a plan needs from the system.
 struct Surroundings {
-  /// Where a file of that name is. Fails with kNotFound.
+  /// Returns the path of a file of this name. Fails with kNotFound.
   std::function<Result<std::filesystem::path>(const std::string& name)> locate;
-  /// Where a camera of that name is.
+  /// Returns the path of a camera of this name.
   std::function<Result<std::filesystem::path>(const std::string& name)> locate_camera;
-  /// A hash of the content of a file or folder.
+  /// Returns a hash of the content of a file or folder.
   std::function<Result<std::string>(const std::filesystem::path& path)> hash;
-  std::string version;  ///< of the program: results of another one are not reused
+  std::string version;  ///< of the program; results of other versions are not reused
 };
 
-/// Finds and hashes everything and lists the jobs. Optional methods and groups whose files are not there are left out
-/// with a warning. Fails with kNotFound where others are, or where nothing is left, and as reading models, cameras and
-/// patterns does.
+/// Locates and hashes all files and lists the jobs. Optional methods and groups whose files are missing are omitted
+/// with a warning. Fails with kNotFound if other files are missing or if nothing remains, and as reading models,
+/// cameras and patterns does.
 [[nodiscard]] Result<Plan> make_plan(const Config& config, const Surroundings& surroundings);
 
-/// The SHA-256 of a text in hex.
+/// Returns the SHA-256 of a text in hex.
 [[nodiscard]] std::string sha256_of_text(const std::string& text);
 
 }  // namespace e2lf::compare

@@ -17,7 +17,7 @@ std::string counted(size_t count, const char* what) {
   return cat(count, " ", what, count == 1 ? "" : "s");
 }
 
-/// The result of a method on a scene with the first seed; null where there is none.
+/// Returns the result of a method on a scene with the first seed, or null if there is none.
 const Json* first_result(const Plan& plan, const Results& results, size_t method, size_t scene, size_t sensor,
                          std::string* key = nullptr) {
   for (size_t i = 0; i < plan.jobs.size(); ++i) {
@@ -48,7 +48,7 @@ void add_bars(const Plan& plan, const Results& results, size_t sensor, report::P
   }
 }
 
-/// The mean over the results of each view's PSNR; empty where none has one.
+/// Returns the mean PSNR of each view over the results, or nothing if none has one.
 std::vector<double> view_means(const Plan& plan, const Results& results, size_t method, size_t sensor) {
   std::vector<double> sums;
   size_t count = 0;
@@ -86,7 +86,7 @@ void add_views(const Plan& plan, const Results& results, size_t sensor, report::
   page.end_row();
 }
 
-/// Cells of a pattern as codes_to_json() writes it: rows of 0 and 1, or of numbers.
+/// Returns the cells of a pattern in the form of codes_to_json(): rows of 0 and 1, or of numbers.
 std::vector<double> cells_of(const Json& pattern, size_t& columns) {
   std::vector<double> cells;
   for (const Json& row : pattern) {
@@ -100,7 +100,7 @@ std::vector<double> cells_of(const Json& pattern, size_t& columns) {
   return cells;
 }
 
-/// The names of the methods that have the same patterns; empty where an earlier method has them, too.
+/// Returns the names of the methods with the same patterns, or "" if an earlier method has them as well.
 std::string names_with_patterns_of(const Plan& plan, size_t method) {
   std::vector<std::string> names;
   for (size_t i = 0; i < plan.methods.size(); ++i) {
@@ -111,7 +111,7 @@ std::string names_with_patterns_of(const Plan& plan, size_t method) {
   return join(names, "; ");
 }
 
-/// The patterns of the methods, under each the events per pixel of the change to it.
+/// Adds the patterns of the methods, each with the events per pixel of the change to it.
 void add_patterns(const Plan& plan, const Results& results, size_t sensor, report::Page& page) {
   page.heading("Patterns", 3)
       .paragraph("Under each pattern: events per pixel of the change to it, mean over all scenes.");

@@ -8,8 +8,8 @@
 
 namespace e2lf::compare {
 
-/// The page of a comparison, one file: tables, bars for each scene, PSNR of the views, patterns with their events, and
-/// pictures. `command` is said to make it.
+/// Makes the page of a comparison as a single file: tables, bars for each scene, the PSNR of the views, patterns with
+/// their events, and pictures. `command` is shown as the command that made it.
 [[nodiscard]] std::string result_page(const Plan& plan, const Results& results, const ResultStore& store,
                                       const std::string& command);
 

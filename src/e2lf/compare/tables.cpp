@@ -12,7 +12,7 @@ namespace {
 using report::Cell;
 using report::Table;
 
-/// The metrics of a plan of one kind.
+/// Returns the metrics of a plan that are of one kind.
 std::vector<Metric> metrics_of_kind(const Plan& plan, bool is_quality) {
   std::vector<Metric> metrics = metrics_of(plan.metrics);
   std::erase_if(metrics, [&](const Metric& metric) { return metric.is_quality != is_quality; });
@@ -24,7 +24,7 @@ std::optional<double> figure(const std::optional<Json>& result, const char* metr
   return result->at(metric).get<double>();
 }
 
-/// Adds numbers; one that is missing makes the mean missing.
+/// Computes a mean, which is missing if any of its values is missing.
 class Mean {
  public:
   void add(const std::optional<double>& value) {
@@ -43,7 +43,7 @@ class Mean {
   bool is_whole_ = true;
 };
 
-/// "28.40/0.8330" and the values; empty where one is missing.
+/// Makes a cell "28.40/0.8330" with its values, or an empty one if a value is missing.
 template <typename ValueOf>
 Cell quality_cell(const std::vector<Metric>& metrics, const ValueOf& value_of) {
   Cell cell;

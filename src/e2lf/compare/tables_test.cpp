@@ -20,7 +20,7 @@ Plan small_plan() {
   plan.methods.resize(2);
   plan.methods[0].config.name = "one";
   plan.methods[1].config.name = "two & more";
-  for (Method& method : plan.methods) method.codes = capture::default_codes();
+  for (ComparedMethod& method : plan.methods) method.codes = capture::default_codes();
   plan.groups = {"A", "B"};
   for (const char* name : {"a1", "a2", "b1"}) {
     Scene scene;

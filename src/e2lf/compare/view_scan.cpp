@@ -5,8 +5,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/voxelise.h"
-#include "e2lf/recon/tone.h"
 #include "e2lf/recon/video/event_video.h"
+#include "e2lf/recon/video/frame_tone.h"
 #include "e2lf/streams/event_stream.h"
 
 namespace e2lf::compare {
@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kSide = 8, kViews = kSide * kSide;
 
-/// Position `i` of a path to and fro along lines of 8: line and place in it.
+/// The line and the position in it at step `i` of a back-and-forth path along lines of 8.
 struct Place {
   size_t line, step;
 };
@@ -33,7 +33,7 @@ Result<streams::EventStream> make_stream(const ScanOptions& options, const light
   return streams::EventStream::create(stream, shape.height, shape.width);
 }
 
-/// The events of each view that is shown, by a camera that has seen the first one for ever.
+/// Records the events of each view that is shown, by a camera in the steady state for the first one.
 class Scan {
  public:
   Scan(const lightfield::LightField& scene, const ScanOptions& options, streams::EventStream stream)
@@ -67,7 +67,7 @@ std::vector<size_t> scan_order() {
     const Place place = to_and_fro(i);
     order.push_back(place.line * kSide + place.step);
   }
-  // The first scan ends in the last row at the left: there the columns begin, upwards.
+  // The first scan ends at the left of the last row. The columns begin there, upwards.
   for (size_t i = 1; i < kViews; ++i) {
     const Place place = to_and_fro(i);
     order.push_back((kSide - 1 - place.step) * kSide + place.line);
@@ -103,7 +103,7 @@ Result<ScanResult> scan_to_light_field(const model::VideoModel& model, const lig
                           video.next(cycles::voxelise(events, model.bins, shape.height, shape.width)));
     result.reconstruct_s += std::chrono::duration<double>(Clock::now() - begin).count();
     if (i < second_begin) continue;
-    recon::apply_tone(model.tone, frame);
+    recon::apply_frame_tone(model.tone, frame);
     std::copy(frame.begin(), frame.end(),
               result.light_field.data().begin() + static_cast<std::ptrdiff_t>(order[i] * frame.size()));
   }

@@ -11,29 +11,31 @@
 
 namespace e2lf::compare {
 
-/// The views that an aperture with one open cell shows one after another, twice over 8x8: to and fro along the rows,
-/// then, from the last of these, to and fro along the columns. 127 numbers of views, each beside the one before.
+/// Returns the views that an aperture with one open cell shows one after another in two scans over 8x8: back and forth
+/// along the rows and then, from the last view, back and forth along the columns. These are 127 view numbers, each
+/// adjacent to the previous one.
 [[nodiscard]] std::vector<size_t> scan_order();
 
 struct ScanOptions {
-  float tau = 0.30F;        ///< both mean thresholds of v2e's pixels
+  float tau = 0.30F;        ///< both mean thresholds of the v2e pixels
   float gain = 1.0F;        ///< scene brightness
-  int64_t view_us = 10000;  ///< each view is shown so long
-  int64_t frame_us = 1000;  ///< from frame to frame of v2e
+  int64_t view_us = 10000;  ///< time for which each view is shown
+  int64_t frame_us = 1000;  ///< frame interval of v2e
   uint64_t seed = 0;
 };
 
 /// The second scan as frames.
 struct ScanResult {
-  lightfield::LightField light_field;  ///< of tones, at no known scale
+  lightfield::LightField light_field;  ///< tone-mapped frames without a known scale
   double events_per_pixel = 0;         ///< of both scans
   double measurement_ms = 0;           ///< of both scans
-  double reconstruct_s = 0;            ///< what the network took
+  double reconstruct_s = 0;            ///< time taken by the network
 };
 
-/// The paper's CA+E2VID: events of v2e's pixels while scan_order() is shown, each view as bright as it is in the light
-/// field, then a frame of the network for the events of each change of view; what the network shows at the end of each
-/// view of the second scan is that view. Fails with kShape for other than 8x8 grey views, and as the network does.
+/// Implements CA+E2VID of the paper: v2e pixels record events while scan_order() is shown, with each view as bright as
+/// in the light field, and the network makes a frame from the events of each change of view. The frame at the end of
+/// each view of the second scan is the reconstruction of that view. Fails with kShape for other than 8x8 grey views,
+/// and as the network does.
 [[nodiscard]] Result<ScanResult> scan_to_light_field(const model::VideoModel& model,
                                                      const lightfield::LightField& scene, const ScanOptions& options,
                                                      const ProgressFn& progress = {});

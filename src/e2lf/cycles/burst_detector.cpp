@@ -11,11 +11,11 @@
 namespace e2lf::cycles {
 namespace {
 
-/// Empty bins that are put in for a pause; a longer one is as good as this.
+/// The largest number of empty bins inserted for a pause; longer pauses are equivalent.
 constexpr int64_t kLongestPauseBins = 4096;
-/// Weight of a new burst in the typical rise.
-constexpr double kLearningRate = 0.1;
-/// Bins above the level before the burst by this many standard deviations belong to it.
+/// The weight of a new burst in the typical rise.
+constexpr double kRiseLearningRate = 0.1;
+/// Bins that exceed the level before the burst by this many standard deviations belong to it.
 constexpr double kFootSignificance = 3;
 
 }  // namespace
@@ -53,18 +53,19 @@ int64_t BurstDetector::known_until_us() const {
   return (open_bin_ - static_cast<int64_t>(2 * window_ + spacing_)) * options_.bin_us;
 }
 
-/// Puts empty bins before the open one, so that a burst at the very start of a recording is found.
+/// Inserts empty bins before the open one, so that a burst at the very beginning of a recording is found.
 void BurstDetector::begin_in_silence() {
   bins_.assign(window_ + spacing_, {});
   rises_.assign(spacing_ - window_ + 1, {});
   first_bin_ = open_bin_ - static_cast<int64_t>(window_ + spacing_);
 }
 
-/// The open bin and the empty ones behind it are complete.
+/// Completes the open bin and the empty ones after it.
 void BurstDetector::close_bins(int64_t until_bin, std::vector<Mark>& marks) {
   const int64_t pause = until_bin - open_bin_;
   if (pause > kLongestPauseBins) {
-    // The bins of a long pause are not kept one by one: all before it is judged, and the rest begins in silence again.
+    // The bins of a long pause are not stored individually: everything before it is judged, and silence is assumed
+    // after it.
     const int64_t resume = until_bin;
     close_bins(open_bin_ + static_cast<int64_t>(2 * (window_ + spacing_)), marks);
     open_bin_ = resume;
@@ -92,11 +93,11 @@ BurstDetector::Rise BurstDetector::rise_at(size_t bin) const {
   return rise;
 }
 
-/// The bin where the burst that rises most at `bin` begins: the first that is clearly above the level before, and those
-/// in front of it that are above the level at all.
+/// Returns the bin in which the burst with the largest rise at `bin` begins: the first one clearly above the previous
+/// level, or an earlier one directly before it that is above the level at all.
 size_t BurstDetector::foot_of(size_t bin) const {
   const auto count = [&](size_t i) { return static_cast<double>(bins_[i].on + bins_[i].off); };
-  // The nearer half of the window may hold the rise.
+  // The nearer half of the window may already contain the rise.
   const size_t begin = bin - window_, settled = std::max<size_t>(1, window_ / 2);
   double level = 0;
   for (size_t i = begin; i < begin + settled; ++i) level += count(i) / static_cast<double>(settled);
@@ -106,11 +107,11 @@ size_t BurstDetector::foot_of(size_t bin) const {
   return foot;
 }
 
-/// Judges the bin whose surroundings have just become complete, and forgets what no longer matters.
+/// Judges the bin whose neighbourhood has just become complete, and drops data that are no longer needed.
 void BurstDetector::judge(std::vector<Mark>& marks) {
   rises_.push_back(rise_at(bins_.size() - window_));
   if (rises_.size() < 2 * spacing_ + 1) return;
-  // Rise i is that of bin window_ + i.
+  // Rise i belongs to bin window_ + i.
   const Rise& rise = rises_[spacing_];
   const bool is_peak = std::none_of(rises_.begin(), rises_.end(), [&](const Rise& r) { return r.count > rise.count; });
   const size_t bin = window_ + spacing_;
@@ -119,7 +120,7 @@ void BurstDetector::judge(std::vector<Mark>& marks) {
     last_mark_us_ = time_of(bin);
     const auto certainty = static_cast<float>(1 - options_.min_significance / (2 * rise.significance));
     marks.push_back({time_of(foot_of(bin)), static_cast<float>(rise.on_share), certainty});
-    typical_rise_ += (typical_rise_ == 0 ? 1 : kLearningRate) * (rise.count - typical_rise_);
+    typical_rise_ += (typical_rise_ == 0 ? 1 : kRiseLearningRate) * (rise.count - typical_rise_);
   }
   rises_.pop_front();
   bins_.pop_front();

@@ -13,25 +13,26 @@ namespace e2lf::cycles {
 
 struct BurstOptions {
   int64_t bin_us = 100;           ///< resolution of the starts
-  int64_t window_us = 1000;       ///< over which the rate before and after is compared
-  int64_t min_spacing_us = 4000;  ///< two bursts are at least this far apart
-  double min_significance = 10;   ///< rise of the count in standard deviations of chance
-  double min_rise = 0.1;          ///< rise as a share of the typical burst's
+  int64_t window_us = 1000;       ///< in which the rates before and after are compared
+  int64_t min_spacing_us = 4000;  ///< between two bursts
+  double min_significance = 10;   ///< of the rise of the count, in standard deviations of chance
+  double min_rise = 0.1;          ///< of the count, relative to the typical burst
 };
 
-/// Finds the starts of bursts in the event rate, ON and OFF apart so that a burst shows in the tail of one of the other
-/// sign: where the count of the next window exceeds that of the last most. Works as events come, with a delay.
+/// Detects the starts of bursts in the event rate, separately for ON and OFF so that a burst is visible in the tail of
+/// one of the other sign. A burst starts where the count of the next window exceeds that of the previous one most. It
+/// works on events as they arrive, with a delay.
 class BurstDetector {
  public:
   explicit BurstDetector(const BurstOptions& options);
 
-  /// Takes the next events and appends the bursts that are certain now.
+  /// Processes the next events and appends the bursts that are now certain.
   void add(const recordings::EventColumns& events, std::vector<Mark>& marks);
 
-  /// Appends the bursts of the end of the recording.
+  /// Appends the bursts at the end of the recording.
   void finish(std::vector<Mark>& marks);
 
-  /// Bursts that begin before this time have been found.
+  /// Returns the time before which all bursts have been found.
   [[nodiscard]] int64_t known_until_us() const;
 
  private:
@@ -39,7 +40,7 @@ class BurstDetector {
     uint32_t on = 0, off = 0;
   };
   struct Rise {
-    double count = 0;         ///< events more than before
+    double count = 0;         ///< additional events compared with before
     double significance = 0;  ///< in standard deviations
     double on_share = 0.5;
   };
@@ -53,8 +54,8 @@ class BurstDetector {
 
   BurstOptions options_;
   size_t window_, spacing_;  ///< in bins
-  std::deque<Bin> bins_;     ///< closed, from first_bin_ on
-  std::deque<Rise> rises_;   ///< of the bins with a whole window on both sides: the first is that of bins_[window_]
+  std::deque<Bin> bins_;     ///< complete bins, from first_bin_ on
+  std::deque<Rise> rises_;   ///< of the bins with a whole window on both sides; the first one belongs to bins_[window_]
   int64_t first_bin_ = 0;
   bool has_begun_ = false;
   Bin open_;

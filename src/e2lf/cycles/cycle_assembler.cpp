@@ -9,13 +9,13 @@
 namespace e2lf::cycles {
 namespace {
 
-/// The share of its last pattern's time that a recording must reach into for its last cycle to count as complete.
+/// The share of the last pattern's time that the recording must cover for its last cycle to count as complete.
 constexpr double kEnoughOfLastPattern = 0.5;
-/// Events are counted for so many cycles at most, should one not end.
+/// The number of cycles for which events are counted at most, in case a cycle does not end.
 constexpr int64_t kMaxCyclesCounted = 4;
 
-/// A quarter of the shortest pattern, so that the bursts before and after stay out of it; a burst rises faster than the
-/// upper limit.
+/// Returns a quarter of the shortest pattern, which excludes the preceding and following bursts. The upper limit is
+/// longer than the rise of a burst.
 int64_t evidence_window_us(const Schedule& schedule) {
   int64_t shortest_us = INT64_MAX;
   for (const ScheduledPattern& pattern : schedule.patterns) {
@@ -57,7 +57,7 @@ void CycleAssembler::add_start(const PatternStart& start) {
 
 void CycleAssembler::add_events(recordings::EventColumns& events) {
   if (next_ == events_.size()) {
-    std::swap(events_, events);  // nothing waits: no copy
+    std::swap(events_, events);  // no events are waiting, so no copy is needed
     next_ = 0;
   } else {
     if (next_ > events_.size() / 2) {
@@ -85,7 +85,7 @@ void CycleAssembler::process(int64_t until_us, const PatternTracker* tracker) {
     apply(start, tracker);
   }
   close_overdue(until_us);
-  // Until the next start is seen or overdue, the events behind the expected end wait.
+  // Until the next start is seen or overdue, the events after the expected end must wait.
   consume_events(pattern_ ? std::min(until_us, expected_end_us_) : until_us);
 }
 
@@ -93,7 +93,7 @@ bool CycleAssembler::is_last_of_cycle(size_t pattern) const {
   return (pattern + 1) % options_.schedule.size() == first_pattern_;
 }
 
-/// Ends a pattern at its expected end when no start has come although there was time for it.
+/// Ends a pattern at its expected end if no start has occurred although it is overdue.
 void CycleAssembler::close_overdue(int64_t until_us) {
   if (!pattern_ || until_us <= deadline_us_) return;
   const bool is_last = is_last_of_cycle(*pattern_);
@@ -153,7 +153,7 @@ void CycleAssembler::end_cycle() {
   open_.reset();
 }
 
-/// Signs that contradict the schedule leave nothing certain.
+/// Sets the confidence to 0 if the signs of the events contradict the schedule.
 void CycleAssembler::judge_polarity(const std::vector<PatternEvents>& events, Cycle& cycle) {
   cycle.polarity = polarity_of(options_.schedule, events);
   report_.inverted += cycle.polarity == CyclePolarity::kInverted ? 1 : 0;
@@ -162,7 +162,7 @@ void CycleAssembler::judge_polarity(const std::vector<PatternEvents>& events, Cy
   if (contradicts) cycle.confidence = 0.0F;
 }
 
-/// The trigger before `start` is known to be out of step now; its cycle is still open.
+/// Records that the trigger before `start` was out of step, which is known only now; its cycle is still open.
 void CycleAssembler::note_late_edge(const PatternStart& start) {
   if (options_.source != CycleSource::kTriggers || options_.one_trigger_per_cycle) return;
   auto late = late_edges_.add(start);
@@ -172,9 +172,10 @@ void CycleAssembler::note_late_edge(const PatternStart& start) {
   if (report_.late_edges.size() < CycleReport::kMaxDrops) report_.late_edges.push_back(*late);
 }
 
-/// The least of the starts'. Bursts are events; what a trigger or the schedule claims, the events must confirm: the two
-/// surest of the changes whose sign is known. Slow pixels tell no more for sure: they make few events between a pattern
-/// and its inverse, and go over smoothly where two patterns pass nearly the same light.
+/// Returns the smallest confidence of the starts. Bursts consist of events, but a start that a trigger or the schedule
+/// claims must be confirmed by events: by the two most certain of the changes whose sign is known. Slow pixels do not
+/// allow a stricter test: they make few events between a pattern and its inverse, and change smoothly between two
+/// patterns that transmit nearly the same light.
 float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) const {
   float least = 1.0F;
   for (const PatternStart& start : starts) least = std::min(least, start.confidence);
@@ -204,7 +205,7 @@ void CycleAssembler::apply(const PatternStart& start, const PatternTracker* trac
     return;
   }
   if (start.pattern == first_pattern_) end_cycle();
-  // The first cycle of a recording may begin in its middle; it ends as a partial one.
+  // The first cycle of a recording may begin in its middle; it is then dropped as a partial one.
   if (!open_) begin_cycle(start.t_us);
   if (start.kind == PatternStart::Kind::kMissing) set_fault(CycleFault::kMissing, start.t_us);
   open_->starts.push_back(start);
@@ -255,14 +256,14 @@ void CycleAssembler::accumulate(size_t begin, size_t end) {
   const std::span<int16_t> image = cycle.images.image(*options_.schedule.patterns[*pattern_].image);
   const uint16_t* const x = events_.x.data();
   const uint16_t* const y = events_.y.data();
-  // Images are larger than the caches near a core: the pixels of the next events are fetched while some are counted.
+  // Images exceed the nearest caches: the pixels of later events are prefetched while the present ones are counted.
   constexpr size_t kAhead = 32;
   for (size_t i = begin; i < end; ++i) {
     const size_t later = std::min(i + kAhead, end - 1);
     __builtin_prefetch(image.data() + std::min(y[later] * width_ + x[later], image.size() - 1), 1);
     if (x[i] >= width_ || y[i] >= height_) continue;
     int16_t& count = image[y[i] * width_ + x[i]];
-    // Stops at the ends of int16, by a branch that is hardly ever taken.
+    // Counts saturate at the limits of int16; this branch is hardly ever taken.
     int16_t sum = 0;
     if (__builtin_add_overflow(count, events_.p[i] != 0 ? 1 : -1, &sum)) {
       ++cycle.saturated;

@@ -11,26 +11,26 @@
 
 namespace e2lf::cycles {
 
-/// Puts cycles together from pattern starts and events, both in order of time.
+/// Assembles cycles from pattern starts and events, both in order of time.
 class CycleAssembler {
  public:
   CycleAssembler(const CycleOptions& options, size_t width, size_t height);
 
-  /// Takes the next start. Starts may be given before the events of their time, and out of order while they lie in the
+  /// Adds the next start. Starts may be added before the events of their time, and out of order while they lie in the
   /// future.
   void add_start(const PatternStart& start);
 
-  /// Takes the events that come next, and leaves others in their place.
+  /// Takes the next events and leaves other, unspecified ones in their place.
   void add_events(recordings::EventColumns& events);
 
-  /// Works through everything before until_us: all starts up to then must be known. The tracker knows the expected
-  /// intervals; null = those of the schedule.
+  /// Processes everything before until_us; all starts up to then must be known. The tracker provides the expected
+  /// intervals; if it is null, those of the schedule are used.
   void process(int64_t until_us, const PatternTracker* tracker);
 
-  /// The recording ended; last_us is the last time it had.
+  /// Ends the recording. last_us is its last time.
   void finish(int64_t last_us);
 
-  /// The oldest complete cycle.
+  /// Returns the oldest complete cycle.
   [[nodiscard]] std::optional<Cycle> take();
 
   [[nodiscard]] const CycleReport& report() const { return report_; }
@@ -39,8 +39,8 @@ class CycleAssembler {
   struct Open {
     Cycle cycle;
     std::optional<DroppedCycle> fault;
-    std::vector<PatternStart> starts;   ///< of its patterns
-    std::vector<PatternEvents> events;  ///< of each pattern of the schedule
+    std::vector<PatternStart> starts;   ///< of the patterns of the cycle
+    std::vector<PatternEvents> events;  ///< one for each pattern of the schedule
     bool has_late_edge = false;
   };
 
@@ -62,20 +62,20 @@ class CycleAssembler {
   size_t width_, height_;
   size_t first_pattern_;  ///< of a cycle
   std::optional<PixelFilter> filter_;
-  int64_t window_us_;         ///< before and after a claimed start, in which the events must confirm it
+  int64_t window_us_;         ///< length of time before and after a claimed start in which events must confirm it
   EventHistogram histogram_;  ///< of the open cycle
   LateEdgeFinder late_edges_;
 
   std::deque<PatternStart> starts_;
-  recordings::EventColumns events_;  ///< waiting, from next_ on
+  recordings::EventColumns events_;  ///< waiting events are those from next_ on
   size_t next_ = 0;
 
   std::optional<Open> open_;
-  std::optional<size_t> pattern_;  ///< on the aperture now; nothing when not known
+  std::optional<size_t> pattern_;  ///< the pattern on the aperture; absent if unknown
   int64_t pattern_begin_us_ = 0;
   int64_t expected_end_us_ = 0;
-  int64_t deadline_us_ = 0;  ///< a start that has not come by then is missing
-  int64_t quiet_us_ = 0;     ///< in this cycle
+  int64_t deadline_us_ = 0;  ///< a start that has not occurred by then is missing
+  int64_t quiet_us_ = 0;     ///< quiet time in this cycle
   uint64_t next_number_ = 0;
   std::deque<Cycle> complete_;
   CycleReport report_;

@@ -11,11 +11,11 @@ namespace e2lf::cycles {
 namespace {
 
 constexpr size_t kBatchEvents = size_t{1} << 16;
-/// How far kAuto looks for triggers.
+/// How far kAuto searches for triggers.
 constexpr int64_t kCyclesAhead = 2;
 constexpr size_t kEventsAhead = 1'000'000, kMaxEventsAhead = 16'000'000;
 
-/// The schedule as the tracker sees it: with one trigger per cycle, one pattern as long as the cycle.
+/// Returns the schedule for the tracker: with one trigger per cycle, it is one pattern as long as the cycle.
 Schedule tracked_schedule(const CycleOptions& options) {
   if (options.source != CycleSource::kTriggers || !options.one_trigger_per_cycle) return options.schedule;
   ScheduledPattern cycle;
@@ -30,20 +30,21 @@ TrackerOptions tracker_options(const CycleOptions& options) {
   return tracker;
 }
 
-/// Whether a trigger is one that patterns may begin with.
+/// Returns true if a trigger may mark the beginning of a pattern.
 bool is_mark(const recordings::Trigger& trigger, const CycleOptions& options) {
   if (options.channel && trigger.id != *options.channel) return false;
   return options.edge == TriggerEdge::kBoth || (trigger.p != 0) == (options.edge == TriggerEdge::kRising);
 }
 
-/// The first batches of a recording, read to look for triggers.
+/// The first batches of a recording, which are read to search for triggers.
 struct Beginning {
   std::deque<recordings::EventBatch> batches;
   bool has_triggers = false;
 };
 
-/// Reads until there is a trigger, or until there should have been one: in a live recording, where cycles wait for it,
-/// after two cycles; in others after a million events too, for those that begin before the aperture moves.
+/// Reads until a trigger is found, or until one should have occurred: after two cycles in a live recording, where
+/// cycles wait for it; in other recordings only after a million events as well, since they may begin before the
+/// aperture moves.
 Result<Beginning> read_beginning(recordings::RecordingReader& reader, const CycleOptions& options) {
   Beginning beginning;
   std::optional<int64_t> first_us;
@@ -98,6 +99,7 @@ class CycleReader::Impl {
     CycleReport report = assembler_.report();
     report.marks = marks_;
     report.unassigned_marks = tracker_.unassigned_marks();
+    report.onset_us = onset_.onset_us();
     report.has_assumed_first = tracker_.has_assumed_first();
     report.triggers = survey_text(triggers_, options_.schedule);
     if (options_.source == CycleSource::kTriggers || report.complete == 0) {
@@ -108,7 +110,21 @@ class CycleReader::Impl {
                                    .one_trigger_per_cycle = options_.one_trigger_per_cycle};
       report.advice = trigger_advice(triggers_, options_.schedule, asked, last_us_);
     }
+    if (report.complete == 0 && report.advice.empty()) report.advice = advice_of_options();
     return report;
+  }
+
+  /// The option that most likely keeps triggers, which match the schedule, from forming cycles; empty if there is none.
+  std::string advice_of_options() const {
+    if (options_.source == CycleSource::kBursts && !triggers_.inputs().empty()) {
+      return "the events of slow pixels do not show each change of pattern; the recording has triggers, so give "
+             "--source "
+             "triggers";
+    }
+    if (options_.tracker.first_pattern && options_.source != CycleSource::kSchedule) {
+      return "no cycle begins as --first-pattern says; leave it out, so that the intervals and the events tell";
+    }
+    return "";
   }
 
   recordings::DecodeSummary summary() const {
@@ -122,7 +138,7 @@ class CycleReader::Impl {
   const Schedule& schedule() const { return options_.schedule; }
 
  private:
-  /// The next batch: of those that were read already, then of the recording.
+  /// Returns the next batch, first those that were read in advance and then from the recording.
   Result<bool> read_batch() {
     if (beginning_.empty()) return reader_->read(batch_, kBatchEvents);
     batch_ = std::move(beginning_.front());
@@ -130,7 +146,7 @@ class CycleReader::Impl {
     return true;
   }
 
-  /// Reads one batch and works through what it makes known.
+  /// Reads one batch and processes what has become known.
   Result<void> advance() {
     E2LF_ASSIGN_OR_RETURN(const bool more, read_batch());
     has_ended_ = !more;
@@ -138,6 +154,7 @@ class CycleReader::Impl {
       for (uint8_t& p : batch_.events.p) p = p != 0 ? 0 : 1;
     }
     triggers_.add(batch_.triggers);
+    if (options_.source == CycleSource::kTriggers) onset_.add_events(batch_.events.t);
     if (options_.on_batch) options_.on_batch(batch_);
     if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
     if (!batch_.triggers.empty()) last_us_ = std::max(last_us_, batch_.triggers.back().t);
@@ -184,7 +201,8 @@ class CycleReader::Impl {
     tracker_.add(mark, starts_);
   }
 
-  /// While the pattern is known, triggers go on at once; otherwise each waits for the sign of its events.
+  /// Adds the starts of triggers. They are used at once while the pattern is known; otherwise, each waits for the sign
+  /// of its events.
   void add_starts_of_triggers() {
     starts_.clear();
     if (options_.on_mark) show_triggers();
@@ -193,19 +211,19 @@ class CycleReader::Impl {
     add_starts();
   }
 
-  /// Who looks on sees each trigger with its sign, also while the tracker needs none.
+  /// Reports each trigger with its sign to the observer, even while the tracker does not need the sign.
   void show_triggers() {
     shown_signer_.add(batch_.events, found_);
     while (const auto mark = shown_signer_.take(/*needs_sign=*/true, has_ended_)) options_.on_mark(*mark);
   }
 
-  /// The starts up to the last time read; the first whole cycle of the recording is the first.
+  /// Adds the starts up to the last time that was read. The first whole cycle of the recording is number 0.
   void add_scheduled_starts() {
     if (batch_.empty()) return;
     if (!next_start_us_) {
       const int64_t first_us = batch_.events.empty() ? batch_.triggers.front().t : batch_.events.t.front();
       next_pattern_ = options_.schedule.first_of_cycle();
-      int64_t begin_us = options_.origin_us;  // of a cycle
+      int64_t begin_us = options_.origin_us;  // the beginning of a cycle
       for (size_t i = 0; i < next_pattern_; ++i) begin_us += options_.schedule.patterns[i].interval_us();
       const int64_t period_us = options_.schedule.cycle_us(), since_us = first_us - begin_us;
       const int64_t cycles = since_us / period_us + (since_us % period_us > 0);
@@ -218,7 +236,7 @@ class CycleReader::Impl {
     }
   }
 
-  /// The tracker, where its patterns are those of the schedule.
+  /// Returns the tracker if its patterns are those of the schedule, otherwise null.
   const PatternTracker* tracker_by_pattern() const {
     const bool has_all_patterns = options_.source == CycleSource::kBursts ||
                                   (options_.source == CycleSource::kTriggers && !options_.one_trigger_per_cycle);
@@ -231,8 +249,10 @@ class CycleReader::Impl {
     }
   }
 
-  /// With one trigger per cycle, a start is that of all patterns of the cycle, in proportion to the schedule.
+  /// Adds a start. With one trigger per cycle, it determines the starts of all patterns of the cycle, in proportion to
+  /// the schedule.
   void add_start(const PatternStart& start) {
+    if (start.kind == PatternStart::Kind::kSeen) onset_.add_start(start.t_us);
     const bool is_fault = start.kind == PatternStart::Kind::kDoubled || start.kind == PatternStart::Kind::kLost;
     if (options_.source != CycleSource::kTriggers || !options_.one_trigger_per_cycle || is_fault)
       return assembler_.add_start(start);
@@ -249,12 +269,13 @@ class CycleReader::Impl {
   }
 
   std::unique_ptr<recordings::RecordingReader> reader_;
-  std::deque<recordings::EventBatch> beginning_;  ///< read already, to look for triggers
+  std::deque<recordings::EventBatch> beginning_;  ///< read in advance to search for triggers
   CycleOptions options_;
   PatternTracker tracker_;
   BurstDetector bursts_;
   MarkSigner signer_, shown_signer_;
   TriggerSurvey triggers_;
+  OnsetCheck onset_;
   CycleAssembler assembler_;
   recordings::EventBatch batch_;
   std::vector<Mark> found_;

@@ -10,21 +10,21 @@
 namespace e2lf::cycles {
 namespace {
 
-/// Rises of this many standard deviations are half certain.
+/// A rise of this many standard deviations has a certainty of one half.
 constexpr double kHalfCertain = 10;
 
-/// 0 for what chance makes, 1 for what it never does.
+/// Returns 0 for a significance that chance can reach, rising towards 1 for larger ones.
 double certainty(double significance) {
   return significance <= kHalfCertain / 2 ? 0.0 : 1 - kHalfCertain / (2 * significance);
 }
 
-/// How far the counts after a time differ from those before it, in windows of one length.
+/// The difference between the counts after and before a time, in windows of one length.
 struct RateStep {
-  double on = 0, off = 0;  ///< more than before; negative: fewer
+  double on = 0, off = 0;  ///< additional events compared with before; negative if fewer
   double all = 0;          ///< in both windows
 
   [[nodiscard]] double size() const { return std::abs(on) + std::abs(off); }
-  /// The part of it that makes the picture brighter: ON events that begin, OFF events that end.
+  /// Returns the part that makes the picture brighter: ON events that begin and OFF events that end.
   [[nodiscard]] double brighter() const { return std::max(0.0, on) + std::max(0.0, -off); }
 };
 

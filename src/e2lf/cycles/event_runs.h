@@ -9,8 +9,8 @@
 
 namespace e2lf::cycles {
 
-/// The first of events [begin, end) that is not before a time, or `end`. Searches in steps that double: runs are of one
-/// event or of many.
+/// Returns the index of the first of events [begin, end) that is not before until_us, or `end`. The search uses
+/// doubling steps, because runs may consist of one event or of many.
 [[nodiscard]] inline size_t end_of_run(const recordings::EventColumns& events, size_t begin, size_t end,
                                        int64_t until_us) {
   size_t step = 1, low = begin;

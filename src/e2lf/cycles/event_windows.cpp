@@ -29,7 +29,7 @@ Result<bool> WindowReader::next(EventWindow& window) {
   return next_by_triggers(window);
 }
 
-/// The next batch, when all of this one was taken; false at the end.
+/// Reads the next batch once all of this one is taken. Returns false at the end.
 Result<bool> WindowReader::read_batch() {
   event_ = trigger_ = 0;
   batch_.clear();
@@ -40,7 +40,7 @@ Result<bool> WindowReader::read_batch() {
   return more;
 }
 
-/// Moves the batch's events up to `end` to the window.
+/// Moves the events of the batch up to `end` to the window.
 Result<void> WindowReader::take(size_t end, EventWindow& window) {
   window.events.append(batch_.events, event_, end);
   event_ = end;
@@ -51,7 +51,7 @@ Result<void> WindowReader::take(size_t end, EventWindow& window) {
                reader_->name()};
 }
 
-/// A gap of many windows is damage, or a mistake in their length.
+/// Rejects a gap of many windows, which indicates damage or a wrong length of the windows.
 Result<void> WindowReader::check_gap() const {
   const int64_t next_us = batch_.events.t[event_];
   const int64_t windows = (next_us - *begin_us_) / options_.duration_us;
@@ -102,7 +102,7 @@ Result<bool> WindowReader::next_by_count(EventWindow& window) {
   return true;
 }
 
-/// The batch's next trigger of the channel and edge.
+/// Returns the next trigger of the channel and edge in the batch.
 std::optional<int64_t> WindowReader::next_trigger() {
   while (trigger_ < batch_.triggers.size()) {
     const recordings::Trigger& trigger = batch_.triggers[trigger_++];

@@ -11,10 +11,10 @@
 
 namespace e2lf::cycles {
 
-/// How a recording is cut into windows; there is no overlap and, but for triggers, no gap.
+/// The ways of dividing a recording into windows. They do not overlap and, except for triggers, have no gaps.
 enum class WindowKind {
-  kTime,      ///< so long each, from the first event or trigger on; the last one may be cut short
-  kCount,     ///< so many events each; the last one may have fewer
+  kTime,      ///< of equal duration, from the first event or trigger on; the last one may be shorter
+  kCount,     ///< of equal numbers of events; the last one may have fewer
   kTriggers,  ///< from one trigger to the next; events before the first and after the last are left out
 };
 
@@ -22,37 +22,37 @@ struct WindowOptions {
   WindowKind kind = WindowKind::kTime;
   int64_t duration_us = 0;                ///< kTime
   size_t events = 0;                      ///< kCount
-  std::optional<int64_t> origin_us = {};  ///< kTime: where the first window begins
+  std::optional<int64_t> origin_us = {};  ///< kTime: the beginning of the first window
 
   TriggerEdge edge = TriggerEdge::kRising;
-  std::optional<uint16_t> channel = {};  ///< of the triggers; nothing = all
+  std::optional<uint16_t> channel = {};  ///< of the triggers; absent = all channels
 
-  /// More events than this in one window are an error, as are more empty windows in a row: a wrong time would make
-  /// them.
+  /// The limits for the number of events in a window and of consecutive empty windows, which a wrong time would exceed.
+  /// Exceeding them is an error.
   size_t max_events = size_t{1} << 25;
   int64_t max_empty = 100000;
 
   std::function<void(const recordings::EventBatch&)> on_batch = {};  ///< called with every batch that is read
 };
 
-/// Events with begin_us <= t < end_us (kCount: end_us is behind the last one).
+/// The events with begin_us <= t < end_us (kCount: end_us is after the last one).
 struct EventWindow {
   int64_t begin_us = 0, end_us = 0;
   recordings::EventColumns events;
 };
 
-/// Cuts a recording into windows, in memory of one window and one batch.
+/// Divides a recording into windows, with memory for one window and one batch.
 class WindowReader {
  public:
-  /// `duration_us` or `events`, whichever the kind needs, is above zero.
+  /// `duration_us` or `events`, whichever the kind needs, must be positive.
   WindowReader(std::unique_ptr<recordings::RecordingReader> reader, WindowOptions options);
 
-  /// Replaces `window` by the next one; false at the end, and when a stop was asked for. Fails as the reader does, and
-  /// with kInvalidValue where a window holds too many events or too many in a row hold none.
+  /// Replaces `window` by the next one. Returns false at the end and if a stop was requested. Fails as the reader does,
+  /// and with kInvalidValue if a window has too many events or too many consecutive windows are empty.
   [[nodiscard]] Result<bool> next(EventWindow& window);
 
   [[nodiscard]] uint64_t triggers() const { return triggers_; }              ///< of the channel and edge
-  [[nodiscard]] uint64_t events_outside() const { return events_outside_; }  ///< of kTriggers: in no window
+  [[nodiscard]] uint64_t events_outside() const { return events_outside_; }  ///< kTriggers: in no window
   [[nodiscard]] const recordings::RecordingReader& recording() const { return *reader_; }
 
  private:
@@ -67,7 +67,7 @@ class WindowReader {
   std::unique_ptr<recordings::RecordingReader> reader_;
   WindowOptions options_;
   recordings::EventBatch batch_;
-  size_t event_ = 0, trigger_ = 0;   ///< of the batch, not taken yet
+  size_t event_ = 0, trigger_ = 0;   ///< in the batch, not yet taken
   std::optional<int64_t> begin_us_;  ///< of the next window
   bool has_begun_ = false, has_ended_ = false;
   uint64_t triggers_ = 0, events_outside_ = 0;

@@ -7,10 +7,10 @@
 namespace e2lf::cycles {
 namespace {
 
-constexpr size_t kRemembered = 7;     // intervals, of which the median is expected
-constexpr size_t kEnough = 3;         // before that the schedule tells
-constexpr double kLeastLateUs = 150;  // displays and clocks jitter by some 10 us
-constexpr double kLeastShare = 0.02;  // of an interval
+constexpr size_t kRemembered = 7;     // number of intervals whose median is the expected one
+constexpr size_t kEnough = 3;         // with fewer, the schedule is used
+constexpr double kLeastLateUs = 150;  // displays and clocks have a jitter of about 10 us
+constexpr double kLeastShare = 0.02;  // relative to an interval
 
 }  // namespace
 

@@ -11,20 +11,20 @@
 
 namespace e2lf::cycles {
 
-/// A trigger that came at another time than the schedule and the cycles before say, while its neighbours did not.
+/// A trigger whose time contradicts the schedule and the previous cycles, while its neighbours agree with them.
 struct LateEdge {
   uint64_t cycle = 0;   ///< its number in the recording
-  size_t pattern = 0;   ///< that the trigger begins
-  int64_t late_us = 0;  ///< below 0: too early
+  size_t pattern = 0;   ///< the pattern that the trigger begins
+  int64_t late_us = 0;  ///< negative if it is too early
 };
 
 /// Finds single triggers that are out of step: the interval before such a trigger is longer by as much as the interval
-/// behind it is shorter. A step that repeats in every cycle is a property of the display and is learned.
+/// after it is shorter. A shift that repeats in every cycle is a property of the display and is learned.
 class LateEdgeFinder {
  public:
   explicit LateEdgeFinder(const Schedule& schedule);
 
-  /// Takes the next pattern start, and returns what it tells of the one before.
+  /// Adds the next pattern start, and returns the finding about the previous one.
   [[nodiscard]] std::optional<LateEdge> add(const PatternStart& start);
 
  private:
@@ -32,7 +32,7 @@ class LateEdgeFinder {
   void learn(size_t pattern, double interval_us);
 
   Schedule schedule_;
-  std::vector<std::deque<double>> intervals_us_;  ///< the last ones that followed each pattern
+  std::vector<std::deque<double>> intervals_us_;  ///< the latest ones that followed each pattern
   std::optional<PatternStart> before_, last_;
 };
 

@@ -24,8 +24,8 @@ std::optional<Mark> MarkSigner::take(bool needs_sign, bool is_end) {
   return mark;
 }
 
-/// The share of ON in what rises at a time; nothing where chance may have made it, and where the recording begins: what
-/// pixels do first says little of the change.
+/// Returns the share of ON in the rise at a time. Returns nothing if chance may have caused it, or at the beginning of
+/// the recording, where the first events of the pixels are not informative.
 std::optional<float> MarkSigner::on_share_at(int64_t t_us) const {
   if (t_us - options_.window_us < first_event_us_) return std::nullopt;
   const EventRise rise = event_rise(histogram_, t_us, options_.window_us);
@@ -33,7 +33,7 @@ std::optional<float> MarkSigner::on_share_at(int64_t t_us) const {
   return static_cast<float>(rise.on / rise.total());
 }
 
-/// Drops the bins that no trigger to come can be compared with.
+/// Drops the bins that are not needed for future triggers.
 void MarkSigner::forget() {
   const int64_t needed_us = std::min(known_until(last_event_us_), last_event_us_) - 2 * options_.window_us;
   histogram_.forget_before(needed_us);

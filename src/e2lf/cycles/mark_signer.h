@@ -13,25 +13,25 @@
 namespace e2lf::cycles {
 
 struct SignOptions {
-  int64_t window_us = 1000;      ///< events this long behind a trigger are compared with those before it
-  double min_significance = 10;  ///< rise of the count in standard deviations of chance; less gives no sign
+  int64_t window_us = 1000;      ///< in which events after a trigger are compared with those before it
+  double min_significance = 10;  ///< of the rise of the count, in standard deviations of chance
 };
 
-/// Gives triggers the sign of the burst of events behind them, which bursts have of themselves: a change to black makes
-/// OFF events, one to white ON events. With that the pattern is found again after a loss although the intervals between
-/// triggers repeat within a cycle (the two half cycles of the paper's sequence are alike).
+/// Assigns to triggers the sign of the burst of events after them, as bursts have it themselves: a change to black
+/// makes OFF events, and one to white ON events. The pattern can thus be found again after a loss although the
+/// intervals between triggers repeat within a cycle (both half cycles of the paper's sequence have the same intervals).
 class MarkSigner {
  public:
   explicit MarkSigner(const SignOptions& options) : options_(options) {}
 
-  /// Takes the next events, and the triggers of their time.
+  /// Adds the next events, and the triggers of their time.
   void add(const recordings::EventColumns& events, const std::vector<Mark>& marks);
 
-  /// The oldest trigger: with its sign once the events behind it are known (or `is_end`), and at once, without, when
-  /// `needs_sign` is false. Nothing when there is none yet.
+  /// Returns the oldest trigger: with its sign once the events after it are known (or at the end), or at once and
+  /// without sign if `needs_sign` is false. Returns nothing if there is none yet.
   [[nodiscard]] std::optional<Mark> take(bool needs_sign, bool is_end);
 
-  /// Triggers before this time have been given out, of all until `last_us`.
+  /// Returns the time before which all triggers up to `last_us` have been returned.
   [[nodiscard]] int64_t known_until(int64_t last_us) const {
     return marks_.empty() ? last_us : std::min(last_us, marks_.front().t_us);
   }

@@ -9,9 +9,9 @@
 namespace e2lf::cycles {
 namespace {
 
-/// Weight of a new interval in the expected one.
+/// The weight of a new interval in the expected one.
 constexpr double kLearningRate = 0.1;
-/// Cycles without a mark after which the pattern is looked for anew.
+/// The number of cycles without a mark after which the pattern is searched anew.
 constexpr size_t kMaxCyclesWithoutMark = 3;
 
 }  // namespace
@@ -47,19 +47,19 @@ void PatternTracker::add(const Mark& mark, std::vector<PatternStart>& starts) {
   search(starts);
 }
 
-/// Once a whole cycle of marks fits in one way only, all of them are known; otherwise the oldest is given up.
+/// Once a whole cycle of marks matches in a single way, all of them are known; otherwise, the oldest one is given up.
 void PatternTracker::search(std::vector<PatternStart>& starts) {
   if (found_.size() <= interval_us_.size() || lock(starts)) return;
   found_.pop_front();
   ++unassigned_;
 }
 
-/// A recording of one cycle has no mark behind it.
+/// A recording of a single cycle has no mark after it.
 void PatternTracker::finish(std::vector<PatternStart>& starts) {
   if (!pattern_ && found_.size() == interval_us_.size()) static_cast<void>(lock(starts));
 }
 
-/// Gives the marks found their patterns, if those can be told.
+/// Assigns patterns to the marks found, if they can be determined.
 bool PatternTracker::lock(std::vector<PatternStart>& starts) {
   const auto phase = find_phase();
   if (!phase) return false;
@@ -92,8 +92,8 @@ std::optional<size_t> PatternTracker::find_phase() {
   return likely;
 }
 
-/// How well the signs of the marks agree if the first of them begins pattern `phase`; nothing when an interval or a
-/// sign contradicts that.
+/// Returns how well the signs of the marks agree if the first of them begins pattern `phase`, or nothing if an interval
+/// or a sign contradicts it.
 std::optional<float> PatternTracker::phase_score(size_t phase) const {
   float score = 0;
   for (size_t i = 0; i < found_.size(); ++i) {
@@ -111,7 +111,7 @@ std::optional<float> PatternTracker::phase_score(size_t phase) const {
   return score;
 }
 
-/// Places the mark behind the last one; false when the schedule and the marks have parted.
+/// Assigns a pattern to the mark after the last one. Returns false if the marks no longer follow the schedule.
 bool PatternTracker::follow(const Mark& mark, std::vector<PatternStart>& starts) {
   const size_t max_steps = kMaxCyclesWithoutMark * interval_us_.size();
   std::vector<PatternStart> missing;
@@ -129,7 +129,8 @@ bool PatternTracker::follow(const Mark& mark, std::vector<PatternStart>& starts)
     }
     starts.insert(starts.end(), missing.begin(), missing.end());
     if (error_us < -tolerance_us) {
-      // Between two expected marks: one too many. So many of them in a row are another schedule.
+      // There is an additional mark between two expected ones. As many of them in a row as patterns indicate another
+      // schedule.
       if (++misfits_ >= interval_us_.size()) return false;
       starts.push_back({mark.t_us, pattern, PatternStart::Kind::kDoubled, mark.confidence});
       pattern_ = pattern;

@@ -10,19 +10,19 @@
 
 namespace e2lf::cycles {
 
-/// A sign that the pattern on the aperture changed: a trigger, or the start of a burst of events.
+/// An indication that the pattern on the aperture changed: a trigger, or the start of a burst of events.
 struct Mark {
   int64_t t_us = 0;
-  std::optional<float> on_share;  ///< of the burst's events, 0..1; nothing for a trigger
+  std::optional<float> on_share;  ///< of the events of the burst, 0..1; absent for a trigger
   float confidence = 1.0F;        ///< that it is a change at all, 0..1
 };
 
-/// When a pattern of the schedule began.
+/// The time at which a pattern of the schedule began.
 struct PatternStart {
   enum class Kind {
     kSeen,
-    kMissing,  ///< no mark came; t_us is where it should have been
-    kDoubled,  ///< a mark came that the schedule does not have; `pattern` is the one being shown
+    kMissing,  ///< there was no mark; t_us is the expected time
+    kDoubled,  ///< there was a mark that the schedule does not contain; `pattern` is the one being shown
     kLost,     ///< the marks no longer follow the schedule; the pattern is unknown from here on
   };
   int64_t t_us = 0;
@@ -32,42 +32,43 @@ struct PatternStart {
 };
 
 struct TrackerOptions {
-  /// The pattern of the first mark; nothing = found from the intervals and signs of the first cycle.
+  /// The pattern of the first mark; if absent, it is found from the intervals and signs of the first cycle.
   std::optional<size_t> first_pattern;
-  /// The pattern of the first mark where intervals and signs leave several, this one among them; nothing = unknown
-  /// then.
+  /// The pattern of the first mark if intervals and signs leave several possibilities including this one; if absent,
+  /// the pattern is then unknown.
   std::optional<size_t> likely_first_pattern = {};
-  /// How far an interval may be from the expected one, as a share of it.
+  /// The permitted deviation of an interval, relative to the expected one.
   double tolerance = 0.2;
 };
 
-/// Tells which pattern each mark begins. Intervals between marks must follow the schedule; the expected ones are kept
-/// up to date, so a steady overhead or clock error does no harm. A mark that is missing is noticed because the interval
-/// is that of two or more patterns, a mark too many because the interval is too short.
+/// Determines which pattern each mark begins. The intervals between marks must follow the schedule. The expected
+/// intervals are updated, so that a constant overhead or clock error does no harm. A missing mark is noticed because
+/// the interval is that of two or more patterns, and an additional one because the interval is too short.
 class PatternTracker {
  public:
   PatternTracker(const Schedule& schedule, const TrackerOptions& options);
 
-  /// Takes the next mark, in order of time, and appends what is known now.
+  /// Adds the next mark, in order of time, and appends the starts that are now known.
   void add(const Mark& mark, std::vector<PatternStart>& starts);
 
-  /// The recording has ended: appends what the marks that are left tell.
+  /// Ends the recording and appends the starts that the remaining marks determine.
   void finish(std::vector<PatternStart>& starts);
 
-  /// Whether likely_first_pattern had to decide.
+  /// Returns true if likely_first_pattern decided.
   [[nodiscard]] bool has_assumed_first() const { return has_assumed_first_; }
 
-  /// Up to when the starts are known, given that all marks before t_us were added: earlier while the first cycle is
-  /// still being looked for.
+  /// Returns the time up to which the starts are known, given that all marks before t_us were added. It is earlier
+  /// while the pattern is being searched.
   [[nodiscard]] int64_t known_until(int64_t t_us) const;
 
-  /// Whether the pattern of the last mark is known; the intervals of the next one tell then, and no sign is needed.
+  /// Returns true if the pattern of the last mark is known. The interval to the next mark is then sufficient, without a
+  /// sign.
   [[nodiscard]] bool is_locked() const { return pattern_.has_value() || (is_first_ && options_.first_pattern); }
 
-  /// The expected time from the start of a pattern to the next start.
+  /// Returns the expected time from the start of a pattern to the next start.
   [[nodiscard]] int64_t interval_us(size_t pattern) const { return static_cast<int64_t>(interval_us_[pattern]); }
 
-  /// Marks whose pattern could not be told.
+  /// Returns the number of marks whose pattern could not be determined.
   [[nodiscard]] uint64_t unassigned_marks() const { return unassigned_ + found_.size(); }
 
  private:
@@ -82,13 +83,13 @@ class PatternTracker {
   Schedule schedule_;
   TrackerOptions options_;
   std::vector<double> interval_us_;
-  std::optional<size_t> pattern_;  ///< of the last mark; nothing while it is looked for
+  std::optional<size_t> pattern_;  ///< of the last mark; absent while it is being searched
   int64_t last_us_ = 0;
-  std::deque<Mark> found_;  ///< marks whose patterns are being looked for
+  std::deque<Mark> found_;  ///< marks whose patterns are being searched
   bool is_first_ = true;
   bool has_locked_ = false;  ///< at any time
   bool has_assumed_first_ = false;
-  size_t misfits_ = 0;  ///< marks in a row that the schedule does not have
+  size_t misfits_ = 0;  ///< consecutive marks that the schedule does not contain
   uint64_t unassigned_ = 0;
 };
 

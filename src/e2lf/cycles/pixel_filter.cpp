@@ -6,7 +6,7 @@
 namespace e2lf::cycles {
 namespace {
 
-/// Fewer quiet events than this say nothing about a pixel.
+/// Fewer quiet events than this are not significant.
 constexpr float kMinCount = 3;
 
 }  // namespace
@@ -22,7 +22,7 @@ void PixelFilter::add_quiet_events(const recordings::EventColumns& events, size_
 
 void PixelFilter::add_quiet_time(int64_t duration_us) {
   quiet_s_ += static_cast<double>(duration_us) * 1e-6;
-  // Older counts fade: at most memory_s of time is kept, and the counts in proportion.
+  // Older counts fade: at most memory_s of time is kept, and the counts are reduced in proportion.
   const double kept = quiet_s_ > options_.memory_s ? options_.memory_s / quiet_s_ : 1;
   quiet_s_ *= kept;
   silenced_.clear();

@@ -12,25 +12,25 @@
 namespace e2lf::cycles {
 
 struct PixelFilterOptions {
-  int64_t settle_us = 10000;      ///< how long the events of a pattern change last
-  double max_quiet_rate_hz = 50;  ///< a pixel with more events than this while nothing changes is silenced
+  int64_t settle_us = 10000;      ///< duration of the events of a pattern change
+  double max_quiet_rate_hz = 50;  ///< limit while nothing changes; pixels with more events are silenced
   double memory_s = 2;            ///< quiet time over which the rate is averaged
 };
 
-/// Finds hot and flickering pixels: those that fire while the aperture has long stood still, in the part of a pattern's
-/// time beyond settle_us. The light of lamps flickers at about the rate at which patterns change, so that periods do
-/// not tell one from the other; quiet time does.
+/// Finds hot and flickering pixels by their events while the aperture has been static for a long time, i.e. in the part
+/// of the time of a pattern after settle_us. The light of lamps flickers at about the rate of the patterns, so the
+/// period does not distinguish them, but the quiet time does.
 class PixelFilter {
  public:
   PixelFilter(size_t width, size_t height, const PixelFilterOptions& options);
 
-  /// Counts events [begin, end), all of quiet time.
+  /// Counts events [begin, end), all of which must lie in quiet time.
   void add_quiet_events(const recordings::EventColumns& events, size_t begin, size_t end);
 
-  /// Says that this much quiet time has passed.
+  /// Adds this much quiet time.
   void add_quiet_time(int64_t duration_us);
 
-  /// Sets the images to 0 at the pixels that are too loud.
+  /// Sets the images to 0 at the pixels with too many quiet events.
   void apply(capture::EventImages& images) const;
 
   [[nodiscard]] size_t num_silenced() const { return silenced_.size(); }

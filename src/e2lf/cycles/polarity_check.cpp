@@ -8,13 +8,14 @@
 namespace e2lf::cycles {
 namespace {
 
-constexpr double kLeastEvents = 500;      // of the patterns whose signs are stated
-constexpr double kLeastAgreement = 0.15;  // of their signs, from -1 to 1
-// Between the events after black and after white. Recordings that are made of event images have made-up events in the
-// one half of the cycle, at most three times those of the other.
+constexpr double kLeastEvents = 500;      // for the patterns with stated signs
+constexpr double kLeastAgreement = 0.15;  // of their signs, which ranges from -1 to 1
+// The ratio between the events after black and after white. Recordings synthesised from event images have artificial
+// events in one half of the cycle, at most three times those in the other.
 constexpr double kClearRatio = 4;
 
-/// From -1, where all signs are the opposite of what the schedule says, to 1; nothing where there are too few events.
+/// Returns the agreement from -1, where all signs are opposite to the schedule, to 1, or nothing if there are too few
+/// events.
 std::optional<double> sign_agreement(const Schedule& schedule, std::span<const PatternEvents> events) {
   double agreeing = 0, all = 0;
   for (size_t i = 0; i < schedule.size(); ++i) {
@@ -27,7 +28,7 @@ std::optional<double> sign_agreement(const Schedule& schedule, std::span<const P
   return agreeing / all;
 }
 
-/// The first pattern of `sign` that one of the opposite sign follows.
+/// Returns the first pattern of `sign` that is followed by one of the opposite sign.
 std::optional<size_t> find_extreme(const Schedule& schedule, BurstSign sign, BurstSign next_sign) {
   for (size_t i = 0; i < schedule.size(); ++i) {
     const BurstSign next = schedule.patterns[(i + 1) % schedule.size()].sign;
@@ -36,8 +37,8 @@ std::optional<size_t> find_extreme(const Schedule& schedule, BurstSign sign, Bur
   return std::nullopt;
 }
 
-/// How many times the events between black and white exceed those between white and black; nothing where the schedule
-/// does not show both.
+/// Returns the ratio of the events between black and white to those between white and black, or nothing if the schedule
+/// does not contain both.
 std::optional<double> strength_after_black(const Schedule& schedule, std::span<const PatternEvents> events) {
   const auto black = find_extreme(schedule, BurstSign::kOff, BurstSign::kOn);
   const auto white = find_extreme(schedule, BurstSign::kOn, BurstSign::kOff);

@@ -69,7 +69,7 @@ Schedule paper_schedule(size_t num_codes) {
       pattern.duration_us = i == 0 ? 15000 : 10000;
       pattern.overhead_us = kPaperOverheadUs;
       if (!inverse && i > 0) pattern.image = i - 1;
-      // a1 is black: its inverse is white.
+      // a1 is black, so its inverse is white.
       if (i == 0) pattern.sign = inverse ? BurstSign::kOn : BurstSign::kOff;
       if (i == 1) pattern.sign = inverse ? BurstSign::kOff : BurstSign::kOn;
       schedule.patterns.push_back(pattern);

@@ -13,7 +13,7 @@
 
 namespace e2lf::cycles {
 
-/// Which sign the events of the change to a pattern must have, where that is known: to white is ON, to black is OFF.
+/// The sign that the events of the change to a pattern must have, if it is known: ON for white, OFF for black.
 enum class BurstSign { kAny, kOn, kOff };
 
 /// One pattern on the aperture.
@@ -21,49 +21,49 @@ struct ScheduledPattern {
   std::string name;
   int64_t duration_us = 10000;       ///< how long it is shown
   int64_t overhead_us = 0;           ///< from its end to the start of the next
-  std::optional<size_t> image;       ///< the event image that its events go to; nothing = they are not used
-  BurstSign sign = BurstSign::kAny;  ///< of the events that the change to it makes
+  std::optional<size_t> image;       ///< the event image of its events; absent = they are not used
+  BurstSign sign = BurstSign::kAny;  ///< of the events that the change to this pattern causes
 
   [[nodiscard]] int64_t interval_us() const { return duration_us + overhead_us; }
   bool operator==(const ScheduledPattern&) const = default;
 };
 
-/// The patterns of one cycle in the order in which they are shown, again and again.
+/// The patterns of one cycle in the order in which they are shown repeatedly.
 struct Schedule {
   std::vector<ScheduledPattern> patterns;
-  std::optional<capture::Orientation> views = {};  ///< how the views come out; nothing = not known
+  std::optional<capture::Orientation> views = {};  ///< orientation of the resulting views; absent = unknown
 
   [[nodiscard]] size_t size() const { return patterns.size(); }
   [[nodiscard]] size_t num_images() const;
   [[nodiscard]] int64_t cycle_us() const;
-  /// The pattern that image 0 belongs to; size() where there is none.
+  /// Returns the pattern to which image 0 belongs, or size() if there is none.
   [[nodiscard]] size_t first_image_pattern() const;
-  /// The pattern that a cycle of event images begins with: 0, or that of image 0 where the images go on behind the end
-  /// of the list at its begin, as those of all transitions do.
+  /// Returns the pattern with which a cycle of event images begins: 0, or that of image 0 if the images continue from
+  /// the end of the list to its beginning, as those of all transitions do.
   [[nodiscard]] size_t first_of_cycle() const;
   bool operator==(const Schedule&) const = default;
 };
 
-/// The sequence of the paper's Section 4.2 for N coding patterns of which the first is black: the inverses of
-/// a1..aN, then a1..aN; 15 ms for a1 and its inverse, 10 ms for the others; events are used in a2..aN. 592 us from
-/// pattern to pattern make the 94.7 ms of the paper's cycle for N = 4.
+/// Returns the sequence of the paper's Section 4.2 for N coding patterns, the first of which is black: the inverses of
+/// a1..aN, then a1..aN. a1 and its inverse are shown for 15 ms and the others for 10 ms, and the events of a2..aN are
+/// used. The 592 us between patterns result in the 94.7 ms of the paper's cycle for N = 4.
 [[nodiscard]] Schedule paper_schedule(size_t num_codes = 4);
 
-/// a1..aN without inverses, each for `duration_us`; events are used in a2..aN.
+/// Returns a1..aN without inverses, each shown for `duration_us`. The events of a2..aN are used.
 [[nodiscard]] Schedule plain_schedule(size_t num_codes, int64_t duration_us);
 
-/// Returns the schedule with an event image for each pattern, the one of image 0 first: in the paper's, 2N images of
-/// the transitions a1 to a2, ..., aN to the inverse of a1, ..., the inverse of aN to a1. Such a cycle begins at a2 and
-/// ends with the a1 of the display's next repetition. There must be an image.
+/// Returns the schedule with an event image for each pattern, beginning with that of image 0. For the paper's schedule,
+/// these are 2N images of the transitions a1 to a2, ..., aN to the inverse of a1, ..., the inverse of aN to a1. Such a
+/// cycle begins at a2 and ends with the a1 of the display's next repetition. The schedule must have an image.
 [[nodiscard]] Schedule with_all_transitions(Schedule schedule);
 
-/// Fails with kInvalidValue: no patterns, a duration below 1 us, images that are not 0..n-1 once each in this order,
+/// Fails with kInvalidValue: no used patterns, a duration below 1 us, or images that are not numbered 0..n-1 in order
 /// from first_of_cycle() on.
 [[nodiscard]] Result<void> validate(const Schedule& schedule, const std::string& location);
 
-/// {"patterns": [{"name": "a2", "duration_us": 10000, "overhead_us": 0, "image": 0, "sign": "on"}, ...],
-/// "views": "turned"}; image left out = not used, views as capture::orientation_name() says them. Fails with kNotFound,
-/// kFormat and kInvalidValue.
+/// Read and write a schedule as {"patterns": [{"name": "a2", "duration_us": 10000, "overhead_us": 0, "image": 0,
+/// "sign": "on"}, ...], "views": "turned"}. If image is omitted, the events are not used; views is a name of
+/// capture::orientation_name(). Fails with kNotFound, kFormat and kInvalidValue.
 [[nodiscard]] Result<Schedule> read_schedule(const std::filesystem::path& path);
 [[nodiscard]] Result<Schedule> parse_schedule(const std::string& text, const std::string& name);
 [[nodiscard]] std::string schedule_text(const Schedule& schedule);

@@ -54,7 +54,7 @@ std::optional<capture::Codes> codes_of_images(const capture::Codes& codes, const
   if (!shown) return std::nullopt;
   const capture::Codes inverses = capture::complement(shown_codes);
   capture::Codes result(images + 1, codes.views_y, codes.views_x);
-  // The pattern before that of the first image is the first.
+  // The first pattern is the one before that of the first image.
   for (size_t i = 0; i <= images; ++i) {
     const ShownPattern& pattern = (*shown)[(schedule.first_image_pattern() + size - 1 + i) % size];
     const auto values = (pattern.is_inverse ? inverses : shown_codes).pattern(pattern.code);

@@ -13,7 +13,7 @@
 namespace e2lf::cycles {
 namespace {
 
-/// Draws one after the other from a stream of its own.
+/// A sequence of draws from its own stream.
 class Draws {
  public:
   Draws(uint64_t seed, uint64_t stream) : rng_(seed, stream) {}
@@ -25,9 +25,9 @@ class Draws {
   uint64_t next_ = 0;
 };
 
-class Cycle {
+class SpreadCycle {
  public:
-  Cycle(const capture::EventImages& images, uint64_t number, const SynthesisOptions& options)
+  SpreadCycle(const capture::EventImages& images, uint64_t number, const SynthesisOptions& options)
       : images_(images),
         options_(options),
         number_(number),
@@ -75,7 +75,7 @@ class Cycle {
                        static_cast<uint8_t>(is_on), t_us});
   }
 
-  /// A time after a change of pattern: exponential, cut off at the end of the burst by drawing from what is left.
+  /// Draws a time after a change of pattern from an exponential distribution that is truncated at the end of the burst.
   int64_t delay_us() {
     const double span_us = static_cast<double>(options_.burst_us - options_.latency_us);
     const double reach = 1 - std::exp(-span_us / options_.decay_us);
@@ -143,7 +143,7 @@ SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t n
   for (const ScheduledPattern& pattern : options.schedule.patterns) {
     E2LF_REQUIRE(options.burst_us + 2 * options.jitter_us <= pattern.interval_us(), "a burst is longer than a pattern");
   }
-  return Cycle(images, number, options).make();
+  return SpreadCycle(images, number, options).make();
 }
 
 Result<void> synthesise_recording(recordings::RecordingWriter& writer, uint64_t cycles, const SynthesisOptions& options,

@@ -13,36 +13,36 @@ namespace e2lf::cycles {
 
 struct SynthesisOptions {
   Schedule schedule = paper_schedule();
-  int64_t begin_us = 100000;  ///< start of the first cycle
-  int64_t latency_us = 150;   ///< from a change of pattern to its first events
-  double decay_us = 2000;     ///< of the event rate after a change
-  int64_t burst_us = 9500;    ///< no event of a burst comes later than this after the change
-  int64_t jitter_us = 0;      ///< of the time at which a pattern begins, up and down, uniform
-  double noise_hz = 0;        ///< background events of each pixel
-  double unused_share = 1.0;  ///< events of a transition that is not used, as a share of those of the used ones
-  std::optional<uint16_t> trigger_channel = 0;  ///< a rising edge at the start of each pattern; nothing = no triggers
+  int64_t begin_us = 100000;                    ///< start of the first cycle
+  int64_t latency_us = 150;                     ///< from a change of pattern to its first events
+  double decay_us = 2000;                       ///< time constant of the event rate after a change
+  int64_t burst_us = 9500;                      ///< the latest event of a burst after the change
+  int64_t jitter_us = 0;                        ///< of the time at which a pattern begins, uniform in both directions
+  double noise_hz = 0;                          ///< background events per pixel
+  double unused_share = 1.0;                    ///< number of events of unused transitions relative to the used ones
+  std::optional<uint16_t> trigger_channel = 0;  ///< of a rising edge at the start of each pattern; absent = no triggers
   int64_t trigger_width_us = 500;               ///< to the falling edge; 0 = none
   uint64_t seed = 1;
 };
 
-/// When the patterns of a synthesised cycle began: the truth that cutting is measured against.
+/// A synthesised cycle with the times at which its patterns began, as ground truth.
 struct SynthesisedCycle {
   recordings::EventBatch batch;
-  std::vector<int64_t> starts_us;  ///< of each pattern that the batch holds
+  std::vector<int64_t> starts_us;  ///< one for each pattern in the batch
 };
 
-/// The events and triggers that a camera would give for one cycle of event images: in the time of the pattern that an
-/// image belongs to, |count| events of a pixel, of the count's sign, at latency + exponentially distributed times after
-/// the pattern begins, one after the other in a sorted stream; for patterns without an image, events of the sign the
-/// schedule states (or mixed) at the pixels of the first image. The display's repetition `number` begins at
-/// begin_us + number * schedule.cycle_us(), and the cycle within it at schedule.first_of_cycle(); before cycle 0 stand
-/// the patterns that the display shows before it. The result depends on nothing but the arguments.
-/// Contract: images has schedule.num_images() transitions; bursts end before the shortest pattern does.
+/// Synthesises the events and triggers of a camera for one cycle of event images. During the pattern of an image, each
+/// pixel has |count| events with the sign of the count, at latency + exponentially distributed times after the
+/// beginning of the pattern, in one sorted stream. Patterns without an image have events of the sign stated by the
+/// schedule (or mixed) at the pixels of the first image. The repetition `number` of the display begins at begin_us +
+/// number * schedule.cycle_us(), and the cycle within it at schedule.first_of_cycle(); cycle 0 is preceded by the
+/// patterns that the display shows before it. The result depends only on the arguments. Contract: images has
+/// schedule.num_images() transitions, and bursts end before the shortest pattern does.
 [[nodiscard]] SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t number,
                                                 const SynthesisOptions& options);
 
-/// Writes `cycles` cycles to a recording, one in memory at a time; images_of gives the images of each, all of one size.
-/// The writer is not finished. Fails like the writer and images_of.
+/// Writes `cycles` cycles to a recording, with one in memory at a time. images_of returns the images of each, all of
+/// one size. The writer is not finished. Fails as the writer and images_of do.
 [[nodiscard]] Result<void> synthesise_recording(
     recordings::RecordingWriter& writer, uint64_t cycles, const SynthesisOptions& options,
     const std::function<Result<capture::EventImages>(uint64_t number)>& images_of);

@@ -10,7 +10,7 @@
 namespace e2lf::cycles {
 namespace {
 
-constexpr double kTolerance = 0.2;  // of an interval, as PatternTracker has it
+constexpr double kTolerance = 0.2;  // of an interval, as in PatternTracker
 
 std::string ms(double us) {
   char text[32];
@@ -39,7 +39,8 @@ std::vector<double> intervals_of(const Schedule& schedule) {
   return intervals;
 }
 
-/// The share of the intervals that follow the expected ones, repeated and all longer by `scale`, from the best phase.
+/// Returns the share of the intervals that match the expected ones, repeated and multiplied by `scale`, for the best
+/// phase.
 double fit(const std::vector<double>& intervals, const std::vector<double>& expected, double scale) {
   size_t best = 0;
   for (size_t phase = 0; phase < expected.size(); ++phase) {
@@ -53,7 +54,8 @@ double fit(const std::vector<double>& intervals, const std::vector<double>& expe
   return intervals.empty() ? 0 : static_cast<double>(best) / static_cast<double>(intervals.size());
 }
 
-/// How many times longer the display's cycle is than the schedule's, if intervals repeat after one.
+/// Returns the ratio of the display's cycle to that of the schedule, assuming that the intervals repeat after one
+/// cycle.
 double scale_of(const std::vector<double>& intervals, const Schedule& schedule) {
   std::vector<double> cycles;
   for (size_t i = 0; i + schedule.size() <= intervals.size(); ++i) {
@@ -64,9 +66,9 @@ double scale_of(const std::vector<double>& intervals, const Schedule& schedule) 
   return median(cycles) / static_cast<double>(schedule.cycle_us());
 }
 
-constexpr double kMost = 0.9;  // of the intervals must fit for an explanation
+constexpr double kMost = 0.9;  // share of the intervals that an explanation must match
 
-/// The intervals without those that a bouncing contact adds.
+/// Returns the intervals without those caused by a bouncing contact.
 std::vector<double> without_bounces(const std::vector<int64_t>& times_us, double shortest_us) {
   std::vector<int64_t> kept;
   for (const int64_t t_us : times_us) {
@@ -75,7 +77,7 @@ std::vector<double> without_bounces(const std::vector<int64_t>& times_us, double
   return intervals_of(kept);
 }
 
-/// Explanations by the times of one edge of one input, the most certain first.
+/// Returns an explanation based on the times of one edge of one input, the most certain one first.
 std::string advice_of_times(const std::vector<int64_t>& times_us, const Schedule& schedule, bool one_per_cycle) {
   const std::vector<double> intervals = intervals_of(times_us), expected = intervals_of(schedule);
   const double usual_us = median(intervals), cycle_us = static_cast<double>(schedule.cycle_us());
@@ -143,12 +145,11 @@ std::string survey_text(const TriggerSurvey& survey, const Schedule& schedule) {
   for (const auto& [id, input] : survey.inputs()) {
     const auto& times_us = input.rising >= input.falling ? input.rising_us : input.falling_us;
     inputs.push_back(cat("channel ", id, " has ", input.rising, " rising and ", input.falling, " falling edges",
-                         times_us.size() > 1 ? cat(", one every ", ms(median(intervals_of(times_us)))) : ""));
+                         times_us.size() > 1 ? cat(", mostly ", ms(median(intervals_of(times_us))), " apart") : ""));
   }
-  const auto patterns = static_cast<double>(schedule.size());
   return cat("triggers: ", inputs.empty() ? "none" : join(inputs, "; "), "; the schedule expects ", schedule.size(),
-             " in ", ms(static_cast<double>(schedule.cycle_us())), ", one every ",
-             ms(static_cast<double>(schedule.cycle_us()) / patterns), " on average");
+             " in ", ms(static_cast<double>(schedule.cycle_us())), ", mostly ", ms(median(intervals_of(schedule))),
+             " apart");
 }
 
 std::string trigger_advice(const TriggerSurvey& survey, const Schedule& schedule, const SurveyOptions& options,

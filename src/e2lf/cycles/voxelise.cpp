@@ -8,7 +8,7 @@
 namespace e2lf::cycles {
 namespace {
 
-/// The place of event i among the bins, 0 to bins - 1.
+/// Returns the position of event i among the bins, 0 to bins - 1.
 double place_of(const recordings::EventColumns& events, size_t i, size_t bins) {
   const auto last_bin = static_cast<double>(bins - 1);
   const int64_t span_us = events.t.back() - events.t.front();

@@ -17,7 +17,7 @@ using lightfield::Image;
 using lightfield::LightField;
 using lightfield::Shape;
 
-/// Neighbouring labels differ by so much in the farthest view.
+/// The shift between neighbouring labels in the farthest view.
 constexpr float kLabelSpacingPx = 0.5F;
 constexpr size_t kMostLabels = 256;
 constexpr uint64_t kMostBytes = uint64_t{8} << 30;
@@ -32,7 +32,7 @@ LightField grey_light_field(const LightField& colour) {
   return grey;
 }
 
-/// Every view reduced by a whole factor; what is left over at the right and below is lost.
+/// Shrinks every view by a whole factor. The remainder at the right and bottom is cut off.
 LightField shrunk(const LightField& light_field, size_t factor) {
   Shape shape = light_field.shape();
   shape.height /= factor;
@@ -66,7 +66,7 @@ Labels labels_for(const DisparityRange& range, size_t steps) {
   return labels;
 }
 
-/// The label of the least cost at each pixel, to a fraction by the parabola through it and its neighbours.
+/// Returns the label with the lowest cost at each pixel, refined by the parabola through it and its neighbours.
 Image best_disparities(const CostVolume& volume) {
   Image disparity(volume.width, volume.height, 1);
   const auto last = static_cast<ptrdiff_t>(volume.labels.count) - 1;
@@ -83,7 +83,7 @@ Image best_disparities(const CostVolume& volume) {
   return disparity;
 }
 
-/// A difference of grey values beyond which it does not matter how large it is: it grows with the contrast.
+/// Returns the grey value difference beyond which its magnitude does not matter. It grows with the contrast.
 float most_difference(const Image& picture) {
   constexpr float kDeviations = 0.8F, kLeast = 0.02F, kMost = 0.2F;
   double sum = 0, squares = 0;
@@ -105,10 +105,10 @@ Image coarse_disparities(const LightField& light_field, const ViewIndex& view, c
   return best_disparities(volume);
 }
 
-/// The expected error follows from the texture; where neighbours disagree it is larger.
+/// Derives the confidence from the error that the texture implies. It is lower where neighbours disagree.
 Image confidence_of(const Planes& planes, float noise) {
   constexpr float kHalfPx = 0.07F;
-  // Measurements of neighbours are not independent: the reference's noise, the blur and the model are common to them.
+  // The measurements of neighbours are not independent: they share the noise of the reference, the blur and the model.
   constexpr float kCommonErrors = 10.0F;
   Image confidence(planes.value.width, planes.value.height, 1);
   for (size_t i = 0; i < confidence.pixels.size(); ++i) {
@@ -119,13 +119,13 @@ Image confidence_of(const Planes& planes, float noise) {
   return confidence;
 }
 
-/// Once a stop is asked for, each stage leaves out what it has not done.
+/// Fails if a stop was requested. Each stage then skips its remaining work.
 Result<void> check_stop() {
   if (!stop_requested()) return {};
   return Error{ErrorCode::kCancelled, "the disparities were not found to the end; run it again", ""};
 }
 
-/// The map of a grey light field.
+/// Estimates the map of a grey light field.
 Result<DisparityMap> map_within(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
                                 const ProgressFn& progress) {
   DisparityMap map{{}, {}, view, range, 0};
@@ -146,7 +146,7 @@ Result<DisparityMap> map_within(const LightField& light_field, const ViewIndex& 
   return map;
 }
 
-/// The disparities of the pixels that are surer than this, sorted.
+/// Returns the disparities of the pixels with a higher confidence than this, sorted.
 std::vector<float> sure_disparities(const DisparityMap& map, float least_confidence) {
   std::vector<float> sure;
   for (size_t i = 0; i < map.disparity.pixels.size(); ++i) {
@@ -156,8 +156,8 @@ std::vector<float> sure_disparities(const DisparityMap& map, float least_confide
   return sure;
 }
 
-/// What disparities the sure pixels have, but for a thousandth at either end, found on reduced views; with a margin.
-/// In dark areas of little contrast any disparity fits: they have no say, as long as there is something else.
+/// Finds the range of the disparities of confident pixels on shrunk views, without a thousandth at either end, and adds
+/// a margin. In dark areas of low contrast, any disparity fits; they are ignored as long as there are other pixels.
 Result<DisparityRange> find_range(const LightField& light_field, const ViewIndex& view) {
   constexpr size_t kEnoughPixels = 192;
   constexpr float kSure = 0.5F;
@@ -187,7 +187,7 @@ Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOpt
                          options.range->least < options.range->most)) {
     return Error{ErrorCode::kInvalidValue, "the range of disparities is empty; give the smaller one first", ""};
   }
-  // Three arrays of costs, and the labels may be so many.
+  // This limit allows for three arrays of costs with the largest number of labels.
   const uint64_t bytes_per_pixel = 3 * kMostLabels * sizeof(int16_t);
   if (uint64_t{shape.height} > kMostBytes / bytes_per_pixel / shape.width) {
     return Error{ErrorCode::kUnsupported,

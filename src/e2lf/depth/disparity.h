@@ -11,39 +11,39 @@
 
 namespace e2lf::depth {
 
-/// Disparities in px per view step.
+/// A range of disparities in px per view step.
 struct DisparityRange {
   float least = 0, most = 0;
 };
 
 struct DisparityOptions {
-  std::optional<ViewIndex> view;        ///< whose pixels get a disparity; absent = middle_view()
-  std::optional<DisparityRange> range;  ///< what is looked for; absent = found within +-kFarthestPx
+  std::optional<ViewIndex> view;        ///< the view whose pixels get a disparity; if absent, middle_view()
+  std::optional<DisparityRange> range;  ///< the range searched; if absent, it is found within +-kFarthestPx
 };
 
-/// What is looked for where no range is given.
+/// The search range if none is given.
 inline constexpr float kFarthestPx = 6.0F;
 
-/// How far each pixel of a view moves from view to view, [y, x].
+/// The disparity of each pixel of a view, [y, x].
 struct DisparityMap {
-  lightfield::Image disparity;   ///< px per view step, the sign as in light_field.h: nearer is smaller
-  lightfield::Image confidence;  ///< in [0, 1]: 0.5 where an error of 0.07 px is to be expected, 1 where none is
+  lightfield::Image disparity;   ///< px per view step, with the sign of light_field.h: smaller for nearer points
+  lightfield::Image confidence;  ///< in [0, 1]: 0.5 where the expected error is 0.07 px, 1 where it is zero
   ViewIndex view;
-  DisparityRange range;  ///< that was looked for
-  float residual =
-      0;  ///< typical (1.48 times the median) difference of a view, moved by the disparities, from this one
+  DisparityRange range;  ///< the range that was searched
+  float residual = 0;  ///< robust standard deviation (1.48 times the median) of the difference between this view and a
+                       ///< view shifted by the disparities
 };
 
-/// The view (views_y / 2, views_x / 2): of 8x8 views there is none in the middle, (4, 4) is next to it.
+/// Returns the view (views_y / 2, views_x / 2). 8x8 views have no exact middle; (4, 4) is next to it.
 [[nodiscard]] ViewIndex middle_view(const lightfield::Shape& shape);
 
-/// The disparity of every pixel of a view. Colour is taken as grey.
-/// 1. matching_costs() of equally spaced disparities, half a pixel apart in the farthest view.
-/// 2. smooth_costs() along paths.
-/// 3. Twice: measure() to fractions of the spacing, and fit_planes() to the measurements, in wide windows first.
-/// The result is the same for any number of threads. Fails with kShape (a single view, no pixels), kNotFound (a view
-/// that is not there), kInvalidValue (a range that is empty or not finite), kUnsupported (more memory than 8 GiB) and
-/// kCancelled (a stop was asked for).
+/// Estimates the disparity of every pixel of a view. Colour is converted to grey.
+/// 1. matching_costs() are computed for equally spaced disparities, half a pixel apart in the farthest view.
+/// 2. smooth_costs() smooths them along paths.
+/// 3. Twice, measure() refines them to fractions of the spacing, and fit_planes() fits planes to the result.
+/// The result does not depend on the number of threads. Fails with kShape (a single view, or no pixels), kNotFound (a
+/// view that does not exist), kInvalidValue (a range that is empty or not finite), kUnsupported (more than 8 GiB of
+/// memory) and kCancelled (a stop was requested).
 [[nodiscard]] Result<DisparityMap> estimate_disparity(const lightfield::LightField& light_field,
                                                       const DisparityOptions& options = {},
                                                       const ProgressFn& progress = {});

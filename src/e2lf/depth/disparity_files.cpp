@@ -29,14 +29,14 @@ void append_text(std::vector<uint8_t>& bytes, const std::string& text) {
 
 using Colour = std::array<float, 3>;
 
-/// From far to near, equally far apart.
+/// The colours from far to near, equally spaced.
 constexpr std::array<Colour, 5> kColours = {{{0.19F, 0.21F, 0.58F},
                                              {0.15F, 0.65F, 0.85F},
                                              {0.45F, 0.85F, 0.35F},
                                              {0.98F, 0.80F, 0.20F},
                                              {0.80F, 0.15F, 0.10F}}};
 
-/// `nearness` in [0, 1].
+/// Returns the colour of a `nearness` in [0, 1].
 Colour colour_of(float nearness) {
   const float place = nearness * static_cast<float>(kColours.size() - 1);
   const size_t before = std::min(static_cast<size_t>(place), kColours.size() - 2);
@@ -71,7 +71,7 @@ Result<Image> decode_pfm(std::span<const uint8_t> bytes, const std::string& name
   if (magic != "Pf" || !(header >> width >> height >> scale) || width == 0 || height == 0 || scale == 0) {
     return Error{ErrorCode::kFormat, "no PFM file: it begins with Pf, its size and a scale; write it again", name};
   }
-  const auto data = static_cast<size_t>(header.tellg()) + 1;  // One white space ends the header.
+  const auto data = static_cast<size_t>(header.tellg()) + 1;  // A single white-space character ends the header.
   const size_t samples = data > bytes.size() ? 0 : (bytes.size() - data) / sizeof(float);
   if (samples / width < height) {
     return Error{ErrorCode::kTruncated, cat("ends before its ", width, "x", height, " pixels do; copy it again"), name};

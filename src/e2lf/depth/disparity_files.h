@@ -12,40 +12,42 @@
 
 namespace e2lf::depth {
 
-/// PFM as HCI's benchmark and Middlebury use it: "Pf", grey float32, little-endian, rows bottom to top.
+/// Encodes a PFM file as used by the HCI benchmark and Middlebury: "Pf", grey float32, little-endian, rows from bottom
+/// to top.
 [[nodiscard]] std::vector<uint8_t> encode_pfm(const lightfield::Image& grey);
 
-/// The inverse; either byte order. Fails with kFormat, kTruncated and kUnsupported (colour).
+/// Decodes a PFM file of either byte order. Fails with kFormat, kTruncated and kUnsupported (colour).
 [[nodiscard]] Result<lightfield::Image> decode_pfm(std::span<const uint8_t> bytes, const std::string& name);
 
-/// What a 16-bit PNG of disparities stores: sample = 32768 + 4096 d, clamped, so d reaches from -8 to 8 px.
+/// The encoding of disparities in a 16-bit PNG: sample = 32768 + 4096 d, clamped, so that d ranges from -8 to 8 px.
 inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 
-/// The image whose 16-bit PNG has these samples.
+/// Returns the image whose 16-bit PNG has these samples.
 [[nodiscard]] lightfield::Image png_samples(const lightfield::Image& disparity);
 
-/// A picture to look at: dark blue is far (range.most), then cyan, green and yellow, red is near (range.least); the
-/// darker, the less confidence.
+/// Returns a picture for display, from dark blue for far (range.most) through cyan, green and yellow to red for near
+/// (range.least). Lower confidence is darker.
 [[nodiscard]] lightfield::Image colour_picture(const DisparityMap& map, const DisparityRange& range);
 
-/// The smallest and largest disparity of the pixels with a confidence above 0.3 (of all where these are few), but for a
-/// hundredth at either end.
+/// Returns the range of the disparities of the pixels with a confidence above 0.3 (of all pixels if these are few),
+/// without a hundredth at either end.
 [[nodiscard]] DisparityRange shown_range(const DisparityMap& map);
 
-/// How disparities become places: an array of pinholes, one view step apart, whose pictures show the same rectangle at
-/// the focus distance, which is 1. Depth z = 1 / (1 - d / infinity_px): 1 where d is 0.
+/// The geometry that relates disparities to positions: an array of pinholes, one view step apart, whose pictures show
+/// the same rectangle at the focus distance, which is 1. The depth is z = 1 / (1 - d / infinity_px), which is 1 for d =
+/// 0.
 struct PointGeometry {
-  float infinity_px = 4;     ///< the disparity of what is infinitely far: positive, more than any there is
-  float field_width = 0.8F;  ///< of what a view shows at the focus distance
+  float infinity_px = 4;     ///< the disparity at infinity, positive and larger than any other
+  float field_width = 0.8F;  ///< width of the visible rectangle at the focus distance
 };
 
-/// An infinity for light fields of unknown cameras: as far beyond the largest disparity as that is from the smallest,
-/// at least 1 px beyond it, and at least 1 px.
+/// Returns a disparity at infinity for light fields of unknown cameras. It exceeds the largest disparity by the width
+/// of the range, but at least by 1 px, and is at least 1 px.
 [[nodiscard]] float assumed_infinity(const DisparityRange& range);
 
-/// A binary PLY file of points: float x (right), y (down), z (away), uchar grey or red, green, blue as `picture` has
-/// them, float confidence. Pixels with less confidence than `least_confidence` are left out. Fails with kInvalidValue
-/// where a disparity reaches infinity_px.
+/// Encodes a binary PLY file of points: float x (right), y (down), z (away), uchar grey or red, green, blue depending
+/// on `picture`, and float confidence. Pixels with a confidence below `least_confidence` are omitted. Fails with
+/// kInvalidValue if a disparity reaches infinity_px.
 [[nodiscard]] Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const lightfield::Image& picture,
                                                               const lightfield::Shape& views,
                                                               const PointGeometry& geometry, float least_confidence);

@@ -21,26 +21,27 @@ using lightfield::ShiftFilter;
 
 constexpr size_t kBandRows = 16;
 
-/// Views by the side of the reference on which they lie: 3 * row + column, 0 above or left, 1 level, 2 below or right.
+/// The sectors of views relative to the reference: 3 * row + column, where 0 is above or left, 1 level, and 2 below or
+/// right.
 constexpr size_t kSectors = 9;
 
 size_t side(size_t view, size_t reference) {
   return view < reference ? 0 : view == reference ? 1 : 2;
 }
 
-/// Half planes of views, and all; as the sectors they hold.
+/// The parts of the views: all of them, and the half planes, as sets of sectors.
 constexpr std::array<std::array<bool, kSectors>, 5> kParts = {{
-    {true, true, true, true, false, true, true, true, true},       // all but the reference: always the first
+    {true, true, true, true, false, true, true, true, true},       // all but the reference; must be the first
     {true, false, false, true, false, false, true, false, false},  // left
     {false, false, true, false, false, true, false, false, true},  // right
     {true, true, true, false, false, false, false, false, false},  // above
     {false, false, false, false, false, false, true, true, true},  // below
 }};
 
-/// Half of the views fit by chance more easily than all: their cost counts so many times.
+/// Half of the views match by chance more easily than all of them, so their cost is multiplied by this factor.
 constexpr float kHalfPenalty = 1.7F;
 
-/// Counts bands that are done, from any thread.
+/// Counts finished bands, from any thread.
 class Progress {
  public:
   Progress(size_t total, const ProgressFn& report) : total_(total), report_(report) {}
@@ -56,7 +57,7 @@ class Progress {
   std::mutex mutex_;
 };
 
-/// Rows [begin, end) of the picture, with one more on each side where there are any.
+/// Rows [begin, end) of the picture, extended by one row on each side if it exists.
 struct Band {
   size_t begin, end, outer_begin, outer_end;
   [[nodiscard]] size_t outer_rows() const { return outer_end - outer_begin; }
@@ -136,7 +137,7 @@ class CostMaker {
     }
   }
 
-  /// The cost of the part of the views that fits best.
+  /// Takes the cost of the part of the views that fits best.
   void take_least() {
     for (size_t part = 0; part < kParts.size(); ++part) {
       size_t views = 0, count = 0;
@@ -156,7 +157,7 @@ class CostMaker {
     }
   }
 
-  /// The mean over 3x3 px, less at the borders, into the volume.
+  /// Stores the mean over 3x3 px, or fewer at the borders, in the volume.
   void store(const Band& band, size_t label, CostVolume& volume) {
     const size_t width = volume.width;
     const float scale = static_cast<float>(kMostCost) / most_;

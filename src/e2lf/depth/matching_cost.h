@@ -10,13 +10,13 @@
 
 namespace e2lf::depth {
 
-/// The view whose pixels get a disparity.
+/// The index of the view whose pixels get a disparity.
 struct ViewIndex {
   size_t y = 0, x = 0;
   bool operator==(const ViewIndex&) const = default;
 };
 
-/// Equally spaced disparities: first, first + step, ..., px per view step.
+/// Equally spaced disparities first, first + step, ..., in px per view step.
 struct Labels {
   float first = 0, step = 0.125F;
   size_t count = 1;
@@ -26,7 +26,7 @@ struct Labels {
 
 inline constexpr int16_t kMostCost = 1023;
 
-/// How badly each disparity explains each pixel: int16 [y, x, label] in [0, kMostCost].
+/// The cost of each disparity at each pixel: int16 [y, x, label] in [0, kMostCost].
 struct CostVolume {
   size_t height = 0, width = 0;
   Labels labels;
@@ -36,11 +36,11 @@ struct CostVolume {
   [[nodiscard]] int16_t* at(size_t y, size_t x) { return costs.data() + (y * width + x) * labels.count; }
 };
 
-/// The cost of disparity d at a pixel (y, x) of the reference view r: views v are read at (y, x) + d (v - r), by cubic
-/// interpolation, and compared with the reference; |difference| counts up to `most_difference`. Where something hides
-/// the pixel from some views, it does so on one side: the cost is the mean over all views, or over those left, right,
-/// above or below the reference where that is clearly less. Averaged over 3x3 px, and scaled so that most_difference is
-/// kMostCost. Grey light fields of more than one view.
+/// Computes the cost of disparity d at a pixel (y, x) of the reference view r: each view v is sampled at (y, x) + d (v
+/// - r) by cubic interpolation and compared with the reference, where |difference| is limited to `most_difference`. If
+/// an object hides the pixel from some views, it does so on one side. The cost is therefore the mean over all views, or
+/// over those to the left, to the right, above or below the reference if that is clearly lower. It is averaged over 3x3
+/// px and scaled such that most_difference becomes kMostCost. The light field must be grey with more than one view.
 [[nodiscard]] CostVolume matching_costs(const lightfield::LightField& light_field, const ViewIndex& reference,
                                         const Labels& labels, float most_difference, const ProgressFn& progress = {});
 

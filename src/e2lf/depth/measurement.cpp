@@ -19,12 +19,12 @@ using lightfield::LightField;
 using lightfield::Shape;
 
 constexpr float kMostStepPx = 0.25F;
-/// A residual of so many times the noise counts a quarter.
+/// A residual of this many standard deviations of the noise gets a weight of one quarter.
 constexpr float kOutlier = 2.5F;
-/// Light fields have at least the noise of 8 bits.
+/// Light fields have at least the noise of 8-bit quantisation.
 constexpr float kLeastNoise = 0.002F;
 
-/// Catmull-Rom interpolation at a place along one axis, and its derivative.
+/// The Catmull-Rom taps at a position along one axis, and their derivatives.
 struct Taps {
   ptrdiff_t first = 0;
   std::array<float, kShiftTaps> value{}, slope{};
@@ -65,7 +65,7 @@ Sample sample(const float* view, const Shape& shape, const Taps& at_y, const Tap
   return result;
 }
 
-/// Steps from the reference to a view along one axis.
+/// Returns the number of steps from the reference to a view along one axis.
 float steps_to(size_t view, size_t reference) {
   return static_cast<float>(view) - static_cast<float>(reference);
 }
@@ -79,7 +79,7 @@ class Measurer {
         disparity_(disparity),
         here_(light_field.view(reference.y, reference.x)) {}
 
-  /// From the median residual of some pixels and views; half of it is the reference's own.
+  /// Estimates the noise from the median residual of a subset of pixels and views. Half of it is due to the reference.
   [[nodiscard]] float noise() const {
     constexpr size_t kEveryPixel = 5, kEveryView = 3;
     std::vector<float> residuals;
@@ -144,7 +144,7 @@ class Measurer {
         if (view_y == reference_.y && view_x == reference_.x) continue;
         const Sample there = sample(light_field_.view(view_y, view_x).data(), shape_, at_y[view_y], at_x[view_x]);
         const float r = there.value - here_[i];
-        // The noise of either view is in its slope, too: the mean of both slopes gives no bias.
+        // The slope of a view contains its own noise; the mean of both slopes avoids a bias.
         const float g = 0.5F * (steps_to(view_y, reference_.y) * (there.slope_y + own_slope_y) +
                                 steps_to(view_x, reference_.x) * (there.slope_x + own_slope_x));
         const float ratio = 1 + r * r * outlier;

@@ -14,7 +14,7 @@ namespace {
 using lightfield::Image;
 using lightfield::LightField;
 
-/// Evidence of neighbouring pixels is one piece of evidence.
+/// The evidence of neighbouring pixels within an area of this size counts as one piece.
 constexpr int kAreaPx = 16;
 constexpr float kLeastConfidence = 0.2F;
 constexpr int kLeastOverlapPx = 2, kMostOverlapPx = 64;
@@ -24,7 +24,7 @@ Image grey_view(const LightField& light_field, size_t view_y, size_t view_x) {
   return picture.channels == 1 ? picture : lightfield::to_grey(picture);
 }
 
-/// By bilinear interpolation; NaN outside.
+/// Samples bilinearly; NaN outside of the picture.
 float sample(const Image& picture, float y, float x) {
   const auto width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
   if (!(y >= 0 && x >= 0 && y < height - 1 && x < width - 1)) return std::nanf("");
@@ -35,7 +35,7 @@ float sample(const Image& picture, float y, float x) {
   return (1 - fy) * ((1 - fx) * above[0] + fx * above[1]) + fy * ((1 - fx) * below[0] + fx * below[1]);
 }
 
-/// A way to look past the reference view: one view far on a side of it, and the opposite one.
+/// A direction in which to look past the reference view: a view far to one side of it, and the opposite one.
 class Direction {
  public:
   Direction(const LightField& light_field, const DisparityMap& map, const Image& reference, int step_y, int step_x,
@@ -49,7 +49,7 @@ class Direction {
     opposite_ = at(-1);
   }
 
-  /// Adds the evidence of a row: positive where the smaller disparity is in front.
+  /// Adds the evidence of a row, which is positive if the smaller disparity is in front.
   void add_row(size_t y, std::vector<float>& areas) const {
     const Image& disparity = map_.disparity;
     const float span = views_ * (map_.range.most - map_.range.least);
@@ -65,7 +65,7 @@ class Direction {
         }
         const float near =
             disparity.pixels[static_cast<size_t>(other_y) * disparity.width + static_cast<size_t>(other_x)];
-        // Both come to lie on one place of the view beyond.
+        // Both pixels must coincide in the view beyond.
         if (std::abs((far - near) * views_ - static_cast<float>(overlap)) > 0.5F) continue;
         if (!is_sure(static_cast<size_t>(other_y), static_cast<size_t>(other_x))) continue;
         areas[y / kAreaPx * areas_per_row() + x / kAreaPx] += evidence(y, x, far, near);
@@ -87,7 +87,8 @@ class Direction {
 
   [[nodiscard]] float tolerance() const { return 2 * std::max(map_.residual, 0.004F); }
 
-  /// Of the pixel with the larger disparity and that of the smaller one which falls on the same place.
+  /// Returns the evidence of a pixel with the larger disparity and the one with the smaller disparity that coincides
+  /// with it.
   [[nodiscard]] float evidence(size_t y, size_t x, float larger, float smaller) const {
     const auto row = static_cast<float>(y), column = static_cast<float>(x);
     const auto dy = static_cast<float>(step_y_) * views_, dx = static_cast<float>(step_x_) * views_;
@@ -95,7 +96,7 @@ class Direction {
     const float of_larger = reference_.pixels[y * reference_.width + x];
     const float of_smaller = sample(reference_, row + dy * (larger - smaller), column + dx * (larger - smaller));
     const float difference = std::abs(of_larger - of_smaller);
-    if (!(difference > 3 * tolerance())) return 0;  // NaN, too
+    if (!(difference > 3 * tolerance())) return 0;  // also if NaN
     const float off_larger = std::abs(seen - of_larger), off_smaller = std::abs(seen - of_smaller);
     if (!(std::min(off_larger, off_smaller) < difference / 3)) return 0;
     return off_smaller < off_larger ? 1.0F : -1.0F;
@@ -115,7 +116,7 @@ OcclusionSign judge(const std::vector<float>& areas) {
   double sum = 0, all = 0, squares = 0;
   for (const float area : areas) {
     if (area == 0) continue;
-    // A large area of one mistake shall not outvote many small ones.
+    // The square root prevents a single large area with an error from outvoting many small ones.
     const double weight = std::copysign(std::sqrt(std::abs(double{area})), double{area});
     sum += weight;
     all += std::abs(weight);

@@ -15,13 +15,13 @@ namespace {
 
 using lightfield::Image;
 
-/// Pulls slopes towards what they were, as so many px^2 of the spread of the samples.
+/// The regularisation of slopes towards their previous values, as px^2 of the spread of the samples.
 constexpr float kSlopePullPx2 = 0.3F, kPriorSlopePullPx2 = 20.0F;
-/// The weight of a measurement without texture, as a share of the noise's variance: its disparity, which comes from
-/// its surroundings, counts where nothing else is there.
+/// The weight of a measurement without texture relative to the noise variance. Its disparity, which comes from its
+/// surroundings, is used if there is nothing else.
 constexpr float kLeastWeight = 0.05F;
 
-/// Weighted sums over a window, one for each pixel of a row; offsets dy, dx and v = disparity - present value.
+/// Weighted sums over a window for each pixel of a row, with offsets dy, dx and v = disparity - present value.
 struct RowSums {
   explicit RowSums(size_t width) {
     for (auto* sum : all()) sum->resize(width);
@@ -33,7 +33,7 @@ struct RowSums {
     for (auto* sum : all()) std::fill(sum->begin(), sum->end(), 0.0F);
   }
   std::vector<float> one, dy, dx, dy_dy, dx_dy, dx_dx, v, v_dy, v_dx;
-  std::vector<float> offered;  ///< of the weights before they are compared with the plane
+  std::vector<float> offered;  ///< of the weights before the comparison with the plane
 };
 
 class Fitter {

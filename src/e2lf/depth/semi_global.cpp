@@ -11,10 +11,10 @@
 namespace e2lf::depth {
 namespace {
 
-/// Beyond the labels; sums with it do not overflow.
+/// The cost of labels out of range. Sums with it do not overflow.
 constexpr int16_t kNever = 16000;
 
-/// Continues a path from `before` to a pixel with these own costs; adds it to `sum`.
+/// Extends a path from `before` to a pixel with the costs `own`, and adds it to `sum`.
 int16_t step(const int16_t* own, const int16_t* before, int16_t least_before, int16_t one_label, int16_t jump,
              size_t count, int16_t* path, int16_t* sum) {
   int16_t least = kNever;
@@ -30,7 +30,7 @@ int16_t step(const int16_t* own, const int16_t* before, int16_t least_before, in
   return least;
 }
 
-/// Paths of one direction for a row of pixels.
+/// The paths of one direction for a row of pixels.
 class PathRow {
  public:
   PathRow(size_t width, size_t labels)
@@ -55,8 +55,8 @@ class PathRow {
   size_t labels_;
 };
 
-/// The four directions that come from pixels before this one in reading order, or in the opposite order. Each order by
-/// itself is sequential, and both are independent of each other.
+/// Computes the four directions that come from the preceding pixels in reading order, or in the opposite order. Each
+/// order is sequential, and the two are independent of each other.
 class Pass {
  public:
   Pass(const CostVolume& volume, const lightfield::Image& picture, const ChangeCosts& change, bool is_forward)
@@ -92,7 +92,7 @@ class Pass {
     size_t y, x;
   };
 
-  /// Continues the path that comes from (by_y, by_x) away, or begins one at the border.
+  /// Extends the path that comes from the pixel at the offset (by_y, by_x), or begins one at the border.
   void advance(PathRow& now, PathRow& before, const Pixel& pixel, ptrdiff_t by_y, ptrdiff_t by_x, int16_t* sum) const {
     const auto from_y = static_cast<ptrdiff_t>(pixel.y) + by_y, from_x = static_cast<ptrdiff_t>(pixel.x) + by_x;
     const int16_t* const own = volume_.at(pixel.y, pixel.x);

@@ -6,12 +6,12 @@
 
 namespace e2lf::depth {
 
-/// What a change of disparity from a pixel to its neighbour costs, in the units of CostVolume.
+/// The costs of disparity changes between neighbouring pixels, in the units of CostVolume.
 struct ChangeCosts {
-  int16_t one_label = 64;  ///< by one label: a slanted surface
-  int16_t most = 640;      ///< by more, where both pixels are equally bright; less at edges of the picture
-  int16_t least = 64;      ///< by more, at strong edges
-  float edge = 0.03F;      ///< the difference in brightness that halves it
+  int16_t one_label = 64;  ///< change by one label, as on slanted surfaces
+  int16_t most = 640;      ///< larger change between equally bright pixels; lower at edges of the picture
+  int16_t least = 64;      ///< larger change at strong edges
+  float edge = 0.03F;      ///< the difference in brightness that halves `most`
 };
 
 /// Replaces the cost of each label by the cost of the best paths to the pixel that end with it, summed over eight

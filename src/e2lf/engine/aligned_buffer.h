@@ -6,7 +6,8 @@
 
 namespace e2lf::engine {
 
-/// Zeroed memory that begins at a cache line (large ones at a huge page, for fewer TLB misses).
+/// Zero-initialised memory that is aligned to a cache line, or to a huge page if it is large, which causes fewer TLB
+/// misses.
 class AlignedBuffer {
  public:
   AlignedBuffer() = default;

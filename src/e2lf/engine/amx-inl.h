@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The instructions of AMX, which neither Highway nor every compiler has names for. They have no result that the
-// compiler knows of: it keeps their order, and nothing else touches tiles.
+// The AMX instructions, for which Highway and some compilers have no functions. They have no results that the compiler
+// knows of; it keeps their order, and no other code uses tiles.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ inline constexpr size_t kTileRows = 16;   ///< also the columns of a tile of flo
 inline constexpr size_t kTileDepth = 32;  ///< bfloat16 numbers in a row of a tile
 inline constexpr size_t kTileRowBytes = 64;
 
-/// What LDTILECFG reads: the rows, and bytes of a row, that each of the eight tiles uses.
+/// The operand of LDTILECFG: the number of rows and of bytes per row of each of the eight tiles.
 struct alignas(64) TileShapes {
   uint8_t palette = 1;
   uint8_t start_row = 0;
@@ -25,7 +25,7 @@ inline void load_tile_shapes(const TileShapes& shapes) {
   asm volatile("ldtilecfg %0" : : "m"(shapes));
 }
 
-/// Gives the tiles up: a thread that holds none is cheaper to switch.
+/// Releases the tiles, which makes switching to another thread cheaper.
 inline void release_tiles() {
   asm volatile("tilerelease");
 }
@@ -37,6 +37,6 @@ inline void release_tiles() {
   asm volatile("tileloadd (%0,%1,1), %%tmm" #tile : : "r"(from), "r"(row_step_bytes) : "memory")
 #define E2LF_TILE_STORE(tile, to, row_step_bytes) \
   asm volatile("tilestored %%tmm" #tile ", (%0,%1,1)" : : "r"(to), "r"(row_step_bytes) : "memory")
-/// sums += rows x columns, of bfloat16; a row of `columns` holds two of the depth for each column.
+/// Adds the bfloat16 product rows x columns to `sums`. A row of `columns` holds two elements of the depth per column.
 #define E2LF_TILE_MULTIPLY(sums, rows, columns) \
   asm volatile("tdpbf16ps %%tmm" #columns ", %%tmm" #rows ", %%tmm" #sums : :)

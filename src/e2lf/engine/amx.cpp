@@ -22,13 +22,13 @@ namespace HWY_NAMESPACE {
 #if E2LF_TARGET_HAS_BF16
 namespace {
 
-// Pixels whose sums for one tile of columns are in tiles at a time.
+// The number of pixels whose sums for one tile of columns are held in tiles at a time.
 constexpr size_t kSumTiles = 4, kPixels = kSumTiles * kTileRows;
-// Pixels of a row that one block computes.
+// The number of pixels of a row that one block computes.
 constexpr size_t kBlockPixels = 2 * kPixels;
 
-/// Tiles 0 to 3 hold sums, 4 and 5 pixels in turn, 7 the last of them, which may be fewer than a tile has rows, and 6
-/// weights. They are all zero afterwards.
+/// Configures the tiles: 0 to 3 hold sums, 4 and 5 alternately hold pixels, 6 holds weights, and 7 holds the last
+/// pixels, which may be fewer than a tile has rows. All tiles are zero afterwards.
 void shape_tiles(size_t pixels) {
   TileShapes shapes;
   std::fill_n(shapes.row_bytes, 8, static_cast<uint16_t>(kTileRowBytes));
@@ -38,9 +38,9 @@ void shape_tiles(size_t pixels) {
   load_tile_shapes(shapes);
 }
 
-/// Convolution as sums over rows of taps, on tiles: neighbouring pixels lie one behind another, so that a row of taps
-/// is a product of depth kernel * channels. Depths are rounded up to whole tiles: the weights there are zero, and the
-/// pixel behind the last tap, which is read, is part of the image or of the zeros beside it.
+/// Computes a convolution as sums over rows of taps, on tiles. Neighbouring pixels are contiguous, so that a row of
+/// taps is a product of depth kernel * channels. Depths are rounded up to whole tiles: the weights there are zero, and
+/// the pixel after the last tap, which is read, is part of the image or of the zeros beside it.
 class AmxKernel final : public Kernel {
  public:
   explicit AmxKernel(const ConvSpec& spec) : grid_(spec), weights_(pack(spec)), epilogue_(spec) {}
@@ -72,8 +72,8 @@ class AmxKernel final : public Kernel {
   }
 
  private:
-  /// Neighbouring pixels and columns whose sums are made together; `x` counts inputs of a transposed convolution, else
-  /// outputs.
+  /// Neighbouring pixels and columns whose sums are computed together. `x` counts the inputs of a transposed
+  /// convolution, and outputs otherwise.
   struct Step {
     const Strip& strip;
     size_t y, x, pixels, phase, column;
@@ -113,7 +113,7 @@ class AmxKernel final : public Kernel {
     epilogue_.select(Finish{*this, step});
   }
 
-  /// Sums of kTiles tiles of pixels, the last of which may be smaller, to step.sums.
+  /// Computes the sums of kTiles tiles of pixels, the last of which may be smaller, into step.sums.
   template <size_t kTiles>
   void multiply(const Step& step) const {
     const size_t panel_begin = step.column / kPanelWidth * kPanelWidth;
@@ -175,7 +175,7 @@ class AmxKernel final : public Kernel {
   };
 
   TapGrid grid_;
-  PackedMatrices weights_;  ///< of one row of taps each, or of one tap
+  PackedMatrices weights_;  ///< one matrix per row of taps, or per tap if transposed
   Epilogue<Bfloat16Products> epilogue_;
 };
 
@@ -185,7 +185,7 @@ std::unique_ptr<Kernel> MakeAmx(const ConvSpec& spec) {
   return std::make_unique<AmxKernel>(spec);
 }
 
-/// Products in tiles alone; the operations done.
+/// Runs only tile products and returns the number of operations.
 double TileMultiplyAdd(size_t rounds) {
   shape_tiles(kPixels);
   for (size_t i = 0; i < rounds; ++i) {

@@ -11,10 +11,10 @@
 namespace e2lf::engine {
 namespace {
 
-// Columns of a strip that one block computes; with 8 rows that is two blocks of Winograd tiles.
+// The number of columns of a strip that one block computes; with 8 rows, these are two blocks of Winograd tiles.
 constexpr size_t kBlockColumns = 48;
 
-// Pixels a direct kernel may read beyond the ones it needs.
+// The number of pixels that a direct kernel may read beyond those that it needs.
 constexpr size_t kReadAhead = 8;
 
 /// Half-open ranges of pixels.
@@ -26,7 +26,7 @@ struct Region {
   [[nodiscard]] size_t width() const { return x_end - x_begin; }
 };
 
-/// Taps and bias of `second` after `first`, in double precision.
+/// The taps and bias of `second` after `first`, in double precision.
 struct Map {
   size_t in = 0, out = 0, kernel = 1;
   std::vector<double> weight, bias;
@@ -55,7 +55,7 @@ Map compose_two(const Map& first, const ConvSpec& second) {
   return map;
 }
 
-/// Rows of a tensor seen from another pixel: x = 0 is `x` pixels further.
+/// The rows of a tensor shifted horizontally: x = 0 refers to pixel `x`.
 class ShiftedRows {
  public:
   ShiftedRows(const Rows& rows, ptrdiff_t begin, ptrdiff_t end, size_t x, size_t pixel_bytes) : first_(begin) {
@@ -86,7 +86,7 @@ class ChainKernel final : public Kernel {
       : chain_(chain), frame_(frame_width(chain)), inner_(make_conv(compose(chain))) {
     for (ConvSpec& spec : chain_) {
       layers_.push_back(make_direct(spec));
-      spec.weight = {};  // packed in the kernel
+      spec.weight = {};  // it is packed in the kernel
     }
   }
 
@@ -107,7 +107,8 @@ class ChainKernel final : public Kernel {
     run_inner(strip, all, scratch);
     const size_t bottom = strip.height > frame_ ? strip.height - frame_ : 0;
     const size_t right = strip.width > frame_ ? strip.width - frame_ : 0;
-    // The frame's parts in this block: rows at the top and bottom, and columns at the sides of the rows between.
+    // The parts of the frame in this block: rows at the top and bottom, and columns at the sides of the rows in
+    // between.
     const Region top{all.y_begin, std::min(all.y_end, frame_), all.x_begin, all.x_end};
     const Region below{std::max({all.y_begin, bottom, frame_}), all.y_end, all.x_begin, all.x_end};
     const size_t y_begin = std::max(all.y_begin, frame_);
@@ -143,7 +144,7 @@ class ChainKernel final : public Kernel {
     return part;
   }
 
-  /// The region that layer `layer` must compute for the chain's outputs in `region`.
+  /// Returns the region that layer `layer` must compute for the outputs of the chain in `region`.
   Region needed(const Strip& strip, const Region& region, size_t layer) const {
     size_t radius = 0;
     for (size_t i = layer + 1; i < chain_.size(); ++i) radius += chain_[i].kernel / 2;
@@ -154,7 +155,7 @@ class ChainKernel final : public Kernel {
   void run_layers(const Strip& strip, const Region& region) const {
     AlignedBuffer previous;
     Rows input = strip.inputs[0];
-    size_t input_x = 0;  // where the columns of `input` begin
+    size_t input_x = 0;  // the column at which `input` begins
     std::vector<std::byte*> pointers;
     for (size_t i = 0; i < chain_.size(); ++i) {
       const Region own = needed(strip, region, i);
@@ -168,7 +169,7 @@ class ChainKernel final : public Kernel {
         run_all(*layers_[i], part_of(strip, own, shifted.rows(), output.rows()), nullptr);
         return;
       }
-      // The result with zeros around it, as far as the next layer reads.
+      // The result is surrounded by zeros as far as the next layer reads.
       const size_t margin = chain_[i + 1].kernel / 2;
       const size_t pixel_bytes = output_pixel_bytes(chain_[i]);
       const size_t row_bytes = (own.width() + 2 * margin + kReadAhead) * pixel_bytes;

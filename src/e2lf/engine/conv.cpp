@@ -9,7 +9,7 @@
 namespace e2lf::engine {
 namespace {
 
-/// The six values of G g.
+/// Returns the six values of G g.
 std::array<double, kWinogradPoints> transform_weights(double g0, double g1, double g2) {
   constexpr double kA2 = kWinogradA * kWinogradA;
   constexpr double kB2 = kWinogradB * kWinogradB;
@@ -22,7 +22,7 @@ std::array<double, kWinogradPoints> transform_weights(double g0, double g1, doub
           g2};
 }
 
-/// The transformed 3x3 part of a kernel that begins at tap (y, x); taps beyond the kernel are zero.
+/// Transforms the 3x3 part of a kernel that begins at tap (y, x). Taps beyond the kernel are zero.
 std::array<float, kWinogradMatrices> transform_part(const ConvSpec& spec, size_t out, size_t in, size_t y, size_t x) {
   const auto tap = [&](size_t dy, size_t dx) -> double {
     return y + dy < spec.kernel && x + dx < spec.kernel ? spec.tap(out, in, y + dy, x + dx) : 0.0F;
@@ -40,7 +40,7 @@ std::array<float, kWinogradMatrices> transform_part(const ConvSpec& spec, size_t
   return result;
 }
 
-// The transforms cost about a third on top of the 36 products per 16 outputs.
+// The transforms add about a third to the 36 products per 16 outputs.
 double winograd_cost(const ConvSpec& spec) {
   return 36.0 / 16.0 * 1.33 * static_cast<double>(winograd_parts(spec).depth() * padded_channels(spec.out_channels));
 }
@@ -100,7 +100,7 @@ std::unique_ptr<Kernel> make_conv(const ConvSpec& spec) {
   const std::vector<ConvMethod>& methods = conv_methods();
   const auto first = std::find_if(methods.begin(), methods.end(),
                                   [&](const ConvMethod& method) { return method.refusal(spec).empty(); });
-  return first->make(spec);  // the last one never refuses
+  return first->make(spec);  // the last method never refuses
 }
 
 }  // namespace e2lf::engine

@@ -9,14 +9,14 @@
 
 namespace e2lf::engine {
 
-/// One convolution with what is fused behind it: output = relu(conv(input) + bias + residual).
+/// One convolution with the operations fused to it: output = relu(conv(input) + bias + residual).
 struct ConvSpec {
   size_t in_channels = 0;
   size_t out_channels = 0;
   size_t kernel = 1;
-  size_t stride = 1;          ///< the kernel's size (no padding), or less, for an odd kernel
-  bool transposed = false;    ///< with stride = kernel: the upsampling inverse of a strided convolution
-  std::vector<float> weight;  ///< [out, in, kernel, kernel], for transposed ones too
+  size_t stride = 1;          ///< equal to the kernel size (no padding), or less for an odd kernel
+  bool transposed = false;    ///< with stride = kernel: upsampling, the inverse of a strided convolution in shape
+  std::vector<float> weight;  ///< [out, in, kernel, kernel], also if transposed
   std::vector<float> bias;    ///< [out]
   bool relu = false;
   bool residual = false;
@@ -28,41 +28,43 @@ struct ConvSpec {
   }
 };
 
-/// Makes the fastest kernel that can compute `spec`. bfloat16 without bfloat16_supported() breaks the contract.
+/// Makes the fastest kernel that can compute `spec`. Using bfloat16 without bfloat16_supported() breaks the contract.
 [[nodiscard]] std::unique_ptr<Kernel> make_conv(const ConvSpec& spec);
 
-/// Products per output pixel, transforms included, that the better of Winograd and direct sums takes; needs no weights.
-/// AMX, which make_conv() may choose, is not considered.
+/// Returns the number of products per output pixel, transforms included, of the cheaper of Winograd and direct sums.
+/// Weights are not needed. AMX, which make_conv() may choose, is not considered.
 [[nodiscard]] double conv_cost(const ConvSpec& spec);
 
-/// Whether the CPU multiplies bfloat16 pairs (AVX512_BF16), the build knows how and E2LF_MAX_ISA allows it.
+/// Returns true if the CPU multiplies bfloat16 pairs (AVX512_BF16), the build supports it and E2LF_MAX_ISA allows it.
 [[nodiscard]] bool bfloat16_supported();
 
-/// One way to compute convolutions. `refusal` says why it cannot or should not compute a spec; "" = it can. bfloat16
-/// without bfloat16_supported() breaks the contract of `make`.
+/// One method of computing convolutions. `refusal` returns why it cannot or should not compute a spec, or "" if it can.
+/// Using bfloat16 without bfloat16_supported() breaks the contract of `make`.
 struct ConvMethod {
   std::string name;
   std::string (*refusal)(const ConvSpec& spec);
   std::unique_ptr<Kernel> (*make)(const ConvSpec& spec);
 };
 
-/// All methods, fastest first.
+/// Returns all methods, fastest first.
 [[nodiscard]] const std::vector<ConvMethod>& conv_methods();
 
-// The methods. Winograd F(4x4, 3x3) for stride 1: each 4x4 tile of outputs takes 36 products per channel pair instead
-// of 144; kernels over 3x3 are split into 3x3 parts that see shifted copies of the input as more channels.
+// The methods. Winograd F(4x4, 3x3) is for stride 1: each 4x4 tile of outputs takes 36 products per channel pair
+// instead of 144. Kernels larger than 3x3 are split into 3x3 parts, which see shifted copies of the input as additional
+// channels.
 [[nodiscard]] std::string winograd_refusal(const ConvSpec& spec);
 [[nodiscard]] std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec);
 
-// Plain sums over the taps on AMX's tiles: bfloat16, any convolution of more than a few channels. make_amx() needs
-// that amx_refusal() has nothing against it.
+// Direct sums over the taps on AMX tiles: bfloat16, for any convolution with more than a few channels. make_amx()
+// requires that amx_refusal() is "".
 [[nodiscard]] std::string amx_refusal(const ConvSpec& spec);
 [[nodiscard]] std::unique_ptr<Kernel> make_amx(const ConvSpec& spec);
 
-/// Rounds of products in AMX's tiles alone, for their peak: the operations done (a multiply-add is two).
+/// Runs `rounds` rounds of AMX tile products to measure their peak. Returns the number of operations (a multiply-add is
+/// two).
 double multiply_add_in_tiles(size_t rounds);
 
-// Plain sums over the kernel's taps: any convolution.
+// Direct sums over the taps of the kernel, for any convolution.
 [[nodiscard]] std::unique_ptr<Kernel> make_direct(const ConvSpec& spec);
 
 }  // namespace e2lf::engine

@@ -17,10 +17,10 @@ namespace HWY_NAMESPACE {
 
 namespace {
 
-// Pixels of a row that one block computes.
+// The number of pixels of a row that one block computes.
 constexpr size_t kBlockPixels = 96;
 
-/// Convolution as sums over taps. Matrix t holds tap t = dy * kernel + dx.
+/// Computes a convolution as sums over taps. Matrix t holds tap t = dy * kernel + dx.
 template <class Products>
 class DirectKernel final : public Kernel {
   using Element = typename Products::Element;
@@ -55,7 +55,8 @@ class DirectKernel final : public Kernel {
   }
 
  private:
-  /// Neighbouring pixels whose sums are made together; `x` counts inputs of a transposed convolution, else outputs.
+  /// Neighbouring pixels whose sums are computed together. `x` counts the inputs of a transposed convolution, and
+  /// outputs otherwise.
   struct Pixels {
     const DirectKernel& kernel;
     const Strip& strip;

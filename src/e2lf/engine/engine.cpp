@@ -84,7 +84,7 @@ Result<void> Engine::run_frame(std::span<const float> input, size_t height, size
                cat("height and width must be multiples of ", multiple));
   E2LF_REQUIRE(input.size() == plan.tensors.front().channels * height * width, "the input has another size");
   E2LF_REQUIRE(output.size() == plan.tensors.back().channels * height * width, "the output has another size");
-  // What goes from frame to frame is as wide as the image.
+  // States that are carried from frame to frame are as wide as the image.
   const bool is_cut = plan.states.empty() && !plan.needs_whole_rows;
   const size_t panels = is_cut ? (width + kPanelColumns - 1) / kPanelColumns : 1;
   const size_t columns = round_up((width + panels - 1) / panels, plan.alignment);

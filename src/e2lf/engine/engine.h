@@ -13,9 +13,9 @@
 namespace e2lf::engine {
 
 enum class Precision {
-  kAuto,  ///< the fastest that keeps the picture: see Engine::precision()
+  kAuto,  ///< the fastest that preserves the result; see Engine::precision()
   kFloat32,
-  kBfloat16,  ///< bfloat16 products with float32 sums; fails with kUnsupported where the CPU has none
+  kBfloat16,  ///< bfloat16 products with float32 sums; kUnsupported if the CPU lacks them
 };
 
 [[nodiscard]] Result<Precision> precision_from_name(const std::string& name);  ///< "auto", "float32", "bfloat16"
@@ -25,8 +25,8 @@ struct EngineOptions {
   Precision precision = Precision::kAuto;
 };
 
-/// What a recurrent network remembers of the frames before; empty, it begins at rest. Of one engine and one size of
-/// image: another one breaks the contract.
+/// The memory of a recurrent network of the previous frames. It is initially empty, which means at rest. It belongs to
+/// one engine and one image size; using it with another breaks the contract.
 class FrameState {
  public:
   FrameState();
@@ -39,35 +39,37 @@ class FrameState {
   std::unique_ptr<struct FrameMemory> memory_;
 };
 
-/// Runs a convolutional network over whole images on the CPU. The image streams through the network in strips of a few
-/// rows; each layer keeps just the rows its successors still need, so nothing is computed twice, what is live stays in
-/// cache and memory does not grow with the height of the image. Zero padding is exact at the borders. Recurrent
-/// networks keep what they remember of whole images; networks with attention what it looks at, and what stands around
-/// it until it is done. Thread count: base/threads.h. One run at a time per Engine.
+/// Runs a convolutional network on whole images on the CPU. The image streams through the network in strips of a few
+/// rows, and each layer keeps only the rows that its successors still need. Thus nothing is computed twice, the live
+/// data stay in the cache, and memory does not grow with the height of the image. Zero padding is exact at the borders.
+/// Recurrent networks keep their states for the whole image; networks with attention keep its inputs, and neighbouring
+/// tensors until it is done. The number of threads is that of base/threads.h. Only one run per Engine is allowed at a
+/// time.
 class Engine {
  public:
-  /// Prepares kernels and weights. Fails with kUnsupported (a precision this CPU lacks or E2LF_MAX_ISA leaves out), as
-  /// model::infer_shapes() does, with kShape (an output that is not at the input's resolution, weights of another size)
-  /// and kNotFound (missing weights).
+  /// Prepares kernels and weights. Fails with kUnsupported (a precision that the CPU lacks or that E2LF_MAX_ISA
+  /// excludes), as model::infer_shapes() does, with kShape (an output that is not at the resolution of the input, or
+  /// weights of another size) and with kNotFound (missing weights).
   [[nodiscard]] static Result<Engine> create(const model::Network& network, const model::Weights& weights,
                                              const EngineOptions& options = {});
   Engine(Engine&&) noexcept;
   Engine& operator=(Engine&&) noexcept;
   ~Engine();
 
-  /// input: float32 [input_channels, height, width], output: float32 [output_channels, height, width], both row-major.
-  /// Sizes that do not fit break the contract; height and width must be multiples of model::size_multiple().
+  /// Runs the network on one image. `input` is float32 [input_channels, height, width], `output` is float32
+  /// [output_channels, height, width], both row-major. Sizes that do not match break the contract; height and width
+  /// must be multiples of model::size_multiple().
   [[nodiscard]] Result<void> run(std::span<const float> input, size_t height, size_t width, std::span<float> output,
                                  const ProgressFn& progress = {}) const;
 
-  /// The same with a state that goes from frame to frame; run() above begins at rest each time.
+  /// Runs the network on one frame with a state that is carried from frame to frame; run() begins at rest each time.
   [[nodiscard]] Result<void> run_frame(std::span<const float> input, size_t height, size_t width, FrameState& state,
                                        std::span<float> output, const ProgressFn& progress = {}) const;
 
-  /// What kAuto became.
+  /// Returns the precision in use, to which kAuto was resolved.
   [[nodiscard]] Precision precision() const;
 
-  /// One line per layer with the kernel chosen for it, for logs and benchmarks.
+  /// Returns one line per layer with the kernel chosen for it, for logs and benchmarks.
   [[nodiscard]] std::vector<std::string> describe() const;
 
  private:

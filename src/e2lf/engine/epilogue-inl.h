@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Included once per instruction set by the kernels, after <hwy/highway.h>: what they do with finished sums.
+// The treatment of finished sums by the kernels. This file is included once per instruction set, after <hwy/highway.h>.
 #if defined(E2LF_ENGINE_EPILOGUE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_ENGINE_EPILOGUE_INL_H_
 #undef E2LF_ENGINE_EPILOGUE_INL_H_
@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE {
 
 using namespace kernels::HWY_NAMESPACE;
 
-/// What happens to finished sums: bias, residual, ReLU, rounding to the output's type.
+/// Applies bias, residual and ReLU to finished sums and rounds them to the type of the output.
 template <class Products>
 class Epilogue {
   using Element = typename Products::Element;
@@ -34,7 +34,7 @@ class Epilogue {
     std::memcpy(bias_.data(), spec.bias.data(), spec.bias.size() * sizeof(float));
   }
 
-  /// Where the pixels of output row y and of the residual's begin.
+  /// The beginnings of output row y and of the same row of the residual.
   struct Row {
     const Element* residual;
     std::byte* output;
@@ -45,7 +45,7 @@ class Epilogue {
     return {residual_ ? strip.residual.row<const Element>(index) : nullptr, strip.output.row<std::byte>(index)};
   }
 
-  /// Calls visitor.visit<whether there is a residual, the output's element type>().
+  /// Calls visitor.visit<whether there is a residual, the element type of the output>().
   template <class Visitor>
   HWY_INLINE void select(const Visitor& visitor) const {
     if (residual_ && wide_) visitor.template visit<true, float>();
@@ -54,7 +54,7 @@ class Epilogue {
     if (!residual_ && !wide_) visitor.template visit<false, Element>();
   }
 
-  /// What store() needs of kLanes channels; to be kept in registers while many pixels are stored.
+  /// The constants that store() needs for kLanes channels. They stay in registers while many pixels are stored.
   struct Channels {
     FloatVec bias, floor;
   };
@@ -63,7 +63,7 @@ class Epilogue {
     return {hn::Load(FloatTag(), bias_.as<float>() + first), hn::Set(FloatTag(), floor_)};
   }
 
-  /// `element` counts from the beginning of the row.
+  /// Stores a vector of sums; `element` counts from the beginning of the row.
   template <bool kResidual, class Output>
   static HWY_INLINE void store(FloatVec sum, const Channels& channels, size_t element, const Row& row) {
     FloatVec value = hn::Add(sum, channels.bias);
@@ -73,9 +73,9 @@ class Epilogue {
 
  private:
   AlignedBuffer bias_;
-  float floor_;  ///< zero for ReLU, else below everything
+  float floor_;  ///< zero for ReLU, otherwise below any value
   bool residual_;
-  bool wide_;  ///< float32 output
+  bool wide_;  ///< the output is float32
 };
 
 }  // namespace HWY_NAMESPACE

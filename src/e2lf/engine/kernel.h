@@ -14,8 +14,8 @@ namespace e2lf::engine {
 using kernels::element_size, kernels::ElementType, kernels::kChannelMultiple, kernels::kTileSize;
 using kernels::padded_channels, kernels::round_up;
 
-/// Rows of one tensor: row y begins (its pixel x = 0) at rows[y - first]. Pixels are [x][padded channel]. Rows outside
-/// the image are there too and hold zeros, as do the pixels to the left and right of it (as many as Reach asks for).
+/// The rows of a tensor: pixel x = 0 of row y is at rows[y - first]. Pixels are [x][padded channel]. Rows above and
+/// below the image exist and hold zeros, as do the pixels to the left and right of it, as far as Reach requires.
 struct Rows {
   std::byte* const* rows = nullptr;
   ptrdiff_t first = 0;
@@ -26,9 +26,10 @@ struct Rows {
   }
 };
 
-/// Which input rows a layer reads: output rows [begin, end) need [begin * down / up - before, ceil(end * down / up) +
-/// after). Columns are the same. A kernel may also read kTileSize - 1 columns and rows further, for which the same
-/// holds, and behind them in each row 5 * down pixels, whatever they hold, for sums that it drops.
+/// The input rows that a layer reads: output rows [begin, end) need rows [begin * down / up - before, ceil(end * down /
+/// up) + after), and likewise for columns. A kernel may also read kTileSize - 1 further columns and rows, which exist
+/// in the same way, and 5 * down pixels after them in each row, which may hold any values because their sums are
+/// discarded.
 struct Reach {
   size_t before = 0;
   size_t after = 0;
@@ -36,7 +37,7 @@ struct Reach {
   size_t up = 1;
 };
 
-/// Rows [begin, end) of a layer's output, to be computed from rows of its inputs.
+/// The rows [begin, end) of the output of a layer, to be computed from rows of its inputs.
 struct Strip {
   std::vector<Rows> inputs;
   Rows residual;
@@ -47,22 +48,22 @@ struct Strip {
   size_t height = 0;  ///< of the whole output
 };
 
-/// The code that computes one layer. A strip is cut into blocks that threads take one after another; what a block
-/// writes depends on nothing but the block, so any number of threads gives the same bits.
+/// The code that computes one layer. A strip is divided into blocks, which threads take one after another. The result
+/// of a block depends only on the block, so that it is bit-identical for any number of threads.
 class Kernel {
  public:
   virtual ~Kernel() = default;
 
   [[nodiscard]] virtual std::string describe() const = 0;
-  [[nodiscard]] virtual Reach reach() const = 0;  ///< of inputs that needs_all() says nothing of
+  [[nodiscard]] virtual Reach reach() const = 0;  ///< for inputs for which needs_all() is false
 
-  /// Whether any row of output needs all rows of an input, without zeros beside them.
+  /// Returns true if every output row needs all rows of an input, without the zeros beside them.
   [[nodiscard]] virtual bool needs_all(size_t /*input*/) const { return false; }
 
-  /// Whether a strip must be as wide as the image.
+  /// Returns true if a strip must be as wide as the image.
   [[nodiscard]] virtual bool needs_whole_rows() const { return false; }
 
-  /// Bytes of scratch memory (64-byte aligned) that each thread needs.
+  /// Returns the number of bytes of scratch memory (64-byte aligned) that each thread needs.
   [[nodiscard]] virtual size_t scratch_bytes() const { return 0; }
 
   [[nodiscard]] virtual size_t num_blocks(const Strip& strip) const = 0;

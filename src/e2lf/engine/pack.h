@@ -11,9 +11,9 @@ namespace e2lf::engine {
 
 using kernels::Bfloat16, kernels::kPanelWidth, kernels::to_bfloat16, kernels::to_float;
 
-/// Matrices [depth, columns] in the order in which the multiplication reads them: panel by panel of columns, in a panel
-/// row by row (bfloat16: pairs of rows, the two elements of a column beside each other). Columns are padded to
-/// kChannelMultiple, depth to an even number, with zeros.
+/// Matrices [depth, columns] in the order in which the multiplication reads them: panel by panel of columns, and row by
+/// row within a panel (bfloat16: by pairs of rows, with the two elements of a column side by side). Columns are padded
+/// to kChannelMultiple, and depth to an even number, with zeros.
 class PackedMatrices {
  public:
   using Element = std::function<float(size_t matrix, size_t row, size_t column)>;
@@ -24,8 +24,8 @@ class PackedMatrices {
   [[nodiscard]] size_t depth() const { return depth_; }      ///< padded
   [[nodiscard]] size_t columns() const { return columns_; }  ///< padded
 
-  /// Rows [0, depth) of the panel that begins at `column` (a multiple of kPanelWidth); its width is
-  /// min(kPanelWidth, columns() - column), and each row has that many elements.
+  /// Returns rows [0, depth) of the panel that begins at `column` (a multiple of kPanelWidth). Its width, and the
+  /// number of elements per row, is min(kPanelWidth, columns() - column).
   template <typename T>
   [[nodiscard]] const T* panel(size_t matrix, size_t column) const {
     return buffer_.as<T>() + (matrix * columns_ + column) * depth_;

@@ -24,11 +24,11 @@ namespace HWY_NAMESPACE {
 using namespace kernels::HWY_NAMESPACE;
 namespace {
 
-// Sums that do not wait for each other: more than latency times units of any core.
+// The number of independent sums. It exceeds latency times units of any core.
 constexpr size_t kSums = 12;
 
-/// Multiply-adds in registers alone; the operations done. The sums begin at different multiples of `factor`, and
-/// nobody knows it is zero, so that no compiler computes less.
+/// Performs multiply-adds in registers only and returns the number of operations. The sums begin at different multiples
+/// of `factor`, which is zero but unknown to the compiler, so that it cannot remove any computation.
 template <class Products>
 double multiply_add_loop(size_t rounds, float factor) {
   const typename Products::Element zeros[2] = {};
@@ -70,7 +70,7 @@ namespace {
 constexpr int kTries = 10;
 constexpr size_t kRounds = 2'000'000;
 
-/// The operations of a short loop.
+/// Runs a short loop and returns the number of operations.
 double run_loop(ElementType type, float zero) {
   const bool in_tiles = type == ElementType::kBfloat16 && current_isa() == "amx";
   return in_tiles ? multiply_add_in_tiles(kRounds / 4) : HWY_DYNAMIC_DISPATCH(MultiplyAdd)(type, kRounds, zero);

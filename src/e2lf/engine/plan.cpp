@@ -40,7 +40,7 @@ Result<std::vector<float>> find_weights(const model::Weights& weights, const std
 }
 
 class PlanMaker {
-  static constexpr size_t kOutput = ~size_t{0};  ///< the last tensor, whose number is not known yet
+  static constexpr size_t kOutput = ~size_t{0};  ///< the last tensor, whose number is not yet known
 
  public:
   PlanMaker(const model::Network& network, const model::Weights& weights, ElementType compute)
@@ -69,7 +69,7 @@ class PlanMaker {
     plan_.tensors.push_back(specs_.at(name));
   }
 
-  /// Whether a layer can give float32 whatever it reads.
+  /// Returns true if a layer can output float32 regardless of the type of its inputs.
   static bool has_wide_sums(const Layer& layer) { return is_conv(layer) || model::is_cell(layer); }
 
   size_t count_readers(const std::string& name) const {
@@ -87,8 +87,8 @@ class PlanMaker {
     return found == network_.layers.end() ? nullptr : &*found;
   }
 
-  /// Whether a tensor can be float32 although the network computes in bfloat16: all that only moves or adds elements to
-  /// make it must then be float32, too.
+  /// Returns true if a tensor can be float32 although the network computes in bfloat16. All layers that only move or
+  /// add elements to make it must then be float32, too.
   bool can_widen(const std::string& name) const {
     const Layer* layer = find_layer(name);
     if (layer == nullptr) return false;
@@ -104,7 +104,7 @@ class PlanMaker {
     for (const std::string& input : layer->inputs) widen(input);
   }
 
-  /// The layer that a chain goes on with after `layer`: the only reader of a result that nothing happens to.
+  /// Returns the layer that continues a chain after `layer`, i.e. the only reader of its plain result, or null.
   const Layer* next_in_chain(const Layer& layer) const {
     const auto plain = [](const Layer& each) {
       return each.op == Op::kConv && each.stride == 1 && each.residual.empty();
@@ -116,7 +116,7 @@ class PlanMaker {
     return nullptr;
   }
 
-  /// The layer that reads a result that nobody else reads, or null.
+  /// Returns the only layer that reads a result, or null if there are several.
   const Layer* only_reader(const Layer& layer) const {
     if (count_readers(layer.name) != 1) return nullptr;
     for (const Layer& reader : network_.layers) {
@@ -125,13 +125,13 @@ class PlanMaker {
     return nullptr;
   }
 
-  /// Whether a convolution's output channels may come in the order in which a pixel shuffle copies them.
+  /// Returns true if the output channels of a convolution may be in the order in which a pixel shuffle copies them.
   bool is_shuffled(const Layer& layer) const {
     const Layer* reader = is_conv(layer) && layer.residual.empty() ? only_reader(layer) : nullptr;
     return reader != nullptr && reader->op == Op::kPixelShuffle;
   }
 
-  /// The input of a sum of two that is a convolution which can add the other one itself, or null.
+  /// Returns the input of a sum of two that is a convolution able to add the other input itself, or null.
   const Layer* conv_that_adds(const Layer& layer) const {
     if (layer.op != Op::kAdd || layer.inputs.size() != 2 || !layer.residual.empty()) return nullptr;
     for (size_t i = 0; i < 2; ++i) {
@@ -160,7 +160,7 @@ class PlanMaker {
   Result<void> add_layer(const Layer& layer) {
     if (composed_.count(layer.name) > 0) return {};
     if (const Layer* conv = conv_that_adds(layer)) return add_sum(layer, *conv);
-    // Such a convolution waits for what it adds: it is the sum's stage.
+    // Such a convolution is deferred to the stage of the sum.
     if (const Layer* sum = only_reader(layer); sum != nullptr && conv_that_adds(*sum) == &layer) return {};
     if (model::is_cell(layer)) return add_cell(layer);
     if (layer.op == Op::kPrevious) {
@@ -202,7 +202,7 @@ class PlanMaker {
     return {};
   }
 
-  /// The kernel of a layer without weights.
+  /// Makes the kernel of a layer without weights.
   std::unique_ptr<Kernel> make_plain(const Layer& layer) const {
     const ElementType type = specs_.at(layer.name).type;
     std::vector<size_t> in_channels;
@@ -218,7 +218,7 @@ class PlanMaker {
     return make_reshape(layer, in_channels, type, in_order);
   }
 
-  /// A stage whose result has no layer's name; returns the result's number.
+  /// Adds a stage whose result has no layer name. Returns the number of the result.
   size_t add_part(const std::string& name, std::unique_ptr<Kernel> kernel, std::vector<size_t> inputs,
                   const TensorSpec& spec) {
     Stage stage;
@@ -230,7 +230,7 @@ class PlanMaker {
     return plan_.tensors.size() - 1;
   }
 
-  /// A convolution of a cell: of [x, h], to float32.
+  /// Makes a convolution of a cell, from [x, h] to float32.
   Result<std::unique_ptr<Kernel>> make_cell_conv(const Layer& layer, const std::string& part, size_t out_channels) {
     Layer conv = layer;
     conv.op = Op::kConv;
@@ -241,7 +241,7 @@ class PlanMaker {
     return make_conv(spec);
   }
 
-  /// The stages of a cell; see cells.h.
+  /// Adds the stages of a cell; see cells.h.
   Result<void> add_cell(const Layer& layer) {
     const TensorSpec input = specs_.at(layer.inputs[0]);
     const size_t x = tensor_.at(layer.inputs[0]), in = input.channels, out = layer.out_channels;
@@ -276,7 +276,7 @@ class PlanMaker {
     return {};
   }
 
-  /// The output of the frame before, as it was.
+  /// Adds the output of the previous frame.
   void add_previous(const Layer& layer) {
     const TensorSpec& wanted = specs_.at(layer.name);
     TensorSpec kept = wanted;
@@ -289,7 +289,7 @@ class PlanMaker {
     tensor_[layer.name] = result;
   }
 
-  /// `layer` names the result and what it is made from.
+  /// Adds a stage. `layer` gives the name of the result and of its inputs.
   void add_stage(const std::string& name, const Layer& layer, std::unique_ptr<Kernel> kernel) {
     Stage stage;
     stage.name = name;
@@ -333,7 +333,7 @@ class PlanMaker {
     return spec;
   }
 
-  /// Output channels from the order [channel, phase] of a pixel shuffle to [phase, channel].
+  /// Reorders output channels from the order [channel, phase] of a pixel shuffle to [phase, channel].
   static void put_phases_first(size_t stride, ConvSpec& spec) {
     const size_t phases = stride * stride, channels = spec.out_channels / phases;
     const size_t length = spec.weight.size() / spec.out_channels;
@@ -353,7 +353,7 @@ class PlanMaker {
       plan_.needs_whole_rows |= stage.kernel->needs_whole_rows();
       for (const size_t input : stage.inputs) {
         const size_t own = std::max(reach.before, reach.after) * plan_.tensors[input].scale;
-        // A coarse pixel made from one that a cut spoils is spoilt as a whole.
+        // A coarse pixel that depends on pixels affected by a cut is affected as a whole.
         halo[i + 1] = std::max(halo[i + 1], round_up(halo[input] + own, plan_.tensors[i + 1].scale));
       }
       if (stage.residual) halo[i + 1] = std::max(halo[i + 1], halo[*stage.residual]);
@@ -366,7 +366,7 @@ class PlanMaker {
   const model::Weights& weights_;
   ElementType compute_;
   Plan plan_;
-  std::map<std::string, TensorSpec> specs_;  ///< of every layer's result
+  std::map<std::string, TensorSpec> specs_;  ///< of the result of every layer
   std::map<std::string, size_t> tensor_;     ///< number in the plan
   std::set<std::string> composed_;           ///< layers that are part of an earlier stage
 };

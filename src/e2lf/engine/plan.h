@@ -12,41 +12,42 @@
 
 namespace e2lf::engine {
 
-/// A tensor that flows through the engine; `scale` = input pixels per pixel.
+/// A tensor in the engine. `scale` is the number of input pixels per pixel along an axis.
 struct TensorSpec {
   size_t channels = 0;
   size_t scale = 1;
   ElementType type = ElementType::kFloat32;
 };
 
-/// One step of evaluation: a kernel with the tensors it reads. Stage i makes tensor i + 1; tensor 0 is the input.
+/// One step of evaluation: a kernel and the tensors that it reads. Stage i makes tensor i + 1; tensor 0 is the input.
 struct Stage {
-  std::string name;  ///< of the layer, or of those made into one; "<layer>.<part>" of a part of one
+  std::string name;  ///< of the layer, or of the fused layers; "<layer>.<part>" for a part of a layer
   std::unique_ptr<Kernel> kernel;
   std::vector<size_t> inputs;
   std::optional<size_t> residual;
 
-  /// Inputs, then the residual.
+  /// Returns the inputs, followed by the residual.
   [[nodiscard]] std::vector<size_t> reads() const;
 };
 
-/// What goes from frame to frame: tensor `recalled` is what tensor `kept` was at the end of the frame before, or zero.
+/// A state carried from frame to frame: tensor `recalled` is tensor `kept` of the previous frame, initially zero.
 struct State {
   size_t recalled = 0, kept = 0;
 };
 
-/// A network made ready to run; the last tensor is the output.
+/// A network that is ready to run. The last tensor is the output.
 struct Plan {
   std::vector<TensorSpec> tensors;
   std::vector<Stage> stages;
-  std::vector<State> states;      ///< none: every frame is for itself
-  bool needs_whole_rows = false;  ///< images are not cut
-  size_t alignment = 1;  ///< pixels that cut edges of an image must be multiples of for the same tiles to be computed
-  size_t halo = 0;       ///< pixels beside a cut that results depend on, a multiple of `alignment`
+  std::vector<State> states;      ///< if empty, frames are independent
+  bool needs_whole_rows = false;  ///< images must not be cut into panels
+  size_t alignment = 1;  ///< cuts of an image must be multiples of this many pixels so that the same tiles are computed
+  size_t halo = 0;       ///< pixels beside a cut on which results depend, a multiple of `alignment`
 };
 
-/// Chooses kernels and packs weights; layers that the output does not depend on are left out. Fails as infer_shapes
-/// does, and with kNotFound / kShape for missing or wrong weights. `compute` = bfloat16 needs bfloat16_supported().
+/// Chooses kernels and packs weights. Layers on which the output does not depend are omitted. Fails as infer_shapes
+/// does, and with kNotFound or kShape for missing or wrong weights. `compute` = kBfloat16 requires
+/// bfloat16_supported().
 [[nodiscard]] Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute);
 
 }  // namespace e2lf::engine

@@ -8,7 +8,8 @@
 namespace e2lf::engine {
 namespace {
 
-// Pixels turned at a time: a line of the row's channels and a line of each plane then meet in the first-level cache.
+// The number of pixels transposed at a time, such that a line of the row's channels and a line of each plane fit into
+// the first-level cache together.
 constexpr size_t kBlock = 64;
 
 void store(float value, float& to) {

@@ -7,11 +7,11 @@
 
 namespace e2lf::engine {
 
-/// Interleaves a row of planes: pixel x of channel c is at from[c * plane + x], goes to element x * padded channels + c
-/// of `row`. Padding channels become zero.
+/// Interleaves a row of planes: pixel x of channel c, at from[c * plane + x], is copied to element x * padded channels
+/// + c of `row`. The padding channels become zero.
 void read_planes(const float* from, size_t plane, size_t channels, size_t width, ElementType type, std::byte* row);
 
-/// The way back: element x * padded channels + c of `row` goes to to[c * plane + x].
+/// Does the inverse: element x * padded channels + c of `row` is copied to to[c * plane + x].
 void write_planes(const std::byte* row, size_t channels, size_t width, ElementType type, float* to, size_t plane);
 
 }  // namespace e2lf::engine

@@ -19,7 +19,7 @@ using model::Op;
 using Planes = ReferencePlanes;
 using Kernel = ReferenceKernel;
 
-/// Adds weight * input, shifted by (dy, dx), to one row of sums; what falls outside counts as zero.
+/// Adds weight * input, shifted by (dy, dx), to one row of sums. Values outside of the image count as zero.
 void add_tap(const Planes& input, size_t channel, ptrdiff_t y, ptrdiff_t dx, float weight, std::vector<double>& sums) {
   if (y < 0 || y >= static_cast<ptrdiff_t>(input.height)) return;
   const auto width = static_cast<ptrdiff_t>(input.width);
@@ -72,7 +72,7 @@ void transposed_row(const Planes& input, const Layer& layer, const Kernel& kerne
   }
 }
 
-/// A sample between pixels; what lies beyond the edge is the edge.
+/// Samples between pixels. Positions beyond the edge take the value at the edge.
 float bilinear(const Planes& input, size_t stride, size_t c, size_t y, size_t x) {
   const auto place = [stride](size_t i, size_t size) {
     const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(stride) - 0.5;
@@ -87,7 +87,7 @@ float bilinear(const Planes& input, size_t stride, size_t c, size_t y, size_t x)
       share_y * (1 - share_x) * input.at(c, bottom, left) + share_y * share_x * input.at(c, bottom, right));
 }
 
-/// What the pixel's own filter makes of what is around it.
+/// Applies the filter of a pixel to its neighbourhood.
 float filtered(const Planes& input, const Planes& filters, size_t kernel, size_t c, size_t y, size_t x) {
   const size_t filter = c / input.channels;
   const auto radius = static_cast<ptrdiff_t>(kernel / 2);
@@ -101,7 +101,7 @@ float filtered(const Planes& input, const Planes& filters, size_t kernel, size_t
   return static_cast<float>(sum);
 }
 
-/// Every op without weights.
+/// Computes one element of any operation without weights.
 float element(const std::vector<const Planes*>& inputs, const Layer& layer, size_t c, size_t y, size_t x) {
   const size_t s = layer.stride;
   const Planes& input = *inputs[0];

@@ -11,18 +11,18 @@
 
 namespace e2lf::engine {
 
-/// The network on a whole image by plain loops, sums in double precision: what every kernel is compared with. Input
-/// float32 [input_channels, height, width], result [output channels, height, width] at the output's resolution. Sizes
-/// that do not fit, of the image (model::size_multiple()) or of weights, break the contract. Fails as
-/// model::infer_shapes does, and with kNotFound when a weight is missing.
+/// Runs the network on a whole image by plain loops with sums in double precision, as the reference for every kernel.
+/// The input is float32 [input_channels, height, width], and the result is [output channels, height, width] at the
+/// resolution of the output. Sizes of the image (model::size_multiple()) or of weights that do not fit break the
+/// contract. Fails as model::infer_shapes does, and with kNotFound if a weight is missing.
 [[nodiscard]] Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
                                                        std::span<const float> input, size_t height, size_t width);
 
-/// What recurrent layers remember: h' by the layer's name, c' of kConvLstm by "<name>.memory", the last output by that
-/// of kPrevious; [channel, y, x] each. Empty: at rest.
+/// The memory of recurrent layers: h' by the name of the layer, c' of kConvLstm by "<name>.memory", and the last output
+/// by the name of kPrevious; [channel, y, x] each. If it is empty, the network is at rest.
 using ReferenceState = std::map<std::string, std::vector<float>>;
 
-/// The same with a state that goes from frame to frame.
+/// Runs one frame in the same way, with a state that is carried from frame to frame.
 [[nodiscard]] Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
                                                        std::span<const float> input, size_t height, size_t width,
                                                        ReferenceState& state);

@@ -155,7 +155,7 @@ class ReshapeKernel final : public Kernel {
   bool phases_first_;
   std::vector<size_t> in_channels_;
   size_t out_channels_ = 0;
-  float factor_ = 1.0F;  ///< of a sum
+  float factor_ = 1.0F;  ///< by which sums are multiplied
 };
 
 }  // namespace

@@ -9,14 +9,14 @@
 
 namespace e2lf::engine {
 
-/// Rows by size, handed out last in, first out: the row taken next is the one most likely still in cache.
+/// A pool of rows by size. Rows are reused last in, first out, because such a row is most likely still in the cache.
 class RowPool {
  public:
-  /// Memory of `bytes`, aligned to a cache line, with whatever it held before.
+  /// Returns `bytes` bytes of memory aligned to a cache line, with undefined content.
   [[nodiscard]] std::byte* take(size_t bytes);
   void give_back(std::byte* row, size_t bytes) { free_[bytes].push_back(row); }
 
-  /// Memory of all rows, free or taken.
+  /// Returns the total memory of all rows, free or in use.
   [[nodiscard]] size_t bytes() const;
 
  private:

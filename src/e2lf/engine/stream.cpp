@@ -13,20 +13,20 @@
 namespace e2lf::engine {
 namespace {
 
-// Rows of output per round: more rows load the weights less often, fewer stay in cache.
+// The number of output rows per round. More rows load the weights less often; fewer rows stay in the cache.
 constexpr size_t kRowsPerRound = 4;
 
-// Rows (of the input) that a stage may be ahead at the end of a round, where another one waits for whole images:
-// without bounds all rows of all that stands before it would be made at once.
+// The number of rows (of the input) that a stage may advance in a round if another stage waits for whole images.
+// Without this limit, all rows of all preceding stages would be computed at once.
 constexpr size_t kMostRowsPerRound = 64;
 
-// Threads take at most the remaining work divided by this and their number at a time.
+// Threads take at most the remaining work divided by this and by the number of threads at a time.
 constexpr size_t kRunsPerThread = 4;
 
-// Kernels read up to this many pixels beyond a row's last one for sums that they then drop.
+// Kernels read up to this many pixels beyond the last one of a row for sums that they discard.
 constexpr size_t kReadAhead = 8;
 
-/// First input row that output rows from `y` on need.
+/// Returns the first input row that output rows from `y` on need.
 size_t first_needed(const Reach& reach, size_t y) {
   const size_t row = y * reach.down / reach.up;
   return row > reach.before ? row - reach.before : 0;
@@ -78,9 +78,9 @@ void Stream::add_margins() {
   }
 }
 
-/// Memory of another frame is used as it is; the first frame's is zero.
+/// Uses the memory of the previous frame, or creates it with zeros for the first frame.
 void Stream::open_memory(FrameMemory& memory) {
-  // Rows a multiple of a page apart would compete for the same cache sets.
+  // Rows whose distance is a multiple of a page would compete for the same cache sets.
   constexpr size_t kPage = 4096, kCacheLine = 64;
   const size_t states = plan_.states.size();
   const bool is_new = memory.before.empty();
@@ -111,7 +111,7 @@ void Stream::make_tables() {
   for (const Tensor& tensor : tensors_) row_bytes = std::max(row_bytes, tensor.row_bytes());
   zero_row_ = AlignedBuffer(row_bytes);
   for (Tensor& tensor : tensors_) {
-    // The margins above and below are those to the left and right.
+    // The margins above and below are the same as those to the left and right.
     tensor.first = -static_cast<ptrdiff_t>(tensor.left);
     tensor.table.assign(tensor.left + tensor.height + tensor.right, nullptr);
     std::byte* zero = zero_row_.data() + tensor.left * tensor.pixel_bytes;
@@ -141,20 +141,20 @@ void Stream::find_readers() {
 }
 
 size_t Stream::rows_wanted(size_t index) {
-  // A tensor is one round ahead of those that are made from it.
+  // A tensor is one round ahead of those that are computed from it.
   const size_t rounds = round_ + 1 + tensors_[index].distance;
   if (rounds <= rounds_ahead_) return 0;
   const size_t output_rows = std::min((rounds - rounds_ahead_) * kRowsPerRound, round_up(image_.height, kRowsPerRound));
   return rows_for(output_rows)[index];
 }
 
-/// The rows of each tensor that the first rows of output are made from.
+/// Returns the number of rows of each tensor that the first rows of the output depend on.
 const std::vector<size_t>& Stream::rows_for(size_t output_rows) {
   std::vector<size_t>& rows = rows_for_[output_rows];
   if (!rows.empty()) return rows;
   rows.resize(tensors_.size(), 0);
   rows.back() = output_rows;
-  // The next frame may need rows of a state that the output of this one does not.
+  // The next frame may need rows of a state on which the output of this frame does not depend.
   for (const State& state : plan_.states) {
     if (output_rows >= image_.height) rows[state.kept] = tensors_[state.kept].height;
   }
@@ -207,7 +207,7 @@ void Stream::give_back(Tensor& tensor, size_t y) {
   row = nullptr;
 }
 
-/// The next frame takes its rows from the same pool.
+/// Returns the rows to the pool, from which the next frame takes its own.
 Stream::~Stream() {
   for (Tensor& tensor : tensors_) {
     for (size_t y = tensor.released; y < tensor.height; ++y) give_back(tensor, y);
@@ -230,7 +230,7 @@ size_t Stream::rows_possible(size_t index) const {
   return end == output.height ? end : end / kTileSize * kTileSize;
 }
 
-/// How far a tensor that could be computed up to a row gets in this round.
+/// Returns how far a tensor that could be computed up to row `end` advances in this round.
 size_t Stream::next_end(const Tensor& tensor, size_t end) const {
   if (!waits_) return end;
   return std::min(end, tensor.done + round_up(std::max<size_t>(kMostRowsPerRound / tensor.scale, 1), kTileSize));
@@ -284,7 +284,7 @@ void Stream::plan_output(std::vector<Job>& jobs) {
 }
 
 bool Stream::advance() {
-  // What the jobs of a round read was complete before it, so they may run in any order.
+  // The inputs of the jobs of a round were complete before it, so the jobs may run in any order.
   std::vector<Job> jobs;
   for (size_t stage = 0; stage < plan_.stages.size(); ++stage) plan_stage(stage, jobs);
   plan_output(jobs);
@@ -301,8 +301,8 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
   for (const Job& job : jobs) {
     for (size_t block = 0; block < job.blocks; ++block) blocks.emplace_back(&job, block);
   }
-  // Threads take runs of blocks, so that each loads the weights of few layers; runs get shorter towards the end of the
-  // round, so that no thread waits long for another.
+  // Threads take runs of blocks, so that each loads the weights of few layers. The runs get shorter towards the end of
+  // the round, so that no thread waits long for another.
   const size_t threads = scratch_.size();
   std::atomic<size_t> next = 0;
   const auto run_blocks = [&](std::byte* scratch) {
@@ -314,7 +314,7 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
       begin = next;
     }
   };
-  // Not parallel_for(): each thread keeps its own scratch memory from round to round, in its cache.
+  // parallel_for() is not used, because each thread keeps its own scratch memory from round to round, in its cache.
   run_team(threads, [&](size_t member) { run_blocks(scratch_[member].data()); });
 }
 

@@ -5,8 +5,8 @@
 
 namespace e2lf::engine {
 
-/// Where the taps of a convolution that sums them one by one lie. In a transposed convolution each output pixel gets
-/// exactly one tap, which its position within the stride (the phase) names.
+/// The positions of the taps of a convolution that sums them one by one. In a transposed convolution, each output pixel
+/// has exactly one tap, which is determined by its position within the stride (the phase).
 struct TapGrid {
   explicit TapGrid(const ConvSpec& spec)
       : kernel(spec.kernel),
@@ -17,20 +17,21 @@ struct TapGrid {
 
   [[nodiscard]] Reach reach() const {
     if (transposed) return {0, 0, 1, stride};
-    // The pixels of the last step that the centre of a kernel with a stride makes are counted in `down` already.
+    // `down` already counts the pixels that the kernel's centre covers in the last step of a stride.
     return {radius, radius > stride - 1 ? radius - (stride - 1) : 0, stride, 1};
   }
 
-  /// Sums along a row, without phases: inputs of a transposed convolution, else outputs.
+  /// Returns the number of sums along a row, without phases: inputs of a transposed convolution, and outputs otherwise.
   [[nodiscard]] size_t sums_per_row(const Strip& strip) const {
     return transposed ? strip.width / stride : strip.width;
   }
   [[nodiscard]] size_t phases() const { return transposed ? stride : 1; }
 
-  /// Elements from the input of one sum to that of the next.
+  /// Returns the distance in elements from the input of one sum to that of the next.
   [[nodiscard]] size_t pixel_step() const { return (transposed ? 1 : stride) * in_stride; }
 
-  /// The input of sum `x` in output row `y` under tap (dy, dx); of a transposed convolution under its one tap.
+  /// Returns the input of sum `x` in output row `y` under tap (dy, dx), or under its one tap if the convolution is
+  /// transposed.
   template <typename T>
   [[nodiscard]] const T* input(const Strip& strip, size_t y, size_t x, size_t dy = 0, size_t dx = 0) const {
     if (transposed) return strip.inputs[0].row<const T>(static_cast<ptrdiff_t>(y / stride)) + x * in_stride;

@@ -6,7 +6,7 @@
 
 namespace e2lf::engine {
 
-// Rows of a tensor that nobody reads would never be released, nor those that it is made from.
+// Rows of a tensor without readers would never be released, nor would those from which they are computed.
 model::Network without_unread_layers(const model::Network& network) {
   std::set<std::string> read = {network.layers.back().name};
   model::Network result{network.input_channels, {}};

@@ -5,7 +5,7 @@
 
 namespace e2lf::engine {
 
-/// The layers that the output is made from. The network must be valid.
+/// Returns the network without the layers on which the output does not depend. The network must be valid.
 [[nodiscard]] model::Network without_unread_layers(const model::Network& network);
 
 }  // namespace e2lf::engine

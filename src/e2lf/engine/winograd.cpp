@@ -53,14 +53,15 @@ class WinogradKernel final : public Kernel {
   }
 
   void run_block(const Strip& strip, size_t block, std::byte* scratch) const override {
-    // Blocks of nearly the same size, so that the last one is not a remainder.
+    // Blocks have nearly equal sizes, so that the last one is not a small remainder.
     const size_t blocks = num_blocks(strip);
     const size_t first = num_tiles(strip) * block / blocks;
     const size_t count = num_tiles(strip) * (block + 1) / blocks - first;
     auto* transformed = reinterpret_cast<Element*>(scratch);
     auto* sums = reinterpret_cast<float*>(scratch + transformed_bytes());
     auto* patch = reinterpret_cast<Element*>(scratch + transformed_bytes() + sums_bytes());
-    // Behind the channels that gather_shifts() writes; zero weights would not keep out the NaN of an earlier stage.
+    // This clears the elements after the channels that gather_shifts() writes. Zero weights would not suppress a NaN
+    // left there by an earlier stage.
     if (parts_ > 1) std::memset(patch, 0, patch_bytes());
     for (size_t tile = 0; tile < count; ++tile) {
       transform_tile(strip, first + tile, patch, transformed + tile * kWinogradMatrices * depth_);
@@ -73,7 +74,7 @@ class WinogradKernel final : public Kernel {
   }
 
  private:
-  /// The sums of one of the 36 points for the tiles of a block: a small matrix product.
+  /// Computes the sums of one of the 36 points for the tiles of a block, which is a small matrix product.
   struct Multiply {
     const WinogradKernel& kernel;
     const Element* transformed;
@@ -101,7 +102,7 @@ class WinogradKernel final : public Kernel {
     }
   };
 
-  /// The outputs of a block's tiles.
+  /// Computes the outputs of the tiles of a block.
   struct Finish {
     const WinogradKernel& kernel;
     const Strip& strip;
@@ -126,7 +127,7 @@ class WinogradKernel final : public Kernel {
 
   size_t patch_bytes() const { return (patch_rows() * kWinogradPoints * group_ + kFewChannels) * sizeof(Element); }
 
-  /// The 6x6 input pixels of a tile, transformed: point p goes to `to` + p * depth_.
+  /// Transforms the 6x6 input pixels of a tile. Point p is stored at `to` + p * depth_.
   void transform_tile(const Strip& strip, size_t tile, Element* HWY_RESTRICT patch, Element* HWY_RESTRICT to) const {
     const auto y = static_cast<ptrdiff_t>(strip.begin + tile / tiles_per_row(strip) * kTileSize);
     const auto x = static_cast<ptrdiff_t>(tile % tiles_per_row(strip) * kTileSize);
@@ -168,11 +169,11 @@ class WinogradKernel final : public Kernel {
     }
   }
 
-  /// Input rows that the parts of a kernel together see of a tile.
+  /// Returns the number of input rows that all parts of a kernel see for a tile.
   size_t patch_rows() const { return kWinogradPoints + 3 * (parts_ - 1); }
 
-  /// Copies what the 3x3 parts of a larger kernel see of a tile: pixel j of a row of the patch holds the channels of
-  /// the input pixels 0, 3, 6, ... further.
+  /// Copies the pixels that the 3x3 parts of a larger kernel see for a tile: pixel j of a row of the patch holds the
+  /// channels of the input pixels at offsets 0, 3, 6, ...
   void gather_shifts(const Strip& strip, ptrdiff_t y, ptrdiff_t x, Element* HWY_RESTRICT patch) const {
     const auto radius = static_cast<ptrdiff_t>(kernel_ / 2);
     const size_t parts = parts_;
@@ -190,7 +191,8 @@ class WinogradKernel final : public Kernel {
     }
   }
 
-  /// Few channels are copied with what is behind them: padding, or overwritten by the next copy.
+  /// If there are few channels, the elements after them are copied as well; they are padding or are overwritten by the
+  /// next copy.
   HWY_INLINE void copy_channels(const Element* HWY_RESTRICT from, Element* HWY_RESTRICT to) const {
     if (in_channels_ <= kFewChannels) {
       std::memcpy(to, from, kFewChannels * sizeof(Element));
@@ -199,7 +201,7 @@ class WinogradKernel final : public Kernel {
     }
   }
 
-  /// The outputs of a tile that lie inside the strip; point p's sums are at `sums` + p * columns.
+  /// Computes the outputs of a tile that lie inside the strip. The sums of point p are at `sums` + p * columns.
   template <bool kResidual, class Output>
   void finish_tile(const Strip& strip, size_t tile, const float* HWY_RESTRICT sums) const {
     const size_t y = strip.begin + tile / tiles_per_row(strip) * kTileSize;

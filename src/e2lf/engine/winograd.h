@@ -9,12 +9,13 @@ namespace e2lf::engine {
 // Winograd's F(4, 3), see kernels/winograd_points.h.
 using kernels::kWinogradA, kernels::kWinogradB, kernels::kWinogradMatrices, kernels::kWinogradPoints;
 
-/// Tiles that are transformed and multiplied together: with the weights they should fit the second-level cache.
+/// The number of tiles that are transformed and multiplied together. With the weights, they should fit into the
+/// second-level cache.
 inline constexpr size_t kWinogradBlockTiles = 12;
 
-/// A kernel larger than 3x3 is cut into parts x parts 3x3 kernels, which see copies of the input shifted by multiples
-/// of 3 pixels. The copies for one vertical shift are a group of channels, padded; together they are the depth of the
-/// products.
+/// The division of a kernel larger than 3x3 into parts x parts 3x3 kernels, which see copies of the input shifted by
+/// multiples of 3 pixels. The copies for one vertical shift form a padded group of channels; all groups together are
+/// the depth of the products.
 struct WinogradParts {
   size_t parts = 1;
   size_t group = 0;
@@ -22,8 +23,8 @@ struct WinogradParts {
 };
 [[nodiscard]] WinogradParts winograd_parts(const ConvSpec& spec);
 
-/// The 36 matrices [depth, output channel] of a stride-1 convolution's transformed weights. Part (py, px) of input
-/// channel c is row py * group + px * in_channels + c.
+/// Packs the 36 matrices [depth, output channel] of the transformed weights of a stride-1 convolution. Part (py, px) of
+/// input channel c is row py * group + px * in_channels + c.
 [[nodiscard]] PackedMatrices pack_winograd_weights(const ConvSpec& spec);
 
 }  // namespace e2lf::engine

@@ -13,13 +13,13 @@ namespace {
 
 using lightfield::LightField;
 
-/// Sums over pixels and pairs of neighbours.
+/// Sums over pixels and pairs of neighbouring views.
 struct Sums {
   double error_squares = 0, truth_squares = 0;
   size_t count = 0;
 };
 
-/// The two views that are compared with their neighbours, in both light fields.
+/// Two neighbouring views that are compared in both light fields.
 struct ViewPair {
   size_t view_y, view_x, next_y, next_x;
 };

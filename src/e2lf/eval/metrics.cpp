@@ -50,7 +50,7 @@ Result<void> check(const LightField& truth, const LightField& reconstruction) {
   return check_finite(reconstruction, "reconstruction");
 }
 
-/// One channel of an interleaved view as a plane [y, x].
+/// Extracts one channel of an interleaved view as a plane [y, x].
 std::vector<float> take_channel(std::span<const float> view, size_t channel, size_t channels) {
   std::vector<float> plane(view.size() / channels);
   for (size_t i = 0; i < plane.size(); ++i) plane[i] = view[i * channels + channel];

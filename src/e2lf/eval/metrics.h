@@ -12,17 +12,19 @@
 
 namespace e2lf::eval {
 
-/// Mean of (a - b)^2 over all values, summed in double. Spans of different or no length break the contract.
+/// Computes the mean of (a - b)^2 over all values, summed in double. Spans that are empty or of different lengths break
+/// the contract.
 [[nodiscard]] double mean_squared_error(std::span<const float> values_a, std::span<const float> values_b);
 
-/// Peak signal-to-noise ratio 10 log10(1 / mse) for values in [0, 1]; infinity for an mse of 0.
+/// Returns the peak signal-to-noise ratio 10 log10(1 / mse) for values in [0, 1], which is infinite for an mse of 0.
 [[nodiscard]] double psnr_from_mse(double mse);
 
 struct MetricOptions {
-  bool clamp = true;  ///< clamp the reconstruction to [0, 1] before measuring, as a saved picture is
+  bool clamp = true;  ///< clamps the reconstruction to [0, 1] first, as saving it as a picture would
 };
 
-/// The figures of one view, or their means. Colour: PSNR over all channels, SSIM averaged over them.
+/// The metrics of one view, or their means. For colour, PSNR is computed over all channels and SSIM is averaged over
+/// them.
 struct Metrics {
   double psnr_db = 0;
   double ssim_uniform7 = 0;  ///< ssim.h, SsimWindow::kUniform7
@@ -34,16 +36,17 @@ struct ViewMetrics {
   Metrics metrics;
 };
 
-/// How well a light field was reconstructed: each view, and the plain mean over views (of the decibels, as papers do).
+/// The quality of a reconstructed light field: the metrics of each view and their arithmetic mean over the views (of
+/// PSNR in decibels, as in papers).
 struct LightFieldMetrics {
   Metrics mean;
   EpiError epi;
   std::vector<ViewMetrics> views;  ///< in view order
 };
 
-/// Compares a reconstruction with the true light field; float values are used as they are, nothing is rounded to 8
-/// bits. Views are shared among threads; the figures do not depend on their number. Fails with kShape (different
-/// shapes, or views smaller than 11x11) and kInvalidValue (NaN or infinity, naming the view).
+/// Compares a reconstruction with the true light field. Float values are used as they are, without rounding to 8 bits.
+/// The views are distributed among threads; the figures do not depend on their number. Fails with kShape (different
+/// shapes, or views smaller than 11x11) and kInvalidValue (NaN or infinity; the location names the view).
 [[nodiscard]] Result<LightFieldMetrics> compare(const lightfield::LightField& truth,
                                                 const lightfield::LightField& reconstruction,
                                                 const MetricOptions& options = {}, const ProgressFn& progress = {});

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
 
-/// The one-dimensional weights of a window, with sum 1; both windows are separable.
+/// Returns the one-dimensional weights of a window, with sum 1. Both windows are separable.
 std::vector<double> window_weights(SsimWindow window) {
   const size_t size = ssim_window_size(window);
   std::vector<double> weights(size, 1.0);
@@ -29,13 +29,13 @@ std::vector<double> window_weights(SsimWindow window) {
   return weights;
 }
 
-/// Windowed means of one row of windows: a, b, a^2 + b^2 (SSIM needs no more than the sum of the variances), and a * b.
+/// Windowed means of one row of windows: a, b, a^2 + b^2 (SSIM needs only the sum of the variances) and a * b.
 struct MomentRows {
   explicit MomentRows(size_t width) : a(width), b(width), squares(width), product(width) {}
   std::vector<double> a, b, squares, product;
 };
 
-/// The vertical part: moments of each column over the rows of the window that starts at `image_*`.
+/// Filters vertically: computes the moments of each column over the rows of the window that starts at `image_*`.
 void filter_columns(const float* image_a, const float* image_b, size_t width, const std::vector<double>& weights,
                     MomentRows& columns) {
   columns = MomentRows(width);
@@ -53,7 +53,7 @@ void filter_columns(const float* image_a, const float* image_b, size_t width, co
   }
 }
 
-/// The horizontal part, for the windows that lie inside the row.
+/// Filters horizontally, for the windows that lie inside the row.
 void filter_row(const std::vector<double>& columns, const std::vector<double>& weights, std::vector<double>& row) {
   std::fill(row.begin(), row.end(), 0.0);
   for (size_t i = 0; i < weights.size(); ++i) {

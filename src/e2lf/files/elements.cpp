@@ -42,7 +42,7 @@ struct Half {
   }
 };
 
-/// Calls visit(T{}) with the type of the code; false for an unknown code.
+/// Calls visit(T{}) with the type of the code. Returns false for an unknown code.
 template <typename Visit>
 bool with_element_type(std::string_view code, Visit&& visit) {
   if (code == "f4") return visit(float{}), true;

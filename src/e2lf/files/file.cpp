@@ -20,7 +20,7 @@ namespace e2lf {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::chrono::milliseconds kReaderPoll(20);  // how long a stop may take while nobody reads a pipe
+constexpr std::chrono::milliseconds kReaderPoll(20);  // the longest delay of a stop while a pipe has no reader
 
 Error system_error(const fs::path& path, const char* action, int error_number) {
   const ErrorCode code = error_number == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
@@ -31,7 +31,7 @@ Error system_error(const fs::path& path, const char* action, int error_number) {
   return {code, cat("cannot ", action, " (", std::strerror(error_number), "); ", remedy), path.string()};
 }
 
-/// A name in the same folder that no other writer uses at the same time.
+/// Returns a name in the same folder that no other writer uses at the same time.
 fs::path staging_name(const fs::path& target) {
   static int counter = 0;
   fs::path name = target;
@@ -105,12 +105,12 @@ bool is_stream(const fs::path& path) {
 
 Result<int> open_stream(const fs::path& path) {
   std::error_code ignored;
-  // Opening a named pipe would wait in the kernel. A signal just before that would end nothing.
+  // Opening a named pipe would block in the kernel, and a signal that arrives just before would have no effect.
   const int waiting = fs::is_fifo(path, ignored) ? O_NONBLOCK : 0;
   for (;;) {
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | waiting);
     if (descriptor >= 0) {
-      if (waiting != 0) ::fcntl(descriptor, F_SETFL, 0);  // writing waits
+      if (waiting != 0) ::fcntl(descriptor, F_SETFL, 0);  // writes block again
       return descriptor;
     }
     const bool has_no_reader = errno == ENXIO && waiting != 0;
@@ -129,7 +129,7 @@ Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {
   const fs::path staging = staging_name(path);
   const int descriptor = ::open(staging.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) return system_error(path, "write", errno);
-  // The lock tells that the writer is alive; see remove_dead_parts().
+  // The lock shows that the writer is alive; see remove_dead_parts().
   static_cast<void>(::flock(descriptor, LOCK_EX | LOCK_NB));
   Result<void> status = write_all(descriptor, path, bytes);
   if (::close(descriptor) != 0 && status.ok()) status = system_error(path, "write", errno);

@@ -12,25 +12,29 @@
 
 namespace e2lf {
 
-/// The whole file as bytes. Fails with kNotFound, kIo (a folder, no permission, a read that stops early).
+/// Reads a whole file. Fails with kNotFound, or with kIo for a folder, missing permissions or an incomplete read.
 [[nodiscard]] Result<std::vector<uint8_t>> read_file(const std::filesystem::path& path);
 
-/// Its first bytes: `most` of them, or all there are. Fails as read_file does.
+/// Reads the first `most` bytes of a file, or all of it if it is shorter. Fails as read_file does.
 [[nodiscard]] Result<std::vector<uint8_t>> read_head(const std::filesystem::path& path, size_t most);
 
-/// Writes beside `path` and renames: readers see the old file or the whole new one, never a part. Missing parent
-/// folders are made. Fails with kIo; an existing file is replaced (see check_output for asking first).
+/// Writes a file atomically: the bytes go to a sibling of `path`, which is then renamed, so that readers see either the
+/// old file or the whole new one. Missing parent folders are created, and an existing file is replaced (check_output()
+/// guards against that). To a device, pipe or socket the bytes are written directly. Fails with kIo.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, const std::string& text);
 
-/// Fails with kExists when `path` is there already and `overwrite` is false. Called before work starts.
+/// Fails with kExists if `path` exists and `overwrite` is false, or if it is a folder. It is called before the work
+/// starts.
 [[nodiscard]] Result<void> check_output(const std::filesystem::path& path, bool overwrite);
 
-/// A file that appears whole or not at all, for writers that write bit by bit: they write to path(), a sibling of
-/// `target` with a temporary name, and commit() renames it. Without commit() the destructor removes what was written.
+/// A file that appears either whole or not at all, for writers that write piece by piece. They write to path(), a
+/// sibling of `target` with a temporary name, and commit() renames it. Without commit(), the destructor removes what
+/// was written.
 class AtomicFile {
  public:
-  /// Names the sibling and makes missing parent folders. Fails with kIo.
+  /// Chooses the name of the sibling and creates missing parent folders. Fails with kIo, and with kUnsupported if
+  /// `target` is a device, pipe or socket.
   [[nodiscard]] static Result<AtomicFile> create(const std::filesystem::path& target);
 
   AtomicFile(AtomicFile&& other) noexcept;
@@ -40,7 +44,7 @@ class AtomicFile {
   [[nodiscard]] const std::filesystem::path& path() const { return staging_; }
   [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 
-  /// Puts the file in place of an existing one. Fails with kIo.
+  /// Renames the file to its target, replacing an existing one. Fails with kIo.
   [[nodiscard]] Result<void> commit();
 
  private:

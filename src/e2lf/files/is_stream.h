@@ -7,11 +7,12 @@
 
 namespace e2lf {
 
-/// Whether bytes for `path` go out in their order and cannot be taken back: a device, a named pipe or a socket.
+/// Returns true if `path` is a device, a named pipe or a socket: bytes written there leave in order and cannot be taken
+/// back.
 [[nodiscard]] bool is_stream(const std::filesystem::path& path);
 
-/// A descriptor to write to a stream; of a named pipe it comes when somebody reads there. Fails with kIo, and with
-/// kCancelled when a stop is asked for before.
+/// Opens a stream for writing and returns its descriptor. For a named pipe, this waits for a reader. Fails with kIo,
+/// and with kCancelled if a stop is requested meanwhile.
 [[nodiscard]] Result<int> open_stream(const std::filesystem::path& path);
 
 }  // namespace e2lf

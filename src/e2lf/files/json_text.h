@@ -7,8 +7,9 @@
 
 namespace e2lf {
 
-/// The text of a JSON value: indented and ending in a new line, or on one line without any. Never throws: bytes that
-/// are no UTF-8, as names of files may hold, become U+FFFD.
+/// Formats a JSON value as text: json_text() indents it and ends it with a new line, json_line() writes one line
+/// without a new line. They never throw: bytes that are not valid UTF-8, which names of files may contain, become
+/// U+FFFD.
 [[nodiscard]] std::string json_text(const Json& json);
 [[nodiscard]] std::string json_line(const Json& json);
 

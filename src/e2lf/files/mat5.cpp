@@ -16,25 +16,26 @@ constexpr size_t kByteOrderAt = 126;
 constexpr size_t kTagBytes = 8;
 constexpr uint32_t kMatrix = 14;
 constexpr uint32_t kCompressed = 15;
-// Enough of a variable for its type, extents and a name of 63 letters.
+// This is enough of a variable for its type, its extents and a name of 63 letters.
 constexpr size_t kPreviewBytes = 1024;
-// More than anybody looks through for a name.
+// The limit keeps the listing of a huge file short.
 constexpr size_t kMostElements = 1000;
 
 uint32_t load32(std::span<const uint8_t> bytes) {
   return bytes[0] | uint32_t{bytes[1]} << 8 | uint32_t{bytes[2]} << 16 | uint32_t{bytes[3]} << 24;
 }
 
-/// A data element: a tag (type, size) and what it counts.
+/// A data element: a tag (type and size) and the data that it describes.
 struct Element {
   uint32_t type = 0;
-  size_t size = 0;                ///< as the tag says
-  std::span<const uint8_t> data;  ///< shorter than `size` where the bytes end before
-  size_t stored_bytes = 0;        ///< of all of it: tag, data, padding
+  size_t size = 0;                ///< as the tag states
+  std::span<const uint8_t> data;  ///< shorter than `size` if the bytes end early
+  size_t stored_bytes = 0;        ///< total size of tag, data and padding
 };
 
-/// Takes the next element off the front; absent where not even a tag is left. A small element keeps its data, up to
-/// four bytes, in its tag ("Small Data Element Format"). All but compressed ones are padded to eight bytes.
+/// Removes the next element from the front of `rest`, or returns nothing if not even a tag is left. A small element
+/// keeps its data, up to four bytes, in its tag ("Small Data Element Format"). All elements except compressed ones are
+/// padded to eight bytes.
 std::optional<Element> take_element(std::span<const uint8_t>& rest) {
   if (rest.size() < kTagBytes) return std::nullopt;
   const uint32_t word = load32(rest);
@@ -57,8 +58,8 @@ bool is_whole(const std::optional<Element>& element) {
   return element && element->data.size() == element->size;
 }
 
-/// Inflates up to out.size() bytes; the number of bytes, or nothing when the stream is damaged. A stream that ends here
-/// has its checksum compared by zlib.
+/// Inflates up to out.size() bytes and returns their number, or nothing if the stream is damaged. zlib verifies the
+/// checksum of a stream that ends here.
 std::optional<size_t> inflate_some(std::span<const uint8_t> in, std::span<uint8_t> out, bool to_the_end) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) return std::nullopt;
@@ -73,20 +74,20 @@ std::optional<size_t> inflate_some(std::span<const uint8_t> in, std::span<uint8_
   return std::nullopt;
 }
 
-/// The first bytes of a compressed element; empty when it is damaged.
+/// Returns the first bytes of a compressed element, or none if it is damaged.
 std::vector<uint8_t> inflate_preview(std::span<const uint8_t> in) {
   std::array<uint8_t, kPreviewBytes> buffer{};
   const size_t size = inflate_some(in, buffer, false).value_or(0);
   return {buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(size)};
 }
 
-/// What stands before the samples of a matrix element.
+/// The parts of a matrix element that precede its samples.
 struct MatrixHead {
   MatArray array;
   std::string name;
 };
 
-/// Reads it and leaves `rest` at the samples; absent where it is damaged.
+/// Reads the head and leaves `rest` at the samples. Returns nothing if the head is damaged.
 std::optional<MatrixHead> take_head(std::span<const uint8_t>& rest) {
   MatrixHead head;
   const auto flags = take_element(rest);
@@ -116,13 +117,14 @@ Error damaged(const std::string& location) {
   return {ErrorCode::kFormat, "the MATLAB file is damaged; copy or save it again", location};
 }
 
-/// Inflates a whole variable; its tag, at the front of `preview`, says how long it is.
+/// Inflates a whole variable, whose length is stated by the tag at the front of `preview`.
 Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<const uint8_t> preview,
                                               uint64_t max_bytes, const std::string& location) {
   const uint64_t size = kTagBytes + uint64_t{load32(preview.subspan(4))};
-  // Deflate cannot make one byte stand for more than 1032.
+  // Deflate cannot compress by more than a factor of 1032.
   if (size / 1032 > element.size) return damaged(location);
-  // Some room for what surrounds the samples, whose size the caller checks too. zlib counts in 32 bits.
+  // The limit leaves some room for the head around the samples, whose size the caller checks as well. zlib counts in 32
+  // bits.
   if (size > max_bytes + kPreviewBytes || size > UINT32_MAX) {
     return Error{ErrorCode::kUnsupported, cat("inflates to ", size, " bytes, more than the limit; raise the limit"),
                  location};
@@ -132,7 +134,7 @@ Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<
   return bytes;
 }
 
-/// The matrix's samples, after its head.
+/// Reads the samples of the matrix, which follow its head.
 Result<MatArray> finish_array(MatArray array, std::span<const uint8_t> rest, const std::string& location) {
   const auto samples = take_element(rest);
   if (!is_whole(samples)) return truncated(location);

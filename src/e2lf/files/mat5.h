@@ -12,7 +12,7 @@
 
 namespace e2lf {
 
-/// How a number is stored (MAT-File Format, version 5, table "Data Types").
+/// The storage type of a number (MAT-File Format, version 5, table "Data Types").
 enum class MatStorage : uint32_t {
   kInt8 = 1,
   kUint8 = 2,
@@ -24,7 +24,7 @@ enum class MatStorage : uint32_t {
   kDouble = 9,
 };
 
-/// What a number is to MATLAB ("Array Types"); it may be stored as a smaller type where all values fit.
+/// The MATLAB class of an array ("Array Types"). Its numbers may be stored as a smaller type if all values fit.
 enum class MatClass : uint8_t {
   kDouble = 6,
   kSingle = 7,
@@ -36,37 +36,37 @@ enum class MatClass : uint8_t {
   kUint32 = 13,
 };
 
-/// A numeric array of a MATLAB file before version 7.3, column-major.
+/// A numeric array of a MATLAB file older than version 7.3, in column-major order.
 struct MatArray {
-  uint8_t array_class = 0;  ///< a MatClass, or another that is not handled here
+  uint8_t array_class = 0;  ///< a MatClass, or another value, which is not handled here
   bool complex = false;
-  bool logical = false;  ///< a uint8 to MATLAB's file, true (1) or false (0) to MATLAB
+  bool logical = false;  ///< true if the uint8 array is a logical one, whose values are true (1) and false (0)
   std::vector<size_t> extents;
   uint32_t storage = 0;           ///< a MatStorage
-  std::span<const uint8_t> data;  ///< little-endian; in `inflated`, or in the bytes of the file
-  std::vector<uint8_t> inflated;  ///< holds the variable where the file compresses it
+  std::span<const uint8_t> data;  ///< little-endian; points into `inflated` or into the bytes of the file
+  std::vector<uint8_t> inflated;  ///< holds the variable if the file compresses it
 };
 
-/// Finds variable `name` in the bytes of a file. Compressed data is checked against its checksum, and `max_bytes` is
-/// the most it may inflate to. Fails with kNotFound, kTruncated, kFormat and kUnsupported (big-endian, too large).
+/// Finds the variable `name` in the bytes of a file. The checksum of compressed data is verified, and `max_bytes`
+/// limits their inflated size. Fails with kNotFound, kTruncated, kFormat and kUnsupported (big-endian or too large).
 [[nodiscard]] Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name,
                                               uint64_t max_bytes, const std::string& location);
 
-/// The names of the variables in a file, a thousand at most; data are not read. Fails with kTruncated (or no such file)
-/// and kUnsupported (big-endian).
+/// Returns the names of the variables in a file, at most a thousand, without reading their data. Fails with kTruncated
+/// (also if there is no such file) and kUnsupported (big-endian).
 [[nodiscard]] Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path);
 
-/// An array to write, column-major. One of its class's own storage: kSingle for kSingle.
+/// An array to write, in column-major order. It is stored in the type of its class: kSingle as kSingle.
 struct MatVariable {
   std::string name;
   MatClass array_class = MatClass::kSingle;
-  std::vector<size_t> extents;    ///< two at least
+  std::vector<size_t> extents;    ///< at least two
   std::span<const uint8_t> data;  ///< little-endian
 };
 
-/// A MATLAB file of version 6 (the format of version 5, nothing compressed), as `save -v6` makes it. Fails with
-/// kUnsupported where a variable has 2 GiB or more, which the format cannot hold. Extents that `data` does not fill
-/// break the contract.
+/// Encodes a MATLAB file of version 6 (the format of version 5 without compression), as `save -v6` writes it. Fails
+/// with kUnsupported if a variable has 2 GiB or more, which the format cannot hold. If `data` does not fill the
+/// extents, the contract is broken.
 [[nodiscard]] Result<std::vector<uint8_t>> encode_mat(std::span<const MatVariable> variables,
                                                       const std::string& location);
 

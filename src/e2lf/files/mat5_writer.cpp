@@ -7,9 +7,9 @@
 namespace e2lf {
 namespace {
 
-constexpr size_t kTextBytes = 124, kTagBytes = 8;
+constexpr size_t kTextBytes = 124, kWrittenTagBytes = 8;
 constexpr uint64_t kMostBytes = (uint64_t{1} << 31) - 1024;
-constexpr uint32_t kMatrix = 14;
+constexpr uint32_t kMatrixType = 14;
 
 struct ClassStorage {
   MatStorage storage;
@@ -43,7 +43,7 @@ void append_word(std::vector<uint8_t>& bytes, uint32_t word) {
   store_le(bytes.data() + bytes.size() - sizeof(word), word);
 }
 
-/// A tag, the data, and zeros up to a multiple of eight bytes.
+/// Appends a tag, the data, and zeros up to a multiple of eight bytes.
 void append_element(std::vector<uint8_t>& bytes, uint32_t type, std::span<const uint8_t> data) {
   append_word(bytes, type);
   append_word(bytes, static_cast<uint32_t>(data.size()));
@@ -51,7 +51,7 @@ void append_element(std::vector<uint8_t>& bytes, uint32_t type, std::span<const 
   bytes.resize((bytes.size() + 7) / 8 * 8);
 }
 
-/// What stands before the numbers of an array: class, extents, name.
+/// Returns the part of a matrix element that precedes its numbers: class, extents and name.
 std::vector<uint8_t> matrix_head(const MatVariable& variable) {
   std::vector<uint8_t> flags, extents, head;
   append_word(flags, static_cast<uint32_t>(variable.array_class));
@@ -69,7 +69,7 @@ std::vector<uint8_t> matrix_head(const MatVariable& variable) {
 Result<std::vector<uint8_t>> encode_mat(std::span<const MatVariable> variables, const std::string& location) {
   std::string header = "MATLAB 5.0 MAT-file, written by e2lf";
   header.resize(kTextBytes, ' ');
-  header += std::string("\x00\x01IM", 4);  // version 0x0100; the byte order
+  header += std::string("\x00\x01IM", 4);  // version 0x0100 and the byte order
   std::vector<uint8_t> file(header.begin(), header.end());
   for (const MatVariable& variable : variables) {
     const ClassStorage own = own_storage(variable.array_class);
@@ -85,8 +85,8 @@ Result<std::vector<uint8_t>> encode_mat(std::span<const MatVariable> variables, 
     }
     const std::vector<uint8_t> head = matrix_head(variable);
     const size_t padded = (variable.data.size() + 7) / 8 * 8;
-    append_word(file, kMatrix);
-    append_word(file, static_cast<uint32_t>(head.size() + kTagBytes + padded));
+    append_word(file, kMatrixType);
+    append_word(file, static_cast<uint32_t>(head.size() + kWrittenTagBytes + padded));
     file.insert(file.end(), head.begin(), head.end());
     append_element(file, static_cast<uint32_t>(own.storage), variable.data);
   }

@@ -28,7 +28,7 @@ void reverse_big_endian(const NpyHeader& header, std::vector<uint8_t>& bytes) {
   }
 }
 
-/// Column-major items (the first index runs fastest) in row-major order.
+/// Reorders column-major items (the first index runs fastest) to row-major order.
 std::vector<uint8_t> fortran_to_c(const NpyArray& array, const std::vector<uint8_t>& bytes) {
   std::vector<uint8_t> ordered(bytes.size());
   std::vector<size_t> index(array.shape.size(), 0);
@@ -41,7 +41,7 @@ std::vector<uint8_t> fortran_to_c(const NpyArray& array, const std::vector<uint8
   size_t source = 0;
   for (size_t target = 0; target < ordered.size(); target += array.item_size) {
     std::memcpy(ordered.data() + target, bytes.data() + source, array.item_size);
-    // Step the row-major index: the last axis first.
+    // Advance the row-major index; the last axis runs fastest.
     for (size_t axis = index.size(); axis-- > 0;) {
       source += strides[axis];
       if (++index[axis] < array.shape[axis]) break;
@@ -129,7 +129,7 @@ Result<NpyArray> peek_npy(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto head, read_head(path, kNpyHeadBytes));
   auto header = parse_npy_header(head, path.string());
   if (header) return std::move(header->array);
-  // A header longer than that is legal, if rare.
+  // A header longer than that is valid, if rare.
   if (header.error().code != ErrorCode::kTruncated || head.size() < kNpyHeadBytes) return header.error();
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
   E2LF_ASSIGN_OR_RETURN(NpyHeader longer, parse_npy_header(bytes, path.string()));

@@ -12,16 +12,17 @@
 
 namespace e2lf {
 
-/// One field of a structured (record) array: name, numpy type code without byte order ("u2", "i8"), byte offset.
+/// One field of a structured (record) array: its name, its numpy type code without byte order ("u2", "i8"), and its
+/// byte offset.
 struct NpyField {
   std::string name;
   std::string type;
   size_t offset = 0;
 };
 
-/// A numpy array as stored: row-major little-endian bytes with their shape and type.
+/// A numpy array as it is stored: row-major little-endian bytes with their shape and type.
 struct NpyArray {
-  std::string type;              ///< numpy code without byte order: "f4", "i2", "u1", "b1", ...; empty for records
+  std::string type;              ///< numpy type code without byte order: "f4", "i2", "u1", "b1", ...; empty for records
   std::vector<NpyField> fields;  ///< for records only
   size_t item_size = 0;          ///< bytes per element or record
   std::vector<size_t> shape;
@@ -29,42 +30,44 @@ struct NpyArray {
 
   [[nodiscard]] size_t num_elements() const;
 
-  /// The elements as float32 or int32, converted from any numeric type. int32 fails with kInvalidValue where a value
-  /// does not fit or is not whole. `name` is the location in errors.
+  /// Converts the elements from any numeric type to float32 or int32. to_int32() fails with kInvalidValue if a value is
+  /// not whole or does not fit. `name` is the location in errors.
   [[nodiscard]] Result<std::vector<float>> to_float(const std::string& name) const;
   [[nodiscard]] Result<std::vector<int32_t>> to_int32(const std::string& name) const;
 };
 
-/// An array of that shape for float, double, uint8_t, int8_t, int16_t, uint16_t, int32_t or int64_t.
+/// Makes an array of that shape. T is float, double, uint8_t, int8_t, int16_t, uint16_t, int32_t or int64_t.
 template <typename T>
 [[nodiscard]] NpyArray make_npy(std::vector<size_t> shape, std::span<const T> values);
 
-/// Decodes / encodes a .npy file in memory: version 1 to 3, C or Fortran order (turned to C), either byte order (turned
-/// to little). A header that claims more than the file holds is kTruncated; nothing is allocated on its word.
+/// Decodes or encodes a .npy file in memory. Versions 1 to 3, C and Fortran order, and both byte orders are read, and
+/// the array is converted to C order and little-endian bytes. Fails with kTruncated if the header claims more data than
+/// the file holds; nothing is allocated before that is checked.
 [[nodiscard]] Result<NpyArray> decode_npy(std::span<const uint8_t> bytes, const std::string& name);
 [[nodiscard]] std::vector<uint8_t> encode_npy(const NpyArray& array);
 
 [[nodiscard]] Result<NpyArray> read_npy(const std::filesystem::path& path);
 
-/// Type and shape as the header says, with no bytes: tells what a file holds without reading it. Fails as decode_npy
-/// does, but does not notice missing data.
+/// Reads the type and shape from the header and leaves the bytes empty, so that the content of a file is known without
+/// reading it. Fails as decode_npy does, but does not detect missing data.
 [[nodiscard]] Result<NpyArray> peek_npy(const std::filesystem::path& path);
 
 [[nodiscard]] Result<void> write_npy(const std::filesystem::path& path, const NpyArray& array);
 
 using NpzArrays = std::map<std::string, NpyArray>;
 
-/// Reads / writes a .npz archive (zip of .npy members, stored or deflated, zip64 where needed). Names come without
-/// ".npy"; members that are not arrays are passed over. Writing compresses with deflate when `compress`; equal arrays
-/// give equal bytes. Fails with kFormat (a member twice, sizes that do not agree), kTruncated, kUnsupported (another
-/// compression method), and kInvalidValue (a checksum that does not match). Memory follows what really unpacks.
+/// Decodes or encodes a .npz archive (a zip of .npy members, stored or deflated, with zip64 if needed). The names come
+/// without ".npy", and members that are not arrays are skipped. `compress` selects deflate for writing; equal arrays
+/// give equal bytes. Decoding fails with kFormat (a duplicate member, or inconsistent sizes), kTruncated, kUnsupported
+/// (another compression method) and kInvalidValue (a wrong checksum). Memory grows with the data that are actually
+/// unpacked.
 [[nodiscard]] Result<NpzArrays> decode_npz(std::span<const uint8_t> bytes, const std::string& name);
 [[nodiscard]] std::vector<uint8_t> encode_npz(const NpzArrays& arrays, bool compress = true);
 
 [[nodiscard]] Result<NpzArrays> read_npz(const std::filesystem::path& path);
 
-/// Names, types and shapes of the arrays, with no bytes: tells what an archive holds without unpacking it. Fails as
-/// decode_npz does, but does not notice damaged data.
+/// Returns the names, types and shapes of the arrays without their bytes, so that the content of an archive is known
+/// without unpacking it. Fails as decode_npz does, but does not detect damaged data.
 [[nodiscard]] Result<NpzArrays> peek_npz(std::span<const uint8_t> bytes, const std::string& name);
 [[nodiscard]] Result<NpzArrays> peek_npz(const std::filesystem::path& path);
 

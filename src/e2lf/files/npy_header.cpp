@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kMaxRank = 64;
 
-/// Reads the Python literals that a header is made of; what is not there comes back as nullopt or false.
+/// Reads the Python literals of which a header consists. A missing literal is returned as nullopt or false.
 class LiteralReader {
  public:
   explicit LiteralReader(std::string_view text) : text_(text) {}
@@ -52,7 +52,7 @@ class LiteralReader {
     return std::nullopt;
   }
 
-  /// "(720, 1280)", "(3,)", "()".
+  /// Reads a tuple such as "(720, 1280)", "(3,)" or "()".
   std::optional<std::vector<size_t>> tuple() {
     std::vector<size_t> numbers;
     if (!accept('(')) return std::nullopt;
@@ -83,7 +83,7 @@ class LiteralReader {
   size_t position_ = 0;
 };
 
-Error malformed(const std::string& location, const std::string& what) {
+Error malformed_npy(const std::string& location, const std::string& what) {
   return {ErrorCode::kFormat, cat("not a numpy header (", what, "); save it again with numpy.save"), location};
 }
 
@@ -94,7 +94,7 @@ struct ElementCode {
   bool padding = false;
 };
 
-/// "<i2", "|u1", ">f4"; "|V3" is padding and allowed within records only.
+/// Parses a type code such as "<i2", "|u1" or ">f4". "|V3" denotes padding, which is allowed within records only.
 Result<ElementCode> parse_code(const std::string& text, const std::string& location) {
   const bool has_order = !text.empty() && std::strchr("<>|=", text[0]) != nullptr;
   ElementCode code;
@@ -117,12 +117,12 @@ void append_number(const ElementCode& code, NpyHeader& header) {
   header.array.item_size += code.size;
 }
 
-/// [('x', '<u2'), ('', '|V2'), ...]: the opening bracket has been read.
+/// Parses [('x', '<u2'), ('', '|V2'), ...], whose opening bracket has already been read.
 Result<void> parse_record(LiteralReader& reader, NpyHeader& header, const std::string& location) {
   while (!reader.accept(']')) {
-    if (!reader.accept('(')) return malformed(location, "a field is not a tuple");
+    if (!reader.accept('(')) return malformed_npy(location, "a field is not a tuple");
     const auto field_name = reader.string();
-    if (!field_name || !reader.accept(',')) return malformed(location, "a field has no plain name");
+    if (!field_name || !reader.accept(',')) return malformed_npy(location, "a field has no plain name");
     const auto field_type = reader.string();
     if (!field_type) {
       return Error{ErrorCode::kUnsupported, cat("field \"", *field_name, "\" is nested; store plain fields"), location};
@@ -136,20 +136,20 @@ Result<void> parse_record(LiteralReader& reader, NpyHeader& header, const std::s
     E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(*field_type, location));
     size_t record_size = 0;
     if (__builtin_add_overflow(header.array.item_size, code.size, &record_size)) {
-      return malformed(location, "the record is larger than any memory");
+      return malformed_npy(location, "the record is larger than any memory");
     }
     if (!code.padding) header.array.fields.push_back({*field_name, code.type, header.array.item_size});
     append_number(code, header);
   }
-  if (header.array.fields.empty()) return malformed(location, "a record without fields");
+  if (header.array.fields.empty()) return malformed_npy(location, "a record without fields");
   return {};
 }
 
 Result<void> parse_descr(LiteralReader& reader, NpyHeader& header, const std::string& location) {
-  if (header.array.item_size != 0) return malformed(location, "\"descr\" is there twice");
+  if (header.array.item_size != 0) return malformed_npy(location, "\"descr\" is there twice");
   if (reader.accept('[')) return parse_record(reader, header, location);
   const auto text = reader.string();
-  if (!text) return malformed(location, "\"descr\" is neither text nor a list");
+  if (!text) return malformed_npy(location, "\"descr\" is neither text nor a list");
   E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(*text, location));
   if (code.padding) {
     return Error{ErrorCode::kUnsupported, cat("elements of type \"", *text, "\" are not numbers; store plain numbers"),
@@ -164,10 +164,10 @@ Result<void> parse_dictionary(std::string_view text, NpyHeader& header, const st
   LiteralReader reader(text);
   std::optional<bool> fortran_order;
   std::optional<std::vector<size_t>> shape;
-  if (!reader.accept('{')) return malformed(location, "no dictionary");
+  if (!reader.accept('{')) return malformed_npy(location, "no dictionary");
   while (!reader.accept('}')) {
     const auto key = reader.string();
-    if (!key || !reader.accept(':')) return malformed(location, "a key is missing");
+    if (!key || !reader.accept(':')) return malformed_npy(location, "a key is missing");
     if (*key == "descr") {
       E2LF_RETURN_IF_ERROR(parse_descr(reader, header, location));
     } else if (*key == "fortran_order") {
@@ -175,16 +175,16 @@ Result<void> parse_dictionary(std::string_view text, NpyHeader& header, const st
     } else if (*key == "shape") {
       shape = reader.tuple();
     } else {
-      return malformed(location, cat("the key \"", *key, "\" is unknown"));
+      return malformed_npy(location, cat("the key \"", *key, "\" is unknown"));
     }
     if (reader.accept(',')) continue;
-    if (!reader.accept('}')) return malformed(location, cat("the value of \"", *key, "\" is damaged"));
+    if (!reader.accept('}')) return malformed_npy(location, cat("the value of \"", *key, "\" is damaged"));
     break;
   }
-  if (!reader.at_end()) return malformed(location, "text after the dictionary");
-  if (header.array.item_size == 0) return malformed(location, "\"descr\" is missing");
-  if (!fortran_order) return malformed(location, "\"fortran_order\" is missing");
-  if (!shape || shape->size() > kMaxRank) return malformed(location, "\"shape\" is missing or too long");
+  if (!reader.at_end()) return malformed_npy(location, "text after the dictionary");
+  if (header.array.item_size == 0) return malformed_npy(location, "\"descr\" is missing");
+  if (!fortran_order) return malformed_npy(location, "\"fortran_order\" is missing");
+  if (!shape || shape->size() > kMaxRank) return malformed_npy(location, "\"shape\" is missing or too long");
   header.fortran_order = *fortran_order;
   header.array.shape = std::move(*shape);
   return {};
@@ -221,7 +221,7 @@ std::string descr_text(const NpyArray& array) {
 Result<NpyHeader> parse_npy_header(std::span<const uint8_t> bytes, const std::string& name) {
   const Error truncated{ErrorCode::kTruncated, "the file ends within the numpy header; copy it again", name};
   const std::string_view head(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kMagic.size()));
-  if (head != kMagic.substr(0, head.size())) return malformed(name, "it does not begin with \\x93NUMPY");
+  if (head != kMagic.substr(0, head.size())) return malformed_npy(name, "it does not begin with \\x93NUMPY");
   if (bytes.size() < 10) return truncated;
   const uint8_t version = bytes[6];
   if (version < 1 || version > 3) {
@@ -249,7 +249,7 @@ std::vector<uint8_t> npy_header_bytes(const NpyArray& array) {
   for (const size_t extent : array.shape) shape += cat(shape.empty() ? "" : " ", extent, ",");
   if (array.shape.size() > 1) shape.pop_back();
   std::string text = cat("{'descr': ", descr_text(array), ", 'fortran_order': False, 'shape': (", shape, "), }");
-  // The data begin at a multiple of 64 bytes, the text ends with a newline; long record types need version 2.
+  // The data begin at a multiple of 64 bytes, and the text ends with a newline. Long record types need version 2.
   const size_t version = text.size() + 80 > 0xFFFF ? 2 : 1;
   const size_t length_size = version == 1 ? 2 : 4;
   const size_t used = kMagic.size() + 2 + length_size + text.size() + 1;

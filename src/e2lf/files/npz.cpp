@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kSuffix = ".npy";
 
-/// Stops the unpacking of a member whose header does not account for the size its directory entry claims.
+/// Rejects a member whose numpy header does not agree with the size in its directory entry, before it is unpacked.
 Result<void> check_head(std::span<const uint8_t> head, uint64_t claimed, const std::string& location) {
   const Result<NpyHeader> header = parse_npy_header(head, location);
   if (!header) {
@@ -25,7 +25,7 @@ Result<void> check_head(std::span<const uint8_t> head, uint64_t claimed, const s
                location};
 }
 
-/// Every member that is an array, as `read` makes it of its entry and location.
+/// Collects every member that is an array, made by `read` from its entry and location.
 template <typename Read>
 Result<NpzArrays> arrays_of(std::span<const uint8_t> bytes, const std::string& name, const Read& read) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<ZipEntry> entries, read_zip_directory(bytes, name));
@@ -50,7 +50,7 @@ Result<NpyArray> peek_member(const ZipEntry& entry, const std::string& location)
   return std::move(header.array);
 }
 
-/// The bytes of a file, where they have room.
+/// Reads a file if there is enough memory for it.
 Result<std::vector<uint8_t>> read_archive(const std::filesystem::path& path) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);

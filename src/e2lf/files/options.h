@@ -18,24 +18,25 @@ namespace e2lf {
 
 using Json = nlohmann::ordered_json;
 
-/// The number as it is usually written (0.3, not 0.30000001192092896); reading it as float gives the same float.
+/// Returns the number as it is usually written (0.3, not 0.30000001192092896). Reading it as a float gives the same
+/// float.
 [[nodiscard]] Json json_number(float value);
 
-/// Parses JSON text (comments allowed). Fails with kFormat; the location is `name` and the byte.
+/// Parses JSON text, which may contain comments. Fails with kFormat; the location is `name` and the byte.
 [[nodiscard]] Result<Json> parse_json(const std::string& text, const std::string& name);
 [[nodiscard]] Result<Json> read_json(const std::filesystem::path& path);
 
-/// Applies "a.b.c=value" (value: JSON, or a bare string) to a configuration, making objects on the way.
-/// Fails with kInvalidValue when there is no "=" or a step is not an object.
+/// Applies "a.b.c=value" to a configuration, where value is JSON or a bare string, and creates the objects on the way.
+/// Fails with kInvalidValue if there is no "=" or if a step is not an object.
 [[nodiscard]] Result<void> apply_override(Json& config, const std::string& assignment);
 
-/// Reads the fields of one JSON object into a plain options struct and refuses what it does not know:
+/// Reads the fields of one JSON object into a plain options struct and rejects unknown keys:
 ///
 ///   OptionReader reader(json, "config.json: $.train");
 ///   reader.read("batch", options.batch).read("steps", options.steps);
 ///   return reader.finish();   // the first wrong type, or an unknown key with the nearest known one
 ///
-/// Absent keys keep the struct's default.
+/// A key that is absent leaves the default of the struct.
 class OptionReader {
  public:
   OptionReader(const Json& object, std::string location);
@@ -49,11 +50,11 @@ class OptionReader {
     return convert<T>(key, [&](T value) { field = std::move(value); });
   }
 
-  /// The nested object under `key` (null when absent), to be read by another reader.
+  /// Returns the nested object under `key`, to be read by another reader, or null if it is absent.
   [[nodiscard]] const Json& child(const std::string& key);
   [[nodiscard]] std::string child_location(const std::string& key) const { return location_ + "." + key; }
 
-  /// Success, or the first error met: a value of the wrong type, or an unknown key.
+  /// Returns success, or the first error found: a value of the wrong type or an unknown key.
   [[nodiscard]] Result<void> finish() const;
 
  private:
@@ -74,7 +75,8 @@ class OptionReader {
     return *this;
   }
 
-  /// Stricter than the JSON library, which turns -1, 2.5 and true into any number type.
+  /// Returns true if the value fits T. It is stricter than the JSON library, which converts -1, 2.5 and true to any
+  /// number type.
   template <typename T>
   static bool fits(const Json& value) {
     if constexpr (std::is_same_v<T, bool>) {
@@ -88,7 +90,7 @@ class OptionReader {
       return true;
     }
   }
-  /// What a value of that type is called in errors.
+  /// Returns the words with which errors describe a value of type T.
   template <typename T>
   static const char* kind_of() {
     if constexpr (std::is_same_v<T, bool>) {

@@ -30,7 +30,7 @@ Error exists(const fs::path& path, const std::string& what) {
   return {ErrorCode::kExists, what, path.string()};
 }
 
-/// The record of a folder, or null when it has none of ours. A link is none.
+/// Returns the record of a folder, or null if it has none written by e2lf. A link does not count as a record.
 Json record_of(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(path, error))) return nullptr;
@@ -41,7 +41,7 @@ Json record_of(const fs::path& path) {
   return is_marked || is_older ? *json : Json(nullptr);
 }
 
-/// A path as a record lists it: below its folder and nowhere else.
+/// Returns true if a path stays below its folder, as the paths listed in a record do.
 bool is_inner(const fs::path& path) {
   if (path.empty() || path.is_absolute()) return false;
   for (const fs::path& step : path) {
@@ -59,7 +59,7 @@ void add_listed(const Json& record, const fs::path& below, std::set<fs::path>& l
   }
 }
 
-/// The files of a folder that its record and those of its parts list, relative to it.
+/// Returns the files of a folder that are listed by its record and by the records of its parts, relative to the folder.
 std::set<fs::path> listed_files(const fs::path& folder) {
   std::set<fs::path> listed;
   const Json record = record_of(folder / kRecord);
@@ -76,13 +76,13 @@ std::set<fs::path> listed_files(const fs::path& folder) {
   return listed;
 }
 
-/// Whether a folder is needed by a listed file alone.
+/// Returns true if a folder contains a listed file.
 bool leads_to_listed(const fs::path& folder, const std::set<fs::path>& listed) {
   const auto next = listed.lower_bound(folder / "");
   return next != listed.end() && next->string().starts_with((folder / "").string());
 }
 
-/// What lies in a folder and is not listed, folders before what is in them.
+/// Returns the entries of a folder that are not listed, each folder before its content.
 Result<std::vector<fs::path>> foreign_entries(const fs::path& folder) {
   const std::set<fs::path> listed = listed_files(folder);
   std::vector<fs::path> foreign;
@@ -99,7 +99,7 @@ Result<std::vector<fs::path>> foreign_entries(const fs::path& folder) {
   return foreign;
 }
 
-/// Whether two names are of one file, without following links.
+/// Returns true if two names denote the same file, without following links.
 bool is_same(const fs::path& a, const fs::path& b) {
   struct stat of_a {};
   struct stat of_b {};
@@ -107,7 +107,7 @@ bool is_same(const fs::path& a, const fs::path& b) {
          of_a.st_ino == of_b.st_ino;
 }
 
-/// Gives what is not ours in `from` a second name in `to`: in no moment is it without one.
+/// Links the foreign files of `from` into `to`, so that they are never without a name.
 Result<void> carry_over(const fs::path& from, const fs::path& to, const fs::path& target) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> foreign, foreign_entries(from));
   for (const fs::path& inner : foreign) {
@@ -157,7 +157,7 @@ int rename_with(const fs::path& from, const fs::path& to, unsigned int how) {
   return ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), how);
 }
 
-/// Renames to a name that must be free, also on file systems that cannot promise it.
+/// Renames to a name that must be free, also on file systems that cannot guarantee this.
 Result<void> rename_to_free(const fs::path& from, const fs::path& to) {
   if (rename_with(from, to, RENAME_NOREPLACE) == 0) return {};
   int error_number = errno;
@@ -172,7 +172,7 @@ Result<void> rename_to_free(const fs::path& from, const fs::path& to) {
   return io_error(to, "put the folder in place", error_number);
 }
 
-/// Puts `place` where `target` is and the old folder where `place` was; at once, where the file system can.
+/// Swaps `place` and `target`, atomically if the file system supports it.
 Result<void> exchange(const fs::path& place, const fs::path& target) {
   if (rename_with(place, target, RENAME_EXCHANGE) == 0) return {};
   if (errno != EINVAL && errno != ENOSYS) return io_error(target, "replace the folder", errno);
@@ -187,7 +187,7 @@ Result<void> exchange(const fs::path& place, const fs::path& target) {
   return {};
 }
 
-/// The record with what tells that the folder is ours: the files in it, but for those of its parts.
+/// Completes the record with the marks of a folder of ours and the list of its files, except those of its parts.
 Json complete_record(Json record, const fs::path& folder, const std::string& run) {
   std::set<std::string> files;
   std::error_code error;
@@ -249,11 +249,11 @@ Result<void> ResultFolder::commit(Json record) {
   if (!fs::exists(fs::symlink_status(target_, error))) {
     E2LF_RETURN_IF_ERROR(rename_to_free(place_, target_));
   } else {
-    // What is there may have changed since create().
+    // The existing folder may have changed since create().
     E2LF_RETURN_IF_ERROR(check_replaceable(target_, overwrite_));
     E2LF_RETURN_IF_ERROR(carry_over(target_, place_, target_));
     E2LF_RETURN_IF_ERROR(exchange(place_, target_));
-    // What came into the old folder in between.
+    // Files may have been added to the old folder in between.
     E2LF_RETURN_IF_ERROR(carry_over(place_, target_, target_));
   }
   is_committed_ = true;

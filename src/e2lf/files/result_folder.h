@@ -10,29 +10,31 @@
 
 namespace e2lf {
 
-/// A folder of results that appears whole or not at all. It is made in a workspace beside its place; commit() writes
-/// its run.json, which lists the files, and puts it in place. Without commit() nothing appears.
+/// A folder of results that appears either whole or not at all. It is made in a workspace beside its final place.
+/// commit() writes its run.json, which lists the files, and moves it there. Without commit(), nothing appears.
 ///
-/// A folder that is there is replaced only when it is empty or holds a run.json of ours, and of it only the files that
-/// run.json lists: all others are in the new folder too. Links in it are never followed.
+/// An existing folder is replaced only if it is empty or holds a run.json written by e2lf. Of its content, only the
+/// files listed in run.json are replaced; all others are carried over to the new folder. Links in it are never
+/// followed.
 ///
-/// A long result comes in parts, folders of their own in the folder of all: each appears whole when it is done.
+/// A long result is made in parts, which are subfolders. Each of them appears whole as soon as it is done.
 class ResultFolder {
  public:
-  /// Fails with kExists (a folder that is there and may not be replaced) and kIo.
+  /// Fails with kExists if a folder exists and may not be replaced, and with kIo.
   [[nodiscard]] static Result<ResultFolder> create(const std::filesystem::path& target, bool overwrite);
 
-  /// Where to write until commit().
+  /// Returns the folder to write to until commit().
   [[nodiscard]] const std::filesystem::path& path() const { return place_; }
 
-  /// Writes `record` with the list of files as run.json and puts the folder in place. Fails with kExists (a file of
-  /// someone else has the name of one of ours, or the folder came to be meanwhile) and kIo; nothing is replaced then.
+  /// Writes `record` with the list of files as run.json and moves the folder to its place. Fails with kIo, and with
+  /// kExists if a foreign file has the name of one of ours or if the folder was created meanwhile; nothing is replaced
+  /// in these cases.
   [[nodiscard]] Result<void> commit(Json record = Json::object());
 
-  /// Makes the folder in which to write a part.
+  /// Creates the folder of a part and returns its path.
   [[nodiscard]] Result<std::filesystem::path> begin_part(const std::string& name);
 
-  /// Ends a part: writes its run.json, and puts it in place when the folder of all is there already.
+  /// Finishes a part: writes its run.json and, if the whole folder is already in place, moves the part there.
   [[nodiscard]] Result<void> commit_part(const std::string& name, Json record);
 
   /// Writes run.json again after commit(), when the last part is done.
@@ -42,11 +44,11 @@ class ResultFolder {
   ResultFolder(std::filesystem::path target, bool overwrite, Workspace workspace);
   std::filesystem::path target_, place_;
   bool overwrite_, is_committed_ = false;
-  std::string run_;  ///< tells the parts of this result from other results that lie in its folder
+  std::string run_;  ///< distinguishes the parts of this result from other results in its folder
   Workspace workspace_;
 };
 
-/// Whether a run.json, or the "<file>.run.json" of a file, is of our writing.
+/// Returns true if a run.json, or the "<file>.run.json" beside a file, was written by e2lf.
 [[nodiscard]] bool is_our_record(const std::filesystem::path& path);
 
 }  // namespace e2lf

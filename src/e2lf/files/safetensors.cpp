@@ -22,14 +22,14 @@ constexpr const char* kMetadata = "__metadata__";
 
 struct TypeName {
   const char* name;
-  const char* code;  ///< of base/elements.h
+  const char* code;  ///< the code in files/elements.h
 };
 
 constexpr TypeName kTypes[] = {{"F32", "f4"}, {"F16", "f2"}, {"BF16", "bf16"}, {"F64", "f8"}, {"U8", "u1"},
                                {"I8", "i1"},  {"I16", "i2"}, {"U16", "u2"},    {"I32", "i4"}, {"U32", "u4"},
                                {"I64", "i8"}, {"U64", "u8"}, {"BOOL", "b1"}};
 
-/// "" for an unknown type.
+/// Returns the element code of a type, or "" if it is unknown.
 std::string_view type_code(std::string_view name) {
   const auto* found = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const auto& t) { return name == t.name; });
   return found == std::end(kTypes) ? std::string_view() : found->code;
@@ -39,7 +39,7 @@ Error malformed(const std::string& location, const std::string& what) {
   return {ErrorCode::kFormat, cat(what, "; save the file again"), location};
 }
 
-/// The header as JSON. A key that is there twice would hide one of its tensors, so it is refused.
+/// Parses the header as JSON. A duplicate key would hide one of its tensors, so it is rejected.
 Result<Json> parse_header(std::string_view text, const std::string& name) {
   const std::string location = name + ": header";
   std::set<std::string> keys;
@@ -75,7 +75,7 @@ struct Range {
   std::string location;
 };
 
-/// Reads one tensor's entry and copies its bytes.
+/// Reads the entry of one tensor and copies its bytes.
 Result<Range> read_tensor(const Json& json, std::span<const uint8_t> data, const std::string& location,
                           Tensor& tensor) {
   if (!json.is_object() || json.size() != 3 || !json.contains("dtype") || !json.contains("shape") ||
@@ -110,7 +110,7 @@ Result<Range> read_tensor(const Json& json, std::span<const uint8_t> data, const
   return range;
 }
 
-/// The format asks that tensors cover the data without holes or overlaps.
+/// Checks that the tensors cover the data without holes or overlaps, as the format requires.
 Result<void> check_cover(std::vector<Range> ranges, size_t data_size, const std::string& name) {
   std::sort(ranges.begin(), ranges.end(),
             [](const Range& a, const Range& b) { return std::pair(a.begin, a.end) < std::pair(b.begin, b.end); });
@@ -150,8 +150,8 @@ Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> va
   E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
   for (const float value : values) {
     const auto bits = std::bit_cast<uint32_t>(value);
-    // Half of what is cut off, less one where the kept part is even: a tie goes to the even one. NaN keeps its high
-    // bit.
+    // This adds half of the discarded range, minus one if the kept part is even, so that ties round to even. NaN keeps
+    // its upper bits.
     const uint32_t rounded = std::isnan(value) ? bits : bits + 0x7FFFU + ((bits >> 16U) & 1U);
     tensor.bytes.push_back(static_cast<uint8_t>(rounded >> 16U));
     tensor.bytes.push_back(static_cast<uint8_t>(rounded >> 24U));
@@ -204,7 +204,7 @@ Result<Safetensors> decode_safetensors(std::span<const uint8_t> bytes, const std
 }
 
 std::vector<uint8_t> encode_safetensors(const Safetensors& file) {
-  // Wide elements first, so that every tensor is aligned to its element.
+  // Wide elements come first, so that every tensor is aligned to its element size.
   std::vector<std::pair<std::string, const Tensor*>> order;
   for (const auto& [name, tensor] : file.tensors) order.emplace_back(name, &tensor);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {

@@ -19,13 +19,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char kLock[] = "e2lf.lock";
-constexpr size_t kLongestStem = 200;  ///< bytes; file systems take 255 for a name
+constexpr size_t kLongestStem = 200;  ///< in bytes; file systems allow 255 for a name
 
 fs::path folder_of(const fs::path& target) {
   return target.has_parent_path() ? target.parent_path() : fs::path(".");
 }
 
-/// What the names of all workspaces of a target begin with.
+/// Returns the common beginning of the names of all workspaces of a target.
 std::string stem_of(const fs::path& target) {
   return target.filename().string().substr(0, kLongestStem) + ".";
 }
@@ -34,7 +34,7 @@ bool is_digits(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// Whether a name is `stem` PID.N.part.
+/// Returns true if a name is `stem` followed by PID.N.part.
 bool is_workspace_name(const std::string& name, const std::string& stem) {
   constexpr std::string_view kEnd = ".part";
   if (name.size() <= stem.size() + kEnd.size() || !name.starts_with(stem) || !name.ends_with(kEnd)) return false;
@@ -43,7 +43,7 @@ bool is_workspace_name(const std::string& name, const std::string& stem) {
   return dot != std::string::npos && is_digits(numbers.substr(0, dot)) && is_digits(numbers.substr(dot + 1));
 }
 
-/// Closes a descriptor at the end of a scope, and with it ends its lock.
+/// Closes a descriptor at the end of a scope, which also releases its lock.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -70,7 +70,7 @@ Error cannot_write(const fs::path& target, const std::string& reason) {
           target.string()};
 }
 
-/// Removes the dead workspaces of a target. Fails when one is alive.
+/// Removes the abandoned workspaces of a target. Fails if one is in use.
 Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead) {
   const std::string stem = stem_of(target);
   std::vector<fs::path> found;
@@ -82,7 +82,7 @@ Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead
   }
   for (const fs::path& workspace : found) {
     const Descriptor lock = open_lock(workspace, 0);
-    if (!lock.is_open()) continue;  // a folder of that name, but none of ours
+    if (!lock.is_open()) continue;  // a folder of that name that is not a workspace
     if (!lock.locks(LOCK_EX | LOCK_NB)) {
       return Error{ErrorCode::kExists,
                    cat("another run is writing this output (in ", workspace.filename().string(),
@@ -128,7 +128,7 @@ std::string without_workspaces(std::string text) {
     end += kEnd.size();
     size_t begin = at;
     if (end < text.size() && text[end] == '/') {
-      begin = text.rfind('/', at) + 1;  // 0 where there is none
+      begin = text.rfind('/', at) + 1;  // 0 if there is none
       ++end;
     }
     text.erase(begin, end - begin);
@@ -146,8 +146,9 @@ Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dea
     return Error{ErrorCode::kIo, cat("cannot make the folder (", error.message(), "); check the path"),
                  folder.string()};
   }
-  // One process at a time looks for others and makes its own. Where folders cannot be locked, two that begin in the
-  // same moment may both go on; the later one to end then finds the output there.
+  // Only one process at a time looks for other workspaces and makes its own. Where folders cannot be locked, two
+  // processes that start at the same moment may both continue; the one that ends later then finds that the output
+  // exists.
   const Descriptor turn(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   static_cast<void>(turn.locks(LOCK_EX));
   E2LF_RETURN_IF_ERROR(clear_dead(target, on_dead));

@@ -9,20 +9,20 @@
 
 namespace e2lf {
 
-/// A locked folder beside a result, in which the result is made before it is put in place: NAME.PID.N.part. Its lock
-/// ends with the process, however that ends, so a run can tell a dead one from one that is being written.
+/// A locked folder beside a result, NAME.PID.N.part, in which the result is made before it is moved to its place. The
+/// lock ends with the process, however that ends, so that a run can tell an abandoned workspace from one in use.
 class Workspace {
  public:
-  /// Gets a dead workspace of the same target before it is removed.
+  /// Is called with an abandoned workspace of the same target before it is removed.
   using OnDead = std::function<void(const std::filesystem::path& workspace)>;
 
-  /// Makes missing parent folders and the workspace, and removes dead workspaces of the same target with a warning.
-  /// Fails with kIo, and kExists when another process is writing to this target.
+  /// Creates missing parent folders and the workspace, and removes abandoned workspaces of the same target with a
+  /// warning. Fails with kIo, and with kExists if another process is writing to this target.
   [[nodiscard]] static Result<Workspace> create(const std::filesystem::path& target, const OnDead& on_dead = {});
 
   Workspace(Workspace&& other) noexcept;
   Workspace& operator=(Workspace&& other) noexcept;
-  /// Removes the workspace with what is in it. Links are removed, never followed.
+  /// Removes the workspace and its content. Links are removed but never followed.
   ~Workspace();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -33,11 +33,11 @@ class Workspace {
   int lock_ = -1;
 };
 
-/// A text for people with the names of results in place of those of this process's workspaces and temporary files:
-/// "a/x.csv.7.1.part/x.csv" and "a/x.csv.7.1.part" are "a/x.csv".
+/// Replaces the names of this process's workspaces and temporary files in a message by those of the results:
+/// "a/x.csv.7.1.part/x.csv" and "a/x.csv.7.1.part" become "a/x.csv".
 [[nodiscard]] std::string without_workspaces(std::string text);
 
-/// Removes the temporary files of write_file() in a folder whose writers are dead.
+/// Removes the temporary files in a folder that were left by calls of write_file() in processes that have ended.
 void remove_dead_parts(const std::filesystem::path& folder);
 
 }  // namespace e2lf

@@ -12,38 +12,39 @@
 
 namespace e2lf {
 
-/// One file of a zip archive as its directory lists it; `compressed` points into the archive.
+/// One file of a zip archive as its directory lists it. `compressed` points into the archive.
 struct ZipEntry {
   std::string name;
   uint16_t method = 0;  ///< 0 = stored, 8 = deflated
   uint32_t crc = 0;
-  uint64_t size = 0;  ///< decompressed, as claimed
+  uint64_t size = 0;  ///< decompressed size, as claimed
   std::span<const uint8_t> compressed;
 };
 
-/// The entries of an archive (zip64 too). `name` goes into errors. Fails with kFormat (no zip, an entry named twice,
-/// entries that overlap), kTruncated (a part beyond the end) and kUnsupported (several disks, encryption).
+/// Returns the entries of an archive, with or without zip64. `name` is the location in errors. Fails with kFormat (not
+/// a zip archive, a duplicate entry, or overlapping entries), kTruncated (a part beyond the end) and kUnsupported
+/// (several disks, or encryption).
 [[nodiscard]] Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> archive,
                                                                const std::string& name);
 
-/// Looks at the first bytes of an entry while it is unpacked (at least 64 KiB or all of it); an error stops the work.
+/// Inspects the first bytes of an entry while it is unpacked (at least 64 KiB, or all of it). An error stops unpacking.
 using ZipPeek = std::function<Result<void>(std::span<const uint8_t> head)>;
 
-/// Unpacks one entry; memory grows with what really comes out, never on the word of the directory. Fails with
-/// kUnsupported (another compression method), kFormat (a damaged stream, more or fewer bytes than claimed) and
-/// kInvalidValue (a checksum that does not match).
+/// Unpacks one entry. Memory grows with the data that are actually unpacked and does not depend on the size in the
+/// directory. Fails with kUnsupported (another compression method), kFormat (a damaged stream, or another size than
+/// claimed) and kInvalidValue (a wrong checksum).
 [[nodiscard]] Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::string& location,
                                                             const ZipPeek& peek = {});
 
-/// The first bytes of an entry, `most` of them or all there are. What comes after is neither unpacked nor checked.
-/// Fails as unpack_zip_entry does, but for the checksum and the size.
+/// Returns the first `most` bytes of an entry, or all of them if there are fewer. The rest is neither unpacked nor
+/// checked. Fails as unpack_zip_entry does, except for the checksum and the size.
 [[nodiscard]] Result<std::vector<uint8_t>> unpack_zip_head(const ZipEntry& entry, const std::string& location,
                                                            size_t most);
 
 /// Builds an archive in memory.
 class ZipWriter {
  public:
-  /// Sizes, offsets and counts from `zip64_from` on are written in zip64 form (a smaller one is for tests).
+  /// Sizes, offsets and counts of `zip64_from` and more are written in zip64 form. Tests use a smaller limit.
   explicit ZipWriter(uint64_t zip64_from = 0xFFFFFFFF) : zip64_from_(zip64_from) {}
 
   void add(const std::string& name, std::span<const uint8_t> bytes, bool compress);

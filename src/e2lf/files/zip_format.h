@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-/// Signatures and field values of the zip format (PKWARE APPNOTE 6.3), shared by reader and writer.
+/// Signatures and field values of the zip format (PKWARE APPNOTE 6.3), shared by the reader and the writer.
 namespace e2lf::zip {
 
 inline constexpr uint32_t kLocalHeader = 0x04034b50;
@@ -21,9 +21,9 @@ inline constexpr uint64_t kLocator64Size = 20;
 inline constexpr uint16_t kStored = 0;
 inline constexpr uint16_t kDeflated = 8;
 inline constexpr uint16_t kExtra64 = 1;           ///< id of the extra field with 64-bit sizes
-inline constexpr uint32_t kIn64 = 0xFFFFFFFF;     ///< "the value is in the zip64 record"
+inline constexpr uint32_t kIn64 = 0xFFFFFFFF;     ///< means "the value is in the zip64 record"
 inline constexpr uint16_t kCountIn64 = 0xFFFF;    ///< the same for counts
-inline constexpr uint16_t kVersion64 = 45;        ///< needed to extract
+inline constexpr uint16_t kVersion64 = 45;        ///< the version needed to extract
 inline constexpr uint16_t kUtf8Names = 1U << 11;  ///< flag
 
 }  // namespace e2lf::zip

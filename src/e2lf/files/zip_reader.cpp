@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kPeekSize = size_t{64} << 10;
 
-/// The archive with its name; positions are checked by has() before get() reads them.
+/// An archive with its name. Positions must be checked with has() before get() reads them.
 struct Archive {
   std::span<const uint8_t> bytes;
   const std::string& name;
@@ -45,7 +45,7 @@ struct Directory {
   uint64_t offset = 0, size = 0, count = 0;
 };
 
-/// The end record, searched backwards because a comment of up to 65535 bytes may follow it.
+/// Finds the end record. The search runs backwards because a comment of up to 65535 bytes may follow the record.
 Result<uint64_t> find_directory_end(const Archive& archive) {
   const uint64_t size = archive.bytes.size();
   const uint64_t searched = std::min<uint64_t>(size, zip::kDirectoryEndSize + 0xFFFF);
@@ -86,7 +86,7 @@ struct EntrySizes {
   uint64_t size, compressed, offset;
 };
 
-/// Replaces the fields of a directory entry that are marked as 64-bit by those of its zip64 extra field.
+/// Replaces the fields of a directory entry that are marked as 64-bit by the values of its zip64 extra field.
 Result<void> read_extra64(const Archive& archive, uint64_t begin, uint64_t end, EntrySizes& sizes) {
   uint64_t* const wanted[] = {&sizes.size, &sizes.compressed, &sizes.offset};
   if (std::none_of(std::begin(wanted), std::end(wanted), [](uint64_t* value) { return *value == zip::kIn64; })) {
@@ -111,7 +111,7 @@ Result<void> read_extra64(const Archive& archive, uint64_t begin, uint64_t end, 
   return archive.damaged(begin, "a zip64 field is missing");
 }
 
-/// Reads the directory entry at `position` and steps past it.
+/// Reads the directory entry at `position` and advances past it.
 Result<ZipEntry> read_entry(const Archive& archive, uint64_t& position, uint64_t directory_end) {
   if (position + zip::kDirectoryEntrySize > directory_end || archive.get<uint32_t>(position) != zip::kDirectoryEntry) {
     return archive.damaged(position, "a directory entry is damaged");
@@ -151,17 +151,17 @@ Error bad_entry(const std::string& location, const char* what) {
   return {ErrorCode::kFormat, cat("the compressed data is damaged (", what, "); write the archive again"), location};
 }
 
-/// The zlib state, released in every case.
+/// Owns the zlib state.
 struct Inflater {
   z_stream stream{};
-  bool ready = inflateInit2(&stream, -MAX_WBITS) == Z_OK;  // negative: no zlib header, as zip stores it
+  bool ready = inflateInit2(&stream, -MAX_WBITS) == Z_OK;  // negative: no zlib header, as in zip archives
   Inflater() = default;
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
   ~Inflater() { inflateEnd(&stream); }
 };
 
-/// Ends early, unchecked, once `most` bytes have come out.
+/// Stops early, without checks, once `most` bytes are unpacked.
 Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::string& location, const ZipPeek& peek,
                                            size_t most = std::numeric_limits<size_t>::max()) {
   Inflater inflater;
@@ -177,7 +177,8 @@ Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::str
       stream.avail_in = static_cast<uInt>(taken);
       input = input.subspan(taken);
     }
-    // Grow by what has come out so far, at most one byte past the claimed size: enough to notice a longer stream.
+    // The buffer grows by what has been unpacked so far, to at most one byte past the claimed size, which is enough to
+    // notice a longer stream.
     const size_t filled = output.size();
     const size_t room =
         std::min<uint64_t>(std::clamp<size_t>(filled, kPeekSize, size_t{1} << 30), entry.size - filled + 1);
@@ -218,7 +219,7 @@ Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> bytes,
     if (!names.insert(entry.name).second) {
       return Error{ErrorCode::kFormat, cat("\"", entry.name, "\" is in the archive twice; write it again"), name};
     }
-    // Entries that share their bytes let a small archive unpack to any size.
+    // Entries that share bytes would let a small archive unpack to any size.
     compressed += entry.compressed.size();
     if (compressed > bytes.size()) return archive.damaged(position, "entries overlap");
     entries.push_back(std::move(entry));

@@ -18,7 +18,7 @@ void append(std::vector<uint8_t>& bytes, const auto& more) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-/// A raw deflate stream, as zip stores it.
+/// Compresses to a raw deflate stream, as zip archives store it.
 std::vector<uint8_t> deflate_bytes(std::span<const uint8_t> input) {
   z_stream stream{};
   const int started = deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
@@ -55,12 +55,12 @@ void ZipWriter::add(const std::string& name, std::span<const uint8_t> bytes, boo
   const bool wide_offset = offset >= zip64_from_;
   const auto narrow = [](uint64_t value, bool wide) { return wide ? zip::kIn64 : static_cast<uint32_t>(value); };
 
-  // What the local header and the directory entry have in common: version needed to the two sizes.
+  // The fields that the local header and the directory entry share, from the version needed to the two sizes.
   std::vector<uint8_t> common;
   put<uint16_t>(common, wide_sizes || wide_offset ? zip::kVersion64 : 20);
   put<uint16_t>(common, zip::kUtf8Names);
   put<uint16_t>(common, compress ? zip::kDeflated : zip::kStored);
-  put<uint32_t>(common, 0x00210000);  // 1980-01-01 00:00, so that equal arrays make equal files
+  put<uint32_t>(common, 0x00210000);  // 1980-01-01 00:00, so that equal arrays give equal files
   put<uint32_t>(common, static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())));
   put<uint32_t>(common, narrow(data.size(), wide_sizes));
   put<uint32_t>(common, narrow(bytes.size(), wide_sizes));

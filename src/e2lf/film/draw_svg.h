@@ -8,9 +8,9 @@
 
 namespace e2lf::film {
 
-/// An SVG drawing as a picture in colour, so wide, by the decoder of FFmpeg's libraries (librsvg); its height follows.
-/// What is transparent is black. Fails with kMissingDependency (a build without the libraries, or these without the
-/// decoder) and kFormat.
+/// Draws an SVG as a colour picture of this width by the decoder of the FFmpeg libraries (librsvg). Its height follows
+/// from the aspect ratio. Transparent areas become black. Fails with kMissingDependency (a build without the libraries,
+/// or libraries without the decoder) and kFormat.
 [[nodiscard]] Result<lightfield::Image> draw_svg(const std::string& svg, size_t width);
 
 }  // namespace e2lf::film

@@ -20,11 +20,11 @@ namespace {
 
 using lightfield::Image;
 
-/// How a format is made.
+/// The components of a format.
 struct Recipe {
   const char* container;
-  std::vector<AVCodecID> codecs;  ///< the first that there is an encoder for
-  const char* quality;            ///< its constant rate factor
+  std::vector<AVCodecID> codecs;  ///< the first one with an available encoder is used
+  const char* quality;            ///< the constant rate factor
 };
 
 Recipe recipe_of(FilmFormat format) {
@@ -76,7 +76,7 @@ struct FilmFile::Impl {
     avformat_free_context(container);
   }
 
-  /// What a call of the libraries came to.
+  /// Converts the return code of a library call to a result.
   [[nodiscard]] Result<void> check(int code, const char* what, ErrorCode kind = ErrorCode::kInternal) const {
     if (code >= 0) return {};
     std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
@@ -117,11 +117,11 @@ struct FilmFile::Impl {
     encoder->time_base = {1, options.frames_per_s};
     encoder->framerate = {options.frames_per_s, 1};
     encoder->pix_fmt = pixels_of(options.format, has_colour);
-    // The same frames give the same file: no version in it.
+    // The same frames give the same file, so it contains no version.
     encoder->flags |= AV_CODEC_FLAG_BITEXACT;
     container->flags |= AVFMT_FLAG_BITEXACT;
     if ((container->oformat->flags & AVFMT_GLOBALHEADER) != 0) encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-    // An encoder that does not know one of these goes without it.
+    // Encoders ignore options that they do not know.
     if (recipe.quality != nullptr) av_opt_set(encoder->priv_data, "crf", recipe.quality, 0);
     av_opt_set(encoder->priv_data, "cpu-used", "4", 0);
     stream->time_base = encoder->time_base;
@@ -138,7 +138,7 @@ struct FilmFile::Impl {
     return check(av_frame_get_buffer(frame, 0), "hold a picture");
   }
 
-  /// Sends a frame, or nullptr at the end, and writes what comes out.
+  /// Sends a frame, or nullptr at the end, and writes the packets that are ready.
   Result<void> encode(const AVFrame* input) const {
     E2LF_RETURN_IF_ERROR(check(avcodec_send_frame(encoder, input), "encode"));
     for (;;) {

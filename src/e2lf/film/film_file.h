@@ -11,15 +11,15 @@
 namespace e2lf::film {
 
 enum class FilmFormat {
-  kGif,   ///< repeats for ever; grey is kept exactly, colour becomes 256 fixed ones
+  kGif,   ///< loops forever; grey is exact, and colours are reduced to 256 fixed ones
   kWebm,  ///< VP9
-  kMp4,   ///< H.264, or MPEG-4 where its encoder is missing
+  kMp4,   ///< H.264, or MPEG-4 if there is no H.264 encoder
 };
 
-/// What an extension means: .gif, .webm, .mp4. Fails with kUnsupported.
+/// Returns the format of an extension: .gif, .webm or .mp4. Fails with kUnsupported.
 [[nodiscard]] Result<FilmFormat> film_format_of(const std::filesystem::path& path);
 
-/// Whether this build can write films.
+/// Returns true if this build can write films.
 [[nodiscard]] bool can_write_films();
 
 struct FilmOptions {
@@ -27,22 +27,23 @@ struct FilmOptions {
   int frames_per_s = 25;  ///< 1 to 100
 };
 
-/// Writes pictures of one size as a film, by FFmpeg's libraries. WebM and MP4 have even sizes: an odd last row or
-/// column is left out.
+/// Writes pictures of one size as a film with the FFmpeg libraries. WebM and MP4 need even sizes; an odd last row or
+/// column is cut off.
 class FilmFile {
  public:
-  /// The first frame says the size, and whether there is colour. Fails with kMissingDependency (a build without the
-  /// libraries, or these without an encoder), kIo and kInternal.
+  /// Creates the film. The first frame determines the size and whether there is colour. Fails with kMissingDependency
+  /// (a build without the libraries, or libraries without an encoder), kUnsupported (sides outside of 2 to 16384 px),
+  /// kIo and kInternal.
   [[nodiscard]] static Result<FilmFile> create(const std::filesystem::path& path, const FilmOptions& options,
                                                const lightfield::Image& first);
   FilmFile(FilmFile&& other) noexcept;
   FilmFile& operator=(FilmFile&& other) noexcept;
   ~FilmFile();
 
-  /// Another size breaks the contract. Fails with kIo and kInternal.
+  /// Adds a frame. Another size breaks the contract. Fails with kIo and kInternal.
   [[nodiscard]] Result<void> add(const lightfield::Image& frame);
 
-  /// Ends the file; nothing may be added then. Fails as add().
+  /// Finishes the file; no frames may be added afterwards. Fails as add() does.
   [[nodiscard]] Result<void> finish();
 
  private:

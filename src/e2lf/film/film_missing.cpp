@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A build without FFmpeg's libraries.
+// The implementation for builds without the FFmpeg libraries.
 #include "e2lf/film/draw_svg.h"
 #include "e2lf/film/film_file.h"
 

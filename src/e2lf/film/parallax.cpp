@@ -21,7 +21,7 @@ float angle_of(size_t frame, size_t frames) {
   return 2 * std::numbers::pi_v<float> * static_cast<float>(frame) / static_cast<float>(frames);
 }
 
-/// The two views around a place on one axis, and how much the second one counts.
+/// The two views around a position along one axis, and the weight of the second one.
 struct Between {
   size_t first = 0;
   float share = 0;

@@ -16,19 +16,19 @@ struct Viewpoint {
   float y = 0, x = 0;
 };
 
-/// `frames` viewpoints on the largest ellipse within the views, clockwise from its top; the last one is followed by
-/// the first.
+/// Returns `frames` viewpoints on the largest ellipse within the views, clockwise from its top. The path is closed.
 [[nodiscard]] std::vector<Viewpoint> orbit(const lightfield::Shape& shape, size_t frames);
 
-/// From the left to the right of the middle row of views and back, slower at the ends; likewise without an end.
+/// Returns viewpoints from the left to the right of the middle row of views and back, slower at the ends. The path is
+/// closed.
 [[nodiscard]] std::vector<Viewpoint> sweep(const lightfield::Shape& shape, size_t frames);
 
-/// Disparities from `first` to `last` and back, likewise.
+/// Returns disparities from `first` to `last` and back, slower at the ends. The sequence is closed.
 [[nodiscard]] std::vector<float> focus_sweep(float first, float last, size_t frames);
 
-/// What is seen from there: the four views around it, moved so that a plane of disparity `still_px` stands still,
-/// mixed by their nearness. Between views what lies at another disparity d shows twice, d - still_px px apart. A
-/// viewpoint outside of the views breaks the contract.
+/// Renders the light field from `viewpoint` by blending its four neighbouring views with bilinear weights, each shifted
+/// so that a plane of disparity `still_px` does not move. Between views, a point at another disparity d appears twice,
+/// d - still_px px apart. A viewpoint outside of the views breaks the contract.
 [[nodiscard]] lightfield::Image picture_from(const lightfield::LightField& light_field, const Viewpoint& viewpoint,
                                              float still_px);
 
@@ -36,14 +36,14 @@ struct Quilt {
   size_t columns = 8, rows = 6;
 };
 
-/// Pictures from viewpoints along the middle row of views in one image, as displays with horizontal parallax take it:
-/// the leftmost viewpoint at the bottom left, the next one to its right, row by row upwards. Fails with kUnsupported
-/// where that is more than 2^28 px.
+/// Renders pictures from viewpoints along the middle row of views into one image, as displays with horizontal parallax
+/// expect it: the leftmost viewpoint is at the bottom left, the next one to its right, and so on row by row upwards.
+/// Fails with kUnsupported if the image has more than 2^28 px.
 [[nodiscard]] Result<lightfield::Image> quilt_picture(const lightfield::LightField& light_field, const Quilt& quilt,
                                                       float still_px);
 
-/// What such displays read in the name of a quilt: "_qs8x6a1.33", columns, rows and the width of a picture over its
-/// height.
+/// Returns the suffix that such displays read in the name of a quilt, e.g. "_qs8x6a1.33": columns, rows, and the aspect
+/// ratio of a picture.
 [[nodiscard]] std::string quilt_suffix(const lightfield::Shape& shape, const Quilt& quilt);
 
 }  // namespace e2lf::film

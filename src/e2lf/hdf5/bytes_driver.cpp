@@ -18,7 +18,7 @@
 namespace e2lf::hdf5 {
 namespace {
 
-/// What a file is read from: bytes, or a descriptor.
+/// The source of a file's data: bytes in memory or a descriptor.
 class Contents {
  public:
   explicit Contents(std::vector<uint8_t> bytes) : bytes_(std::move(bytes)), size_(bytes_.size()) {}
@@ -36,7 +36,7 @@ class Contents {
 
   [[nodiscard]] uint64_t size() const { return size_; }
 
-  /// False, with nothing promised about `out`, where not all of it lies inside the file or it cannot be read.
+  /// Returns false if the range does not lie entirely within the file or cannot be read; `out` is then unspecified.
   [[nodiscard]] bool read(uint64_t begin, size_t count, uint8_t* out) const {
     if (begin > size_ || count > size_ - begin) return false;
     if (descriptor_ < 0) {
@@ -70,7 +70,7 @@ const DriverFile& of(const H5FD_t* file) {
   return *static_cast<const DriverFile*>(file);
 }
 
-/// What the H5Fopen() that is under way opens; nothing when the library opens a file on the word of another.
+/// The contents for the H5Fopen() in progress; null if the library opens a file that another one refers to.
 std::shared_ptr<const Contents>& contents_to_open() {
   static std::shared_ptr<const Contents> contents;
   return contents;
@@ -111,7 +111,7 @@ haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) {
   return of(file).contents->size();
 }
 
-/// No features: they are the library's buffers.
+/// Reports no features, because each of them enables one of the library's buffers.
 herr_t query(const H5FD_t*, unsigned long* features) {  // NOLINT(google-runtime-int): the library's type
   if (features != nullptr) *features = 0;
   return 0;

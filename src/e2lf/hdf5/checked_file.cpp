@@ -21,7 +21,7 @@ struct DriverFile : H5FD_t {
   int descriptor = -1;
   haddr_t end_of_addresses = 0, end_of_file = 0;
   std::shared_ptr<int> error_number;
-  std::map<haddr_t, std::vector<uint8_t>> kept;  ///< what did not get to the disk
+  std::map<haddr_t, std::vector<uint8_t>> kept;  ///< the data that did not reach the disk
 };
 
 DriverFile& of(H5FD_t* file) {
@@ -31,7 +31,7 @@ const DriverFile& of(const H5FD_t* file) {
   return *static_cast<const DriverFile*>(file);
 }
 
-/// Where the H5Fcreate() that is under way puts its error.
+/// Receives the error of the H5Fcreate() in progress.
 std::shared_ptr<int>& error_number_to_use() {
   static std::shared_ptr<int> error_number;
   return error_number;
@@ -109,7 +109,7 @@ haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) {
   return of(file).end_of_file;
 }
 
-/// The library expects the file to be as long as its addresses go.
+/// Sets the length of the file to the end of its addresses, as the library expects.
 herr_t truncate(H5FD_t* file, hid_t, hbool_t) {
   DriverFile& own = of(file);
   if (::ftruncate(own.descriptor, static_cast<off_t>(own.end_of_addresses)) != 0 && *own.error_number == 0) {
@@ -119,7 +119,7 @@ herr_t truncate(H5FD_t* file, hid_t, hbool_t) {
   return 0;
 }
 
-/// What the library's own driver has: its buffers make it fast.
+/// Reports the features of the library's own driver, because its buffers make writing fast.
 herr_t query(const H5FD_t*, unsigned long* features) {  // NOLINT(google-runtime-int): the library's type
   if (features != nullptr) {
     *features = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |

@@ -10,28 +10,29 @@
 
 namespace e2lf::hdf5 {
 
-/// A new HDF5 file whose writing may fail, on a full disk above all. The library cannot take that: it keeps what it
-/// could not write and crashes when the process ends. So a driver of our own tells it that all is well, keeps the bytes
-/// that did not get to the disk, and has the error for those who ask. The caller holds the library's lock.
+/// A new HDF5 file whose writes may fail, above all on a full disk. The library cannot handle that: it keeps the data
+/// that it could not write and crashes when the process ends. Our driver therefore reports success to the library,
+/// keeps the bytes that did not reach the disk, and stores the error for check(). The caller must hold the library's
+/// lock.
 class CheckedFile {
  public:
   CheckedFile() = default;
 
-  /// Makes or empties the file. `name` goes into errors. Fails with kIo.
+  /// Creates the file, or empties an existing one. `name` is the location in errors. Fails with kIo.
   [[nodiscard]] static Result<CheckedFile> create(const std::filesystem::path& path, const std::string& name);
 
   [[nodiscard]] hid_t get() const { return file_.get(); }
 
-  /// The first write that failed. To be asked after every stretch of data, before more is written.
+  /// Returns the first write that failed. It must be called after every batch of data, before more are written.
   [[nodiscard]] Result<void> check() const;
 
-  /// Brings the file up to date on the disk, so that a run that is killed leaves one that can be opened. What could not
-  /// be written is in check().
+  /// Flushes the file to the disk, so that it can be opened even if the run is killed later. Errors are reported by
+  /// check().
   void keep_up();
-  /// Whether that was never done, or not for a second.
+  /// Returns true if keep_up() was never called, or not within the last second.
   [[nodiscard]] bool is_behind() const;
 
-  /// Closes the file, after all of its objects. Fails with kIo when anything did not get to the disk.
+  /// Closes the file, after all of its objects. Fails with kIo if any data did not reach the disk.
   [[nodiscard]] Result<void> close();
 
  private:

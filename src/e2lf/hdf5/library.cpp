@@ -40,7 +40,7 @@ Handle open_bytes(std::vector<uint8_t> bytes) {
 
 std::string last_reason() {
   std::string reason = "no reason given";
-  // Upward = from the innermost function out, so the first entry is the root.
+  // "Upward" begins at the innermost function, so that the first entry is the root cause.
   H5Ewalk2(
       H5E_DEFAULT, H5E_WALK_UPWARD,
       [](unsigned number, const H5E_error2_t* error, void* text) -> herr_t {

@@ -11,12 +11,12 @@
 
 #include "e2lf/base/result.h"
 
-/// The HDF5 library, made safe for files from anywhere: one lock, handles that close themselves, and guards against
-/// what a damaged or hostile file claims (storage.h). For recordings and light fields alike.
+/// Wraps the HDF5 library so that files from any source can be opened safely: one lock, handles that close themselves,
+/// and guards against the claims of damaged or hostile files (storage.h). It serves recordings and light fields alike.
 namespace e2lf::hdf5 {
 
-/// The HDF5 library is not thread-safe: every use of it holds this lock. While it is held the library does not print
-/// its errors; what was set before is restored at the end.
+/// Locks the HDF5 library, which is not thread-safe; every use of it must hold this lock. While it is held, the library
+/// does not print its errors. The previous setting is restored at the end.
 class LibraryLock {
  public:
   LibraryLock();
@@ -30,7 +30,7 @@ class LibraryLock {
   void* data_ = nullptr;
 };
 
-/// An HDF5 identifier that is closed with the object; invalid when negative.
+/// Owns an HDF5 identifier and closes it. It is invalid if negative.
 class Handle {
  public:
   using Close = herr_t (*)(hid_t);
@@ -51,7 +51,7 @@ class Handle {
   [[nodiscard]] hid_t get() const { return id_; }
   [[nodiscard]] bool valid() const { return id_ >= 0; }
 
-  /// False when the library could not close it (for a file: not write it).
+  /// Returns false if the library could not close the identifier, which for a file means that it was not written.
   bool close();
 
  private:
@@ -59,12 +59,12 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// Opens a file, or the bytes of one, for reading, so that nothing beyond its end is read (bytes_driver.h); invalid
-/// when the library refuses.
+/// Opens a file, or the bytes of one, for reading, such that nothing beyond its end is read (bytes_driver.h). The
+/// handle is invalid if the library refuses.
 [[nodiscard]] Handle open_file(const std::filesystem::path& path);
 [[nodiscard]] Handle open_bytes(std::vector<uint8_t> bytes);
 
-/// What HDF5 says was the root of its last error, e.g. "truncated file".
+/// Returns the root cause of the last HDF5 error, e.g. "truncated file".
 [[nodiscard]] std::string last_reason();
 
 }  // namespace e2lf::hdf5

@@ -30,7 +30,8 @@ bool layout_is_usable(Bytes layout) {
   }
 }
 
-/// Messages of version 1: type, size (2 bytes each), flags, three bytes, all in eights.
+/// Checks messages of version 1: type and size (2 bytes each), flags, three reserved bytes, then the data, in multiples
+/// of eight bytes.
 bool v1_layouts_are_usable(Bytes messages) {
   constexpr size_t kHead = 8;
   while (messages.size() >= kHead) {
@@ -42,7 +43,7 @@ bool v1_layouts_are_usable(Bytes messages) {
   return true;
 }
 
-/// Messages of version 2: type, size (2 bytes), flags and, in some headers, 2 bytes more.
+/// Checks messages of version 2: type, size (2 bytes), flags and, in some headers, 2 more bytes.
 bool v2_layouts_are_usable(Bytes messages, size_t head) {
   while (messages.size() >= head) {
     const size_t type = messages[0], size = u16(messages, 1);
@@ -57,7 +58,7 @@ bool begins_with(Bytes piece, const char (&signature)[5]) {
   return piece.size() >= 4 && std::memcmp(piece.data(), signature, 4) == 0;
 }
 
-/// Where the messages of a version 2 header begin: signature, version, flags, times, limits, size.
+/// Returns the offset of the messages in a version 2 header, after signature, version, flags, times, limits and size.
 size_t v2_prefix(Bytes piece) {
   if (piece.size() < 6) return piece.size();
   const unsigned flags = piece[5];
@@ -73,10 +74,10 @@ Bytes after(Bytes piece, size_t count) {
 bool chunks_have_dimensions(Bytes piece) {
   if (begins_with(piece, "OHDR") || begins_with(piece, "OCHK")) {
     const auto messages = after(piece, piece[1] == 'H' ? v2_prefix(piece) : 4);
-    // A continuation does not say how long its messages' heads are.
+    // A continuation does not state how long the heads of its messages are, so both lengths are tried.
     return v2_layouts_are_usable(messages, 4) && v2_layouts_are_usable(messages, 6);
   }
-  // Nor does one of version 1 say that it is none of the prefix of 16 bytes.
+  // A piece of version 1 does not state whether it begins with the prefix of 16 bytes, so both cases are tried.
   return v1_layouts_are_usable(piece) && v1_layouts_are_usable(after(piece, 16));
 }
 

@@ -10,7 +10,7 @@
 namespace e2lf::hdf5 {
 namespace {
 
-/// What deflate reaches at most.
+/// The highest compression ratio of deflate.
 constexpr uint64_t kMaxDeflateRatio = 1032;
 
 uint64_t product(const std::vector<hsize_t>& extents) {
@@ -21,7 +21,7 @@ uint64_t product(const std::vector<hsize_t>& extents) {
   return result;
 }
 
-/// Bytes that the data set says it takes, and the file has.
+/// Returns the stored size that the data set states, limited to the size of the file.
 uint64_t stored_bytes(hid_t dataset) {
   const Handle file(H5Iget_file_id(dataset), H5Fclose);
   hsize_t size = 0;
@@ -29,7 +29,7 @@ uint64_t stored_bytes(hid_t dataset) {
   return std::min<uint64_t>(H5Dget_storage_size(dataset), size);
 }
 
-/// Elements that the file has room for.
+/// Returns the number of elements for which the file has room.
 uint64_t stored_elements(hid_t dataset, const Storage& storage) {
   if (!storage.is_chunked() || storage.filters.empty()) return storage.stored_bytes / storage.bytes_each;
   const Handle space(H5Dget_space(dataset), H5Sclose);
@@ -40,7 +40,7 @@ uint64_t stored_elements(hid_t dataset, const Storage& storage) {
   return elements;
 }
 
-/// Whether `packed` inflates to exactly `bytes` bytes.
+/// Returns true if `packed` inflates to exactly `bytes` bytes.
 bool inflates_to(const std::vector<uint8_t>& packed, uint64_t bytes) {
   std::array<uint8_t, 16384> out;
   z_stream stream{};
@@ -59,7 +59,7 @@ bool inflates_to(const std::vector<uint8_t>& packed, uint64_t bytes) {
   return state == Z_STREAM_END && inflated == bytes;
 }
 
-/// A chunk with all filters applied, `size` bytes in the file.
+/// Checks a chunk to which all filters were applied and which takes `size` bytes in the file.
 bool packed_chunk_is_whole(hid_t dataset, const Storage& storage, const hsize_t* offset, uint64_t size) {
   if (storage.filters.back() != H5Z_FILTER_DEFLATE) return true;
   if (size > kMaxChunkBytes || storage.chunk_bytes / kMaxDeflateRatio > size) return false;
@@ -188,7 +188,7 @@ bool chunk_is_whole(hid_t dataset, const Storage& storage, const hsize_t* offset
   if (H5Dget_chunk_info_by_coord(dataset, offset, &skipped_filters, &address, &size) < 0 || size == 0) return false;
   const unsigned all_filters = (1U << storage.filters.size()) - 1;
   if ((skipped_filters & all_filters) == all_filters) return size == storage.chunk_bytes;
-  // Some filters without the others leave a size that nothing tells; no writer does that.
+  // If only some of the filters were skipped, the size cannot be known. No writer does that.
   return (skipped_filters & all_filters) == 0 && packed_chunk_is_whole(dataset, storage, offset, size);
 }
 

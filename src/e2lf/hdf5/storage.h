@@ -9,43 +9,43 @@
 
 namespace e2lf::hdf5 {
 
-/// Largest chunk that is read, in bytes after unpacking: the library allocates one on the word of the header.
+/// The largest chunk that is read, in bytes after unpacking. The library allocates one as the header states.
 inline constexpr uint64_t kMaxChunkBytes = uint64_t{1} << 27;
 
-/// Largest element that is read, in bytes: the library converts one at a time, in memory of its size.
+/// The largest element that is read, in bytes. The library converts one element at a time in memory of its size.
 inline constexpr size_t kMaxElementBytes = size_t{1} << 16;
 
-/// How a data set is stored, and what of its size may be believed.
+/// Describes how a data set is stored and how much of its claimed size can be trusted.
 struct Storage {
   std::vector<hsize_t> extents;  ///< as the header claims
-  std::vector<hsize_t> chunk;    ///< extents of a chunk; empty = not chunked
-  size_t bytes_each = 0;         ///< per element, in the file
+  std::vector<hsize_t> chunk;    ///< the extents of a chunk; empty if the data set is not chunked
+  size_t bytes_each = 0;         ///< size of an element in the file
   std::vector<H5Z_filter_t> filters;
-  uint64_t chunk_bytes = 0;      ///< after unpacking
-  uint64_t stored_bytes = 0;     ///< in the file, packed; no more than the file has
-  uint64_t stored_elements = 0;  ///< no more than these can be in the file: what may be allocated
+  uint64_t chunk_bytes = 0;      ///< size of a chunk after unpacking
+  uint64_t stored_bytes = 0;     ///< size in the file, compressed; at most the size of the file
+  uint64_t stored_elements = 0;  ///< the most elements that the file can hold; limits allocations
 
-  /// The product of the extents; the largest number when it overflows.
+  /// Returns the product of the extents, or the largest number if it overflows.
   [[nodiscard]] uint64_t claimed_elements() const;
   [[nodiscard]] bool is_chunked() const { return !chunk.empty(); }
 };
 
-/// Looks at a data set that was just opened, without reading or allocating on its word. `location` names it in errors.
-/// Fails with kFormat (not readable, or elements inside the header that are not all there: the library would read
-/// beyond them), kUnsupported (elements of variable length or above kMaxElementBytes, elements in other files than this
-/// one, chunks above kMaxChunkBytes).
+/// Inspects a data set that was just opened, without reading its data or allocating memory of its claimed size.
+/// `location` names it in errors. Fails with kFormat if it is not readable, or if its elements are stored in the header
+/// and are incomplete (the library would read beyond them). Fails with kUnsupported for elements of variable length or
+/// above kMaxElementBytes, elements in other files, and chunks above kMaxChunkBytes.
 [[nodiscard]] Result<Storage> inspect_storage(hid_t dataset, const std::string& location);
 
-/// Fails with kMissingDependency where the library lacks a filter that packed the data set: names it, and the Debian
-/// package that brings it.
+/// Fails with kMissingDependency if the library lacks a filter that compressed the data set. The message names the
+/// filter and how to install it.
 [[nodiscard]] Result<void> check_filters(const Storage& storage, const std::string& location);
 
-/// Whether a chunk holds as many bytes as the layout says: HDF5 1.10 reads beyond it where it does not. `offset` is the
-/// chunk's first element on every axis. Chunks that deflate packs last are inflated for this; of other filters nothing
-/// is known, and what the file stores is believed.
+/// Returns true if a chunk holds as many bytes as its layout states; HDF5 1.10 reads beyond the end of one that does
+/// not. `offset` is the chunk's first element on every axis. Chunks whose last filter is deflate are inflated for this
+/// check. Other filters cannot be checked, and such chunks count as whole.
 [[nodiscard]] bool chunk_is_whole(hid_t dataset, const Storage& storage, const hsize_t* offset);
 
-/// The same for all chunks that the file stores.
+/// Checks all chunks that the file stores in this way.
 [[nodiscard]] bool chunks_are_whole(hid_t dataset, const Storage& storage);
 
 }  // namespace e2lf::hdf5

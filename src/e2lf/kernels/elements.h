@@ -7,19 +7,19 @@
 
 namespace e2lf::kernels {
 
-/// How the elements of a tensor are stored; sums are float32 in any case.
+/// The storage type of the elements of a tensor. Sums are float32 in any case.
 enum class ElementType { kFloat32, kBfloat16 };
 
 [[nodiscard]] constexpr size_t element_size(ElementType type) {
   return type == ElementType::kFloat32 ? 4 : 2;
 }
 
-/// A bfloat16 number: the upper half of a float32.
+/// A bfloat16 number, which is the upper half of a float32.
 struct Bfloat16 {
   uint16_t bits = 0;
 };
 
-/// To the nearest, ties to even; values are finite.
+/// Rounds to the nearest bfloat16, with ties to even. The value must be finite.
 [[nodiscard]] inline Bfloat16 to_bfloat16(float value) {
   uint32_t bits = 0;
   std::memcpy(&bits, &value, sizeof(bits));
@@ -33,10 +33,10 @@ struct Bfloat16 {
   return result;
 }
 
-/// Pixels are stored with their channels padded to this multiple; the padding holds zeros.
+/// Pixels are stored with their channels padded to this multiple. The padding holds zeros.
 inline constexpr size_t kChannelMultiple = 16;
 
-/// Columns of a matrix are packed in panels of at most this many.
+/// The columns of a matrix are packed in panels of at most this width.
 inline constexpr size_t kPanelWidth = 64;
 
 [[nodiscard]] constexpr size_t round_up(size_t value, size_t multiple) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Included once per instruction set by the kernels, after <hwy/highway.h>: vector arithmetic they share.
+// Vector arithmetic shared by the kernels. It is included once per instruction set, after <hwy/highway.h>.
 #if defined(E2LF_KERNELS_VECTOR_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_KERNELS_VECTOR_INL_H_
 #undef E2LF_KERNELS_VECTOR_INL_H_
@@ -13,11 +13,11 @@
 
 #include "e2lf/kernels/elements.h"
 
-// Loops over accumulators must be unrolled for them to live in registers.
+// Loops over accumulators must be unrolled so that these stay in registers.
 #define E2LF_UNROLL _Pragma("GCC unroll 16")
 
-// bfloat16 kernels exist where the instruction set can have AVX512_BF16; whether the CPU does is asked at run time.
-// Highway's better targets are smaller numbers; its later versions have more of them beyond AVX3.
+// bfloat16 kernels are compiled if the instruction set can include AVX512_BF16; whether the CPU has it is tested at run
+// time. Better Highway targets have smaller numbers, and later versions have more of them beyond AVX3.
 #undef E2LF_TARGET_HAS_BF16
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
 #define E2LF_TARGET_HAS_BF16 1
@@ -35,11 +35,11 @@ using FloatTag = hn::CappedTag<float, kChannelMultiple>;
 using FloatVec = hn::Vec<FloatTag>;
 inline constexpr size_t kLanes = hn::MaxLanes(FloatTag());
 
-// Pixels x vectors of output channels whose sums are in registers at a time.
+// The number of pixels and of output channel vectors whose sums are kept in registers at a time.
 inline constexpr size_t kGemmRows = 6;
 inline constexpr size_t kGemmVectors = kLanes == 16 ? 4 : 2;
 
-/// kLanes elements as float32, and back.
+/// Loads kLanes elements as float32, and stores them.
 HWY_INLINE FloatVec load_floats(const float* from) {
   return hn::LoadU(FloatTag(), from);
 }
@@ -56,17 +56,17 @@ HWY_INLINE FloatVec load_floats(const Bfloat16* from) {
   return hn::BitCast(FloatTag(), hn::ShiftLeft<16>(hn::PromoteTo(d32, bits)));
 }
 
-/// Rounds to the nearest, ties to even.
+/// Rounds to nearest, with ties to even.
 HWY_INLINE void store_floats(FloatVec value, Bfloat16* to) {
   const hn::Rebind<uint16_t, FloatTag> d16;
   hn::Vec<hn::Rebind<uint16_t, FloatTag>> narrow;
-  // Highway 1.0 has no name for this instruction.
+  // Highway 1.0 has no function for this instruction.
   asm("vcvtneps2bf16 %1, %0" : "=v"(narrow.raw) : "v"(value.raw));
   hn::StoreU(narrow, d16, reinterpret_cast<uint16_t*>(to));
 }
 #endif
 
-/// How the products of one element type are made: kStep elements of the depth per multiply-add.
+/// Defines how the products of one element type are computed: kStep elements of the depth per multiply-add.
 struct FloatProducts {
   using Element = float;
   static constexpr ElementType kType = ElementType::kFloat32;
@@ -94,15 +94,15 @@ struct Bfloat16Products {
     return hn::Load(FloatTag(), reinterpret_cast<const float*>(from));
   }
   static HWY_INLINE FloatVec multiply_add(Vec a, Vec b, FloatVec sum) {
-    // Nor for this one.
+    // Highway 1.0 has no function for this one, either.
     asm("vdpbf16ps %2, %1, %0" : "+v"(sum.raw) : "v"(a.raw), "v"(b.raw));
     return sum;
   }
 };
 #endif
 
-/// sums[i][j] += the products of row i of `a` (rows `a_stride` elements apart) with column vector j of a packed panel
-/// whose rows are `width` columns wide, over `depth` elements.
+/// Adds to sums[i][j] the product of row i of `a` (rows are `a_stride` elements apart) and column vector j of a packed
+/// panel whose rows are `width` columns wide, over `depth` elements.
 template <class Products, size_t kRows, size_t kVectors>
 HWY_INLINE void multiply_accumulate(const typename Products::Element* HWY_RESTRICT a, size_t a_stride,
                                     const typename Products::Element* HWY_RESTRICT panel, size_t width, size_t depth,
@@ -131,7 +131,7 @@ HWY_INLINE void clear(FloatVec (&sums)[kRows][kVectors]) {
   }
 }
 
-/// Calls visit<kVectors>(first column of a panel, offset of the group in the panel, panel width) for groups of column
+/// Calls visit<kVectors>(first column of the panel, offset of the group in the panel, panel width) for groups of column
 /// vectors that together cover a packed matrix.
 template <class Visitor>
 HWY_INLINE void for_column_groups(size_t columns, const Visitor& visitor) {
@@ -141,7 +141,7 @@ HWY_INLINE void for_column_groups(size_t columns, const Visitor& visitor) {
     for (; offset + kGemmVectors * kLanes <= width; offset += kGemmVectors * kLanes) {
       visitor.template visit<kGemmVectors>(begin, offset, width);
     }
-    // Only 16-lane vectors have a remainder: panels are multiples of 16 columns.
+    // A remainder occurs only for 16-lane vectors, because panels are multiples of 16 columns.
     if constexpr (kLanes == 16) {
       const size_t left = (width - offset) / kLanes;
       if (left == 1) visitor.template visit<1>(begin, offset, width);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Included once per instruction set by the kernels, after <hwy/highway.h>: Winograd's transforms (see
-// winograd_points.h).
+// Winograd's transforms (see winograd_points.h). This file is included once per instruction set, after <hwy/highway.h>.
 #if defined(E2LF_KERNELS_WINOGRAD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_KERNELS_WINOGRAD_INL_H_
 #undef E2LF_KERNELS_WINOGRAD_INL_H_
@@ -18,7 +17,7 @@ namespace HWY_NAMESPACE {
 inline constexpr float kA = static_cast<float>(kWinogradA);
 inline constexpr float kB = static_cast<float>(kWinogradB);
 
-/// B^T x: six input samples to the six points.
+/// Computes B^T x, which maps six input samples to the six points.
 HWY_INLINE void transform_input(const FloatVec (&x)[kWinogradPoints], FloatVec (&v)[kWinogradPoints]) {
   const FloatTag d;
   const auto a2b2 = hn::Set(d, kA * kA * kB * kB);
@@ -37,7 +36,7 @@ HWY_INLINE void transform_input(const FloatVec (&x)[kWinogradPoints], FloatVec (
   v[5] = hn::NegMulAdd(a2_plus_b2, x[3], hn::MulAdd(a2b2, x[1], x[5]));
 }
 
-/// A^T m: sums at the six points to four outputs.
+/// Computes A^T m, which maps the sums at the six points to four outputs.
 HWY_INLINE void transform_output(const FloatVec (&m)[kWinogradPoints], FloatVec (&y)[kTileSize]) {
   const FloatTag d;
   const auto even_a = hn::Add(m[1], m[2]);

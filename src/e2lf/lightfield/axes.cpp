@@ -31,7 +31,7 @@ Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const ch
   return chosen;
 }
 
-/// Which views of a larger grid were taken.
+/// Logs which views of a larger grid were selected.
 void log_choice(const ChosenGrid& grid, const std::string& location) {
   if (grid.y.count == grid.y.stored && grid.x.count == grid.x.stored) return;
   const auto range = [](const ChosenViews& views) {
@@ -41,8 +41,8 @@ void log_choice(const ChosenGrid& grid, const std::string& location) {
   log_info(cat(location, ": took view rows ", range(grid.y), " and columns ", range(grid.x)));
 }
 
-/// Copies [y, x] blocks of the chosen views. A block is read for all views before the next, because in MATLAB's order
-/// the views of a pixel are what lies together.
+/// Copies [y, x] blocks of the selected views. Each block is read for all views before the next one, because in
+/// MATLAB's order the views of a pixel are contiguous.
 template <typename T>
 class Gather {
  public:
@@ -54,7 +54,7 @@ class Gather {
         may_be_outside_(!std::is_integral_v<T> || white_ < static_cast<float>(std::numeric_limits<T>::max())),
         out_(out) {}
 
-  /// True when every sample was good.
+  /// Returns true if all samples were valid.
   bool run() {
     std::atomic<bool> good{true};
     parallel_for(out_.shape().height, 8, [&](size_t begin, size_t end) {
@@ -65,7 +65,7 @@ class Gather {
     return good;
   }
 
-  /// What is wrong with the samples, with the first bad one; called only after run() found one.
+  /// Describes the invalid samples and the place of the first one. It is called only if run() returned false.
   [[nodiscard]] BadSamples bad_samples() const {
     BadSamples bad;
     const Shape& shape = out_.shape();
@@ -137,7 +137,7 @@ class Gather {
   const ChosenGrid& grid_;
   RangePolicy range_;
   float white_;
-  bool may_be_outside_;  ///< [0, 1], once divided
+  bool may_be_outside_;  ///< outside of [0, 1], once divided by white
   LightField& out_;
 };
 

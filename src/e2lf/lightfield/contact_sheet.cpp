@@ -11,13 +11,13 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// The share of input pixel `index` in an output pixel.
+/// The weight of input pixel `index` in an output pixel.
 struct Share {
   size_t index;
   float weight;
 };
 
-/// For each of `size` output pixels, the input pixels under it: weights sum to 1.
+/// Returns the input pixels that each of `size` output pixels covers. Their weights sum to 1.
 std::vector<std::vector<Share>> box_shares(size_t input_size, size_t size) {
   std::vector<std::vector<Share>> shares(size);
   const double scale = static_cast<double>(input_size) / static_cast<double>(size);

@@ -8,7 +8,8 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// Whether `count` items that begin at `first` and are `step` apart lie in [0, extent), without overflow.
+/// Returns true if `count` items that begin at `first` and are `step` apart lie in [0, extent). The test cannot
+/// overflow.
 bool fits(size_t first, size_t count, size_t step, size_t extent) {
   return count > 0 && step > 0 && first < extent && count - 1 <= (extent - 1 - first) / step;
 }

@@ -14,21 +14,21 @@ struct CropRegion {
   size_t y = 0, x = 0, height = 0, width = 0;
 };
 
-/// The same rectangle of every view. Fails with kInvalidValue when it is empty or leaves the views.
+/// Cuts the same rectangle out of every view. Fails with kInvalidValue if it is empty or extends beyond the views.
 [[nodiscard]] Result<LightField> crop(const LightField& light_field, const CropRegion& region);
 
-/// Views first_view + step * i of each axis, i in [0, views).
+/// A grid of views: first_view + step * i along each axis, for i in [0, views).
 struct ViewGrid {
   size_t first_view_y = 0, first_view_x = 0;
   size_t views_y = 0, views_x = 0;
   size_t step = 1;
 };
 
-/// A sub-grid of the views, e.g. the middle 8x8 of 9x9, or every second view; disparity per view step grows by `step`.
-/// Fails with kInvalidValue when the grid is empty or asks for views that are not there.
+/// Selects a sub-grid of the views, e.g. the central 8x8 of 9x9, or every second view, where the disparity per view
+/// step grows by the factor `step`. Fails with kInvalidValue if the grid is empty or extends beyond the existing views.
 [[nodiscard]] Result<LightField> select_views(const LightField& light_field, const ViewGrid& grid);
 
-/// One view as an image; a view that is not there breaks the contract.
+/// Returns one view as an image. A view that does not exist breaks the contract.
 [[nodiscard]] Image view_image(const LightField& light_field, size_t view_y, size_t view_x);
 
 }  // namespace e2lf::lightfield

@@ -9,7 +9,7 @@ namespace {
 constexpr float kFloor = 0.3F;  ///< y of the table
 constexpr float kWall = 1.5F;   ///< z of the wall
 
-/// A material with its own texture for each seed of the scene.
+/// Makes materials whose textures depend on the seed of the scene.
 class Materials {
  public:
   explicit Materials(uint64_t seed) : rng_(seed, 1) {}
@@ -45,7 +45,7 @@ void add_room(Scene& scene, Materials& material) {
       {{0.0F, -0.25F, 1.49F}, {0.34F, 0, 0}, {0, 0.24F, 0}, material(TextureKind::kMarks, 0.03F, 0.95F, 0.035F)});
 }
 
-/// Turns what stands and rolls what lies on the table a little.
+/// Rotates the upright objects and shifts the balls on the table a little.
 void rearrange(Scene& scene, uint64_t seed) {
   constexpr float kTurn = 0.25F, kRoll = 0.04F;
   const CounterRng rng(seed, 2);
@@ -57,7 +57,7 @@ void rearrange(Scene& scene, uint64_t seed) {
   }
 }
 
-/// Things that stand on the table have their lower edge at kFloor.
+/// Places objects such that their lower edge is on the table, at kFloor.
 Block standing(float x, float z, const Vec3& half_size, float yaw, const Material& material) {
   return {{x, kFloor - half_size.y, z}, half_size, yaw, material};
 }
@@ -116,7 +116,7 @@ Scene textured_plane_scene(float disparity_px, uint64_t seed) {
   Material material{TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
   material.grain = 0;
   material.seed = CounterRng(seed, 1).bits(0)[0];
-  // Larger than any view, in units of the field at that depth.
+  // The quad is larger than any view, in units of the field at that depth.
   const float half = 8 * z * scene.camera.field_width;
   scene.quads.push_back({{-half, -half, z}, {2 * half, 0, 0}, {0, 2 * half, 0}, material});
   scene.light.direction = {0, 0, -1};

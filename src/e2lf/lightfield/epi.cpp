@@ -22,7 +22,8 @@ void set_pixel(Image& canvas, size_t y, size_t x, const Colour& colour) {
   std::copy(colour.begin(), colour.end(), canvas.pixels.begin() + static_cast<ptrdiff_t>((y * canvas.width + x) * 3));
 }
 
-/// Draws an image into a box that may be larger, each pixel repeated; grey becomes colour, values are clamped.
+/// Draws an image into a box, which may be larger, by repeating pixels. Grey is converted to colour, and values are
+/// clamped.
 void paste(Image& canvas, const Image& image, const Box& box) {
   for (size_t y = 0; y < box.height; ++y) {
     for (size_t x = 0; x < box.width; ++x) {

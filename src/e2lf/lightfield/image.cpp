@@ -10,7 +10,7 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// In [0, 1]; NaN becomes 0.
+/// Clamps to [0, 1]; NaN becomes 0.
 float clamp_unit(float value) {
   return value > 0.0F ? (value < 1.0F ? value : 1.0F) : 0.0F;
 }
@@ -35,7 +35,7 @@ void quantise8(std::span<const float> values, uint8_t* out) {
   }
 }
 
-/// High byte first, as PNG stores it.
+/// Writes the high byte first, as PNG stores it.
 void quantise16(std::span<const float> values, uint8_t* out) {
   for (size_t i = 0; i < values.size(); ++i) {
     const int sample = static_cast<int>(65535.0F * clamp_unit(values[i]) + 0.5F);

@@ -11,7 +11,7 @@
 
 namespace e2lf::lightfield {
 
-/// A picture in float32: pixels [y, x, channel], row-major, in [0, 1]; `channels` is 1 (grey) or 3 (red, green, blue).
+/// A float32 image: pixels [y, x, channel], row-major, in [0, 1]; `channels` is 1 (grey) or 3 (red, green, blue).
 struct Image {
   size_t width = 0, height = 0, channels = 1;
   std::vector<float> pixels;
@@ -22,7 +22,7 @@ struct Image {
   bool operator==(const Image&) const = default;
 };
 
-/// The same with 8 bits per sample, for pictures made to be looked at.
+/// An image with 8 bits per sample, for pictures that are only displayed.
 struct ByteImage {
   size_t width = 0, height = 0, channels = 1;
   std::vector<uint8_t> pixels;
@@ -35,35 +35,35 @@ struct ByteImage {
 
 enum class PngDepth { k8, k16 };
 
-/// Full-range grey of a colour, ITU-R BT.601: 0.299 red + 0.587 green + 0.114 blue. A colour without saturation keeps
-/// its value exactly.
+/// Returns the full-range luma of a colour (ITU-R BT.601): 0.299 red + 0.587 green + 0.114 blue. A grey colour keeps
+/// its exact value.
 [[nodiscard]] inline float grey_of(float red, float green, float blue) {
   return green + 0.299F * (red - green) + 0.114F * (blue - green);
 }
 
-/// The grey image of a colour image; a grey one comes back as it is.
+/// Converts a colour image to grey. A grey image is returned unchanged.
 [[nodiscard]] Image to_grey(Image image);
 
-/// round(255 * clamp(value)); NaN becomes 0.
+/// Converts an image to 8 bits as round(255 * clamp(value)); NaN becomes 0.
 [[nodiscard]] ByteImage to_bytes(const Image& image);
 
-/// Decodes a PNG (any depth, grey, colour or palette; alpha is dropped; no gamma is applied) or a JPEG (grey or colour)
-/// in memory; samples are divided by the largest one of their depth. `name` is the location in errors. Fails with
-/// kFormat (neither format, damaged), kTruncated, kUnsupported (a CMYK JPEG). An image that claims more pixels than its
-/// bytes can hold is refused before anything is allocated for it.
+/// Decodes a PNG (any depth, grey, colour or palette; alpha is dropped, and no gamma is applied) or a JPEG (grey or
+/// colour) in memory. The samples are divided by the largest value of their depth. `name` is the location in errors.
+/// Fails with kFormat (neither format, or damaged), kTruncated and kUnsupported (a CMYK JPEG). An image that claims
+/// more pixels than its bytes can hold is rejected before memory is allocated for it.
 [[nodiscard]] Result<Image> decode_image(std::span<const uint8_t> bytes, const std::string& name);
 
-/// decode_image of a file; the kind is told by its bytes, not its name. Also fails with kNotFound and kIo.
+/// Reads an image file and decodes it as decode_image does. The format is detected from its bytes, not from its name.
+/// Also fails with kNotFound and kIo.
 [[nodiscard]] Result<Image> read_image(const std::filesystem::path& path);
 
-/// Encodes a PNG with little compression: speed first. 16 bits are round(65535 * clamp(value)). Fails with kInternal
-/// when libpng does.
-/// `view_grid` is kept as text: what a lenslet mosaic says of its views, "8x8".
+/// Encodes a PNG with little compression, for speed. 16-bit samples are round(65535 * clamp(value)). `view_grid` is
+/// stored as text; it states the grid of views of a lenslet mosaic, e.g. "8x8". Fails with kInternal if libpng fails.
 [[nodiscard]] Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth,
                                                       const std::string& view_grid = {});
 [[nodiscard]] Result<std::vector<uint8_t>> encode_png(const ByteImage& image);
 
-/// encode_png into a file that appears whole or not at all. Fails with kIo.
+/// Encodes a PNG into a file that appears either whole or not at all. Fails as encode_png does, and with kIo.
 [[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const Image& image,
                                      PngDepth depth = PngDepth::k8, const std::string& view_grid = {});
 [[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const ByteImage& image);

@@ -19,9 +19,9 @@ struct Shape {
   bool operator==(const Shape&) const = default;
 };
 
-/// A 4-D light field: float32 [view_y, view_x, y, x] (grey) or [view_y, view_x, y, x, channel], row-major, values in
-/// [0, 1]. View number = views_x * view_y + view_x. Disparity d in px per view step: a point at x in view (r, c) is at
-/// x + d in view (r, c + 1), and the same for rows.
+/// A 4-D light field: float32 [view_y, view_x, y, x] (grey) or [view_y, view_x, y, x, channel], row-major, with values
+/// in [0, 1]. The view number is views_x * view_y + view_x. The disparity d is in px per view step: a point at x in
+/// view (r, c) is at x + d in view (r, c + 1), and likewise for rows.
 class LightField {
  public:
   LightField() = default;
@@ -34,7 +34,7 @@ class LightField {
   [[nodiscard]] std::span<float> data() { return data_; }
   [[nodiscard]] std::span<const float> data() const { return data_; }
 
-  /// One view: [y, x] or [y, x, channel].
+  /// Returns one view, [y, x] or [y, x, channel].
   [[nodiscard]] std::span<float> view(size_t view_y, size_t view_x) {
     return data().subspan(offset(view_y, view_x), shape_.view_size());
   }

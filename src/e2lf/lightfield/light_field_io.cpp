@@ -19,16 +19,16 @@ namespace {
 
 using namespace std::string_view_literals;
 
-// HDF5's signature stands at byte 0, or after the 512-byte header of a MATLAB 7.3 file.
+// The HDF5 signature is at byte 0, or after the 512-byte header of a MATLAB 7.3 file.
 constexpr size_t kMatlabHeaderBytes = 512;
 constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n"sv;
 
-/// The light field of a kArrayFolder.
+/// Returns the path of the array in a kArrayFolder.
 fs::path array_in(const fs::path& folder) {
   return folder / "lightfield.npy";
 }
 
-/// What the first bytes of a file say.
+/// Detects the kind from the first bytes of a file.
 std::optional<LightFieldKind> kind_of_bytes(std::string_view head) {
   const auto* bytes = reinterpret_cast<const uint8_t*>(head.data());
   if (is_png({bytes, head.size()}) || is_jpeg({bytes, head.size()})) return LightFieldKind::kLenslet;
@@ -42,7 +42,7 @@ std::optional<LightFieldKind> kind_of_bytes(std::string_view head) {
   return std::nullopt;
 }
 
-/// The kind by the first bytes alone; what is inside may still be something else.
+/// Detects the storage from names and first bytes alone; its content may still be something else.
 Result<LightFieldKind> storage_kind(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -93,7 +93,7 @@ Result<LightField> read_npz_light_field(const fs::path& path, const ReadOptions&
                path.string()};
 }
 
-/// As the files hold it.
+/// Reads the views in the order in which they are stored.
 Result<LightField> read_stored(const fs::path& path, const ReadOptions& options, const ProgressFn& progress) {
   E2LF_ASSIGN_OR_RETURN(const LightFieldKind kind, storage_kind(path));
   switch (kind) {

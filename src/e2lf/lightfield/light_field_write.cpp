@@ -32,7 +32,7 @@ LightFieldKind kind_of_folder(LightFieldFormat format) {
   return format == LightFieldFormat::kStanford ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
 }
 
-Image view_image(const LightField& light_field, size_t view_y, size_t view_x) {
+Image view_to_write(const LightField& light_field, size_t view_y, size_t view_x) {
   const Shape& shape = light_field.shape();
   Image image(shape.width, shape.height, shape.channels);
   const std::span<const float> view = light_field.view(view_y, view_x);
@@ -151,8 +151,8 @@ Result<void> write_views(const fs::path& folder, const LightField& light_field, 
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-      const Result<void> status =
-          write_png(folder / written_view_name(kind, view_y, view_x), view_image(light_field, view_y, view_x), depth);
+      const Result<void> status = write_png(folder / written_view_name(kind, view_y, view_x),
+                                            view_to_write(light_field, view_y, view_x), depth);
       const std::lock_guard lock(mutex);
       if (!status.ok() && !error) error = status.error();
       ++done;

@@ -11,16 +11,17 @@
 
 namespace e2lf::lightfield {
 
-/// Lets the views change places as capture::Orientation says, in place; doing it again undoes it. With kTurned every
-/// disparity changes its sign.
+/// Reorders the views in place according to capture::Orientation. Applying it twice restores the order. With kTurned,
+/// every disparity changes its sign.
 void orient(LightField& light_field, const capture::Orientation& orientation);
 
-/// The note "views" of the run record of a reconstruction: how those of the capture come out, and how those in the
-/// files still lie.
+/// Returns the note "views" for the run record of a reconstruction: the orientation of the capture's views, and the
+/// orientation in which the files still store them.
 [[nodiscard]] Json views_note(const capture::Orientation& capture, const capture::Orientation& stored);
 
-/// How the views in the files of a light field still lie by the note "views" of its folder's run.json; upright where
-/// there is none. `path` is the folder or the lightfield.npy in it. Fails with kInvalidValue (a note of another kind).
+/// Returns the orientation that still has to be applied to the stored views, according to the note "views" in the
+/// run.json of the folder. It is upright if there is no note. `path` is the folder or the lightfield.npy in it. Fails
+/// with kInvalidValue if the note is not an orientation.
 [[nodiscard]] Result<capture::Orientation> stored_orientation(const std::filesystem::path& path);
 
 }  // namespace e2lf::lightfield

@@ -10,17 +10,18 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// The largest numbers of 8 to 16 bits.
+/// The largest numbers of 8, 10, 12, 14 and 16 bits.
 constexpr float kWhites[] = {255, 1023, 4095, 16383, 65535};
 
-/// The white of samples whose largest is `high`.
+/// Returns the likely white of samples whose largest value is `high`.
 float likely_white(float high) {
   const auto* found =
       std::find_if(std::begin(kWhites), std::end(kWhites), [high](float white) { return high <= white; });
   return found == std::end(kWhites) ? high : *found;
 }
 
-/// Some views have few values beyond [0, 1]; where many are, another range is meant.
+/// Warns if many values lie outside of [0, 1], which suggests another range. A few such values are normal in some
+/// views.
 void warn_of_range(float low, float high, double share_below, double share_above, const std::string& location) {
   constexpr double kMany = 1.0 / 16;
   const std::string found = cat(location, ": the values lie in ", low, "..", high);

@@ -37,8 +37,8 @@ std::vector<ShiftedView> shifted_views(const LightField& light_field, float disp
   return views;
 }
 
-/// Adds the shifted view to one output row. `padded` is scratch space for the vertically filtered row with copies of
-/// its first and last pixel at the sides, so that the horizontal filter needs no test for borders.
+/// Adds the shifted view to one output row. `padded` is scratch space for the vertically filtered row, extended by
+/// copies of its first and last pixel, so that the horizontal filter needs no bounds checks.
 void add_row(const ShiftedView& view, const Shape& shape, size_t y, std::vector<float>& padded, float* out) {
   const size_t row_size = shape.width * shape.channels;
   const auto width = static_cast<ptrdiff_t>(shape.width), last_row = static_cast<ptrdiff_t>(shape.height) - 1;
@@ -98,7 +98,7 @@ Image refocus(const LightField& light_field, float disparity, const Aperture& ap
   Image image(shape.width, shape.height, shape.channels);
   parallel_for(shape.height, 8, [&](size_t begin, size_t end) {
     std::vector<float> padded;
-    // Views outside, rows inside: the rows of one view are next to each other in memory.
+    // The loop over views is outside of that over rows because the rows of one view are contiguous in memory.
     for (const ShiftedView& view : views) {
       for (size_t y = begin; y < end; ++y) {
         add_row(view, shape, y, padded, image.pixels.data() + y * shape.width * shape.channels);

@@ -9,28 +9,30 @@
 
 namespace e2lf::lightfield {
 
-/// A synthetic aperture: the weight of each view [view_y, view_x], at least 0; the sum is the light it lets through.
+/// A synthetic aperture: a non-negative weight for each view [view_y, view_x]. The sum of the weights is the light that
+/// it lets through.
 struct Aperture {
   size_t views_y = 0, views_x = 0;
   std::vector<float> weights;
 };
 
-/// Every view with weight 1.
+/// Returns an aperture with weight 1 for every view.
 [[nodiscard]] Aperture full_aperture(const Shape& shape);
 
 /// A disc in the plane of the aperture, in view steps from its middle ((views - 1) / 2 on each axis). Its rim is one
 /// view step wide: weight = clamp(radius + 0.5 - distance, 0, 1), so that the picture changes smoothly with the radius.
 struct RoundAperture {
   float radius = 0;
-  float centre_y = 0, centre_x = 0;  ///< moves the disc off the middle: another viewpoint
+  float centre_y = 0, centre_x = 0;  ///< offset of the disc from the middle, which changes the viewpoint
 };
 [[nodiscard]] Aperture round_aperture(const Shape& shape, const RoundAperture& disc);
 
-/// The picture of a camera with this aperture that is focused at `disparity` (px per view step), seen from the middle
-/// of the view grid: out(y, x) = sum_v w_v L_v(y + d (v_y - m_y), x + d (v_x - m_x)) / sum_v w_v, m = (views - 1) / 2.
-/// A plane of disparity d comes out sharp, where it is in the middle of the grid. Fractional shifts are interpolated by
-/// Catmull-Rom cubics; the nearest pixel stands in for what lies outside a view. The result is the same for any number
-/// of threads. An aperture of another size, a negative weight or no light at all breaks the contract.
+/// Computes the picture of a camera with this aperture, focused at `disparity` (px per view step) and seen from the
+/// middle of the view grid: out(y, x) = sum_v w_v L_v(y + d (v_y - m_y), x + d (v_x - m_x)) / sum_v w_v, where m =
+/// (views - 1) / 2. A plane of disparity d appears sharp, at its position in the middle of the grid. Fractional shifts
+/// are interpolated by Catmull-Rom cubics, and pixels outside of a view are replaced by the nearest one inside. The
+/// result does not depend on the number of threads. An aperture of another size, a negative weight or zero total weight
+/// breaks the contract.
 [[nodiscard]] Image refocus(const LightField& light_field, float disparity, const Aperture& aperture);
 
 }  // namespace e2lf::lightfield

@@ -11,13 +11,13 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// A place in a pixel and one on the lamp.
+/// A position in a pixel and one on the lamp.
 struct Sample {
   float y, x;
   float lamp_y, lamp_x;
 };
 
-/// i with its bits mirrored at the point: 0, 1/2, 1/4, 3/4, ...
+/// Returns the binary digits of i mirrored at the point: 0, 1/2, 1/4, 3/4, ...
 float radical_inverse(size_t i) {
   float value = 0;
   for (float digit = 0.5F; i > 0; i >>= 1, digit *= 0.5F) {
@@ -26,8 +26,8 @@ float radical_inverse(size_t i) {
   return value;
 }
 
-/// Half a Hammersley set, each point followed by its mirror image in the middle of the pixel: even in y, in x and in
-/// the square, and each pair by itself is centred.
+/// Returns half of a Hammersley set, in which each point is followed by its mirror image at the centre of the pixel.
+/// The points are evenly distributed in y, in x and in the square, and each pair is centred by itself.
 std::vector<Sample> make_samples(size_t count) {
   std::vector<Sample> samples;
   const auto n = static_cast<float>(count);
@@ -46,7 +46,7 @@ class ViewRenderer {
       : scene_(scene), rays_(scene), samples_(make_samples(request.samples_per_pixel)) {
     E2LF_REQUIRE(request.height > 0 && request.width > 0, "a picture needs pixels");
     E2LF_REQUIRE(request.samples_per_pixel > 0 && request.samples_per_pixel % 2 == 0, "samples come in pairs");
-    const Camera& camera = scene.camera;
+    const SceneCamera& camera = scene.camera;
     pixel_ = camera.field_width / static_cast<float>(request.width);
     const float view_step = camera.disparity_at_infinity_px * pixel_;
     pinhole_ = {request.view_x * view_step, request.view_y * view_step, 0};
@@ -58,7 +58,7 @@ class ViewRenderer {
     lamp_y_ = cross(to_lamp_, lamp_x_);
   }
 
-  /// Pixels [begin_x, end_x) of row y.
+  /// Renders the pixels [begin_x, end_x) of row y.
   void render_grey(size_t y, size_t begin_x, size_t end_x, float* out) const {
     const Candidates candidates = candidates_for(y, begin_x, end_x);
     std::vector<Ray> rays(samples_.size());
@@ -73,7 +73,7 @@ class ViewRenderer {
   }
 
   void render_disparity(size_t y, size_t begin_x, size_t end_x, float* out) const {
-    const Camera& camera = scene_.camera;
+    const SceneCamera& camera = scene_.camera;
     const Candidates candidates = candidates_for(y, begin_x, end_x);
     for (size_t x = begin_x; x < end_x; ++x) {
       const Ray ray = ray_through(static_cast<float>(y) + 0.5F, static_cast<float>(x) + 0.5F);
@@ -84,8 +84,8 @@ class ViewRenderer {
   }
 
  private:
-  /// The mean over the samples. Where all lie on one smooth surface and the first pair agrees, that pair is enough:
-  /// textures have no detail finer than a pixel.
+  /// Returns the mean over the samples. If all of them lie on one smooth surface and the first pair agrees, that pair
+  /// suffices, because textures have no detail finer than a pixel.
   [[nodiscard]] float mean_grey(const std::vector<Ray>& rays, const std::vector<Hit>& hits) const {
     constexpr float kAgreement = 0.06F;
     const float first = shade(rays[0], hits[0], samples_[0]), second = shade(rays[1], hits[1], samples_[1]);
@@ -98,9 +98,9 @@ class ViewRenderer {
     return sum / static_cast<float>(hits.size());
   }
 
-  /// The ray from the pinhole to a place of the picture; t = 1 is the focus depth.
+  /// Returns the ray from the pinhole to a position in the picture; t = 1 is the focus depth.
   [[nodiscard]] Ray ray_through(float y, float x) const {
-    const Camera& camera = scene_.camera;
+    const SceneCamera& camera = scene_.camera;
     const Vec3 target{(x - middle_x_) * pixel_, (y - middle_y_) * pixel_ + camera.centre_y, camera.focus_depth};
     return {pinhole_, target - pinhole_};
   }
@@ -116,14 +116,14 @@ class ViewRenderer {
     const Light& light = scene_.light;
     const Vec3 place = ray.origin + hit.t * ray.direction;
     const Vec3 to_eye = normalised(-1.0F * ray.direction);
-    // A pixel is pixel_ * t wide on a surface that faces the camera; a slanted one stretches it along one axis only,
-    // which the square root shares out.
+    // A pixel is pixel_ * t wide on a surface that faces the camera. On a slanted one, it is stretched along one axis
+    // only; the square root distributes this over both axes.
     const float towards_eye = dot(hit.normal, to_eye);
     const float slope = (1 - hit.normal.z * hit.normal.z) / std::max(towards_eye * towards_eye, 1e-6F);
     const float stretch = std::sqrt(std::min(std::sqrt(1 + slope), 10.0F));
     const float colour = albedo(*hit.material, {hit.u, hit.v, pixel_ * hit.t * stretch});
 
-    // Light from everywhere, more of it from above.
+    // Ambient light is stronger from above.
     float value = colour * light.ambient * (0.75F - 0.25F * hit.normal.y);
     const Vec3 to_lamp = normalised(to_lamp_ + light.softness * (sample.lamp_x * lamp_x_ + sample.lamp_y * lamp_y_));
     const float facing = dot(hit.normal, to_lamp);
@@ -145,7 +145,7 @@ class ViewRenderer {
   Vec3 pinhole_, to_lamp_, lamp_x_, lamp_y_;
 };
 
-/// Renders a picture in short runs of pixels, which meet few surfaces of the scene each.
+/// Renders a picture in short runs of pixels, each of which meets only a few surfaces of the scene.
 Image render_in_runs(const Scene& scene, const ViewRequest& request,
                      void (ViewRenderer::*render)(size_t y, size_t begin_x, size_t end_x, float* out) const) {
   constexpr size_t kRun = 16;
@@ -163,11 +163,11 @@ Image render_in_runs(const Scene& scene, const ViewRequest& request,
 
 }  // namespace
 
-float disparity_at_depth(const Camera& camera, float z) {
+float disparity_at_depth(const SceneCamera& camera, float z) {
   return camera.disparity_at_infinity_px * (1 - camera.focus_depth / z);
 }
 
-float depth_at_disparity(const Camera& camera, float disparity_px) {
+float depth_at_disparity(const SceneCamera& camera, float disparity_px) {
   E2LF_REQUIRE(disparity_px < camera.disparity_at_infinity_px, "nothing is farther away than infinity");
   return camera.focus_depth / (1 - disparity_px / camera.disparity_at_infinity_px);
 }

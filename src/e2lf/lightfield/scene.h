@@ -10,7 +10,8 @@
 
 namespace e2lf::lightfield {
 
-/// A point or direction of a scene: x to the right, y down, z away from the camera; the aperture lies in z = 0.
+/// A point or direction of a scene: x points to the right, y down, and z away from the camera. The aperture lies in z =
+/// 0.
 struct Vec3 {
   float x = 0, y = 0, z = 0;
 };
@@ -23,21 +24,21 @@ enum class TextureKind {
   kBricks,   ///< staggered bricks with joints, each its own brightness
   kWood,     ///< planks along v with grain
   kDots,     ///< discs on a grid
-  kMarks,    ///< lines of text-like signs
-  kStar      ///< wedges around the middle of a quad: detail of every size
+  kMarks,    ///< lines of letter-like signs
+  kStar      ///< wedges around the middle of a quad, with detail of every size
 };
 
-/// How a surface looks: its albedo varies between `dark` and `bright` as the texture says.
+/// The appearance of a surface: its albedo varies between `dark` and `bright` according to the texture.
 struct Material {
   TextureKind texture = TextureKind::kPlain;
   float dark = 0.2F, bright = 0.8F;
-  float period = 0.1F;  ///< size of the texture's repeat, in units of the scene
-  float specular = 0;   ///< strength of the highlight
+  float period = 0.1F;  ///< period of the texture, in units of the scene
+  float specular = 0;   ///< strength of the specular highlight
   float grain = 0.2F;   ///< share of fine noise in the albedo
-  uint32_t seed = 0;    ///< of everything random in the texture
+  uint32_t seed = 0;    ///< seed of all randomness in the texture
 };
 
-/// The parallelogram corner + a * edge_u + b * edge_v, a and b in [0, 1]; seen from both sides.
+/// The parallelogram corner + a * edge_u + b * edge_v with a and b in [0, 1], visible from both sides.
 struct Quad {
   Vec3 corner, edge_u, edge_v;
   Material material;
@@ -49,60 +50,64 @@ struct Sphere {
   Material material;
 };
 
-/// A box with horizontal top, turned by `yaw` (radians) around the vertical through its centre.
+/// A box with a horizontal top, rotated by `yaw` (radians) around the vertical axis through its centre.
 struct Block {
   Vec3 centre, half_size;
   float yaw = 0;
   Material material;
 };
 
-/// A lamp far away plus light from everywhere.
+/// A distant lamp and ambient light.
 struct Light {
   Vec3 direction{-0.45F, -0.8F, -0.55F};  ///< towards the lamp; any length
   float intensity = 0.85F;
   float ambient = 0.3F;
-  float softness = 0.06F;  ///< width of the lamp as an angle: width of the shadows' edges
+  float softness = 0.06F;  ///< angular width of the lamp, which blurs the edges of shadows
 };
 
-/// An array of pinholes on the plane z = 0 that all see the same rectangle at the focus depth; it fills their pictures.
-struct Camera {
+/// An array of pinholes on the plane z = 0 that all see the same rectangle at the focus depth, which fills their
+/// pictures.
+struct SceneCamera {
   float focus_depth = 1;               ///< z of the plane with disparity 0
-  float field_width = 0.8F;            ///< width of what is seen at the focus depth
+  float field_width = 0.8F;            ///< width of the visible rectangle at the focus depth
   float centre_y = 0;                  ///< y of the middle of the picture at the focus depth
-  float disparity_at_infinity_px = 4;  ///< sets the distance of the pinholes, so disparities do not change with size
+  float disparity_at_infinity_px = 4;  ///< fixes the distance of the pinholes, at any picture size
 };
 
 struct Scene {
-  Camera camera;
+  SceneCamera camera;
   Light light;
-  float background = 0;  ///< where no ray meets anything
+  float background = 0;  ///< value of rays that meet no surface
   std::vector<Quad> quads;
   std::vector<Sphere> spheres;
   std::vector<Block> blocks;
 };
 
-/// Disparity of what lies at depth z: disparity_at_infinity_px * (1 - focus_depth / z); nearer is smaller.
-[[nodiscard]] float disparity_at_depth(const Camera& camera, float z);
+/// Returns the disparity at depth z: disparity_at_infinity_px * (1 - focus_depth / z). It is smaller for nearer points.
+[[nodiscard]] float disparity_at_depth(const SceneCamera& camera, float z);
 
-/// The inverse; disparities of disparity_at_infinity_px and more break the contract.
-[[nodiscard]] float depth_at_disparity(const Camera& camera, float disparity_px);
+/// Returns the depth of a disparity, the inverse of disparity_at_depth(). Disparities of disparity_at_infinity_px and
+/// more break the contract.
+[[nodiscard]] float depth_at_disparity(const SceneCamera& camera, float disparity_px);
 
-/// One picture to render. The pinhole is given in view steps from the middle of the aperture: view (r, c) of a grid is
-/// at y = r - (views_y - 1) / 2, x = c - (views_x - 1) / 2.
+/// One picture to render. The position of the pinhole is in view steps from the middle of the aperture: view (r, c) of
+/// a grid is at y = r - (views_y - 1) / 2, x = c - (views_x - 1) / 2.
 struct ViewRequest {
   size_t height = 0, width = 0;
   float view_y = 0, view_x = 0;
-  size_t samples_per_pixel = 4;  ///< an even number
+  size_t samples_per_pixel = 4;  ///< must be even
 };
 
-/// The grey picture [y, x], values in [0, 1]. Pixel (y, x) covers [y, y + 1) x [x, x + 1); samples lie on the same
-/// pattern in every pixel of every view, so that a shift by whole pixels is exact. The same for any number of threads.
+/// Renders the grey picture [y, x] with values in [0, 1]. Pixel (y, x) covers [y, y + 1) x [x, x + 1). The samples have
+/// the same pattern in every pixel of every view, so that a shift by whole pixels is exact. The result does not depend
+/// on the number of threads.
 [[nodiscard]] Image render_view(const Scene& scene, const ViewRequest& request);
 
-/// The disparity in px per view step of what the middle of each pixel sees; disparity_at_infinity_px in the background.
+/// Renders the disparity, in px per view step, of the surface at the centre of each pixel. It is
+/// disparity_at_infinity_px in the background.
 [[nodiscard]] Image render_disparity(const Scene& scene, const ViewRequest& request);
 
-/// All views of the grid in `shape` (one channel): a light field in the convention of light_field.h.
+/// Renders all views of the grid in `shape` (one channel) as a light field in the convention of light_field.h.
 [[nodiscard]] LightField render_light_field(const Scene& scene, const Shape& shape, size_t samples_per_pixel = 4);
 
 }  // namespace e2lf::lightfield

@@ -13,7 +13,7 @@ Vec3 facing(const Vec3& normal, const Vec3& direction) {
   return dot(normal, direction) > 0 ? -1.0F * normal : normal;
 }
 
-/// Turns a vector around the vertical axis.
+/// Rotates a vector around the vertical axis.
 Vec3 turned(const Vec3& a, float cosine, float sine) {
   return {cosine * a.x + sine * a.z, a.y, cosine * a.z - sine * a.x};
 }
@@ -39,8 +39,8 @@ SceneRays::SceneRays(const Scene& scene) : scene_(&scene) {
   }
 }
 
-/// Whether every ray around this one misses a ball. The nearest point of the line is at t; rays there are up to
-/// spread * t apart, and up to spread * radius more where they are inside the ball.
+/// Returns true if all rays within `spread` of this one miss a ball. The point of the ray nearest to its centre is at
+/// t. Rays there are up to spread * t apart, and up to spread * radius more within the ball.
 bool SceneRays::misses(const Ray& ray, const Ball& ball, float spread) {
   const Vec3 offset = ball.centre - ray.origin;
   const float length_squared = dot(ray.direction, ray.direction);
@@ -98,7 +98,7 @@ void SceneRays::hit_block(size_t index, const Ray& ray, Hit& nearest) const {
   const float origins[3] = {origin.x, origin.y, origin.z}, steps[3] = {direction.x, direction.y, direction.z};
   const float halves[3] = {block.half_size.x, block.half_size.y, block.half_size.z};
 
-  // The ray is inside between the last slab it enters and the first it leaves.
+  // The ray is inside the box between the last slab that it enters and the first one that it leaves.
   float enter = -std::numeric_limits<float>::infinity(), leave = std::numeric_limits<float>::infinity();
   size_t axis = 0;
   for (size_t i = 0; i < 3; ++i) {

@@ -27,32 +27,33 @@ inline Vec3 normalised(const Vec3& a) {
   return (1 / std::sqrt(dot(a, a))) * a;
 }
 
-/// Points origin + t * direction, t > 0; the direction may have any length.
+/// The points origin + t * direction with t > 0. The direction may have any length.
 struct Ray {
   Vec3 origin, direction;
 };
 
-/// What a ray meets first.
+/// The first intersection of a ray.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
-  Vec3 normal;                         ///< unit length, towards where the ray came from
-  float u = 0, v = 0;                  ///< place on the surface, see SurfacePoint
-  const Material* material = nullptr;  ///< null: nothing was met
+  Vec3 normal;                         ///< of unit length, on the side from which the ray comes
+  float u = 0, v = 0;                  ///< position on the surface, see SurfacePoint
+  const Material* material = nullptr;  ///< null if the ray meets no surface
 };
 
-/// Indices of the surfaces that some rays can meet.
+/// Indices of the surfaces that a bundle of rays can meet.
 struct Candidates {
   std::vector<size_t> quads, spheres, blocks;
 };
 
-/// Finds the first surface along a ray, and whether any lies on it.
+/// Intersects rays with the surfaces of a scene: finds the first one, or tests whether there is any.
 class SceneRays {
  public:
-  /// The scene must outlive this.
+  /// The scene must outlive this object.
   explicit SceneRays(const Scene& scene);
 
-  /// The surfaces that rays can meet which start where `middle` does and whose directions differ from its own by
-  /// vectors no longer than `spread`. Balls around the surfaces are tested, so some may be met by none.
+  /// Returns the surfaces that can be met by rays with the origin of `middle` and directions that differ from its own
+  /// by vectors no longer than `spread`. The test uses bounding spheres, so that some of them may not be met by any
+  /// ray.
   [[nodiscard]] Candidates near(const Ray& middle, float spread) const;
 
   [[nodiscard]] Hit first_hit(const Ray& ray, const Candidates& candidates) const;
@@ -63,7 +64,7 @@ class SceneRays {
     Vec3 centre;
     float radius;
   };
-  /// A quad as a plane with coordinates: a = dot(p - corner, to_a), b likewise.
+  /// A quad as a plane with coordinates: a = dot(p - corner, to_a), and likewise b.
   struct QuadFrame {
     Vec3 normal, to_a, to_b;
     float length_u, length_v;

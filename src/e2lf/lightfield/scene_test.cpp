@@ -34,7 +34,7 @@ Quad facing_square(float x, float z, float half, const Material& material) {
 }
 
 TEST(SceneCamera, TurnsDepthIntoDisparityAndBack) {
-  const Camera camera;
+  const SceneCamera camera;
   EXPECT_EQ(disparity_at_depth(camera, camera.focus_depth), 0);
   EXPECT_LT(disparity_at_depth(camera, 0.8F), 0);
   for (float disparity : {-2.0F, 0.0F, 1.5F}) {

@@ -9,7 +9,7 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// 32 well-mixed bits for a cell of a texture.
+/// Returns 32 well-mixed bits for a cell of a texture.
 uint32_t hash_cell(int32_t column, int32_t row, uint32_t seed) {
   uint32_t h = static_cast<uint32_t>(column) * 0x9E3779B1U + static_cast<uint32_t>(row) * 0x85EBCA77U + seed;
   h ^= h >> 15;
@@ -23,7 +23,7 @@ float unit(uint32_t bits) {
   return static_cast<float>(bits >> 8) * 0x1p-24F;
 }
 
-/// floor() as an integer; std::floor is a call on the oldest CPUs, and this is the innermost loop.
+/// Returns floor() as an integer. std::floor is a function call on the oldest CPUs, and this is the innermost loop.
 int32_t cell_of(float position) {
   const auto truncated = static_cast<int32_t>(position);
   return truncated - (position < static_cast<float>(truncated) ? 1 : 0);
@@ -33,17 +33,17 @@ float fraction(float position) {
   return position - static_cast<float>(cell_of(position));
 }
 
-/// std::lerp without its care for exact ends, which costs branches.
+/// Interpolates as std::lerp does, but without its branches for exact ends.
 float mix(float a, float b, float t) {
   return a + t * (b - a);
 }
 
-/// An edge that is `width` wide: 0 well below, 1 well above `distance` 0.
+/// Returns an edge of width `width`: 0 far below and 1 far above `distance` 0.
 float soft_step(float distance, float width) {
   return std::clamp(distance / std::max(width, 1e-6F) + 0.5F, 0.0F, 1.0F);
 }
 
-/// A gradient drawn for a grid point, times the offset from it.
+/// Returns the scalar product of the random gradient of a grid point and the offset from it.
 float gradient_dot(int32_t column, int32_t row, uint32_t seed, float dx, float dy) {
   const uint32_t bits = hash_cell(column, row, seed);
   const float gx = static_cast<float>(static_cast<int32_t>(bits & 0xFFFFU) - 0x8000) * 0x1p-15F;
@@ -51,7 +51,7 @@ float gradient_dot(int32_t column, int32_t row, uint32_t seed, float dx, float d
   return gx * dx + gy * dy;
 }
 
-/// Gradient noise with features of size 1; about -0.7 to 0.7.
+/// Returns gradient noise with features of size 1, in about [-0.7, 0.7].
 float gradient_noise(float u, float v, uint32_t seed) {
   const int32_t column = cell_of(u), row = cell_of(v);
   const float x = u - static_cast<float>(column), y = v - static_cast<float>(row);
@@ -62,8 +62,8 @@ float gradient_noise(float u, float v, uint32_t seed) {
   return mix(top, bottom, sy);
 }
 
-/// Octaves of noise from features of `size` down to the footprint, about -1 to 1. An octave whose features come near
-/// the width of a pixel fades out: it would only alias.
+/// Returns octaves of noise from features of `size` down to the footprint, in about [-1, 1]. An octave whose features
+/// approach the width of a pixel fades out, because it would only alias.
 float fractal_noise(float u, float v, float size, float footprint, uint32_t seed) {
   constexpr int kOctaves = 6;
   constexpr float kGainPerOctave = 0.65F;
@@ -76,7 +76,7 @@ float fractal_noise(float u, float v, float size, float footprint, uint32_t seed
   return sum;
 }
 
-/// A square wave of period 1 with edges `width` wide, -1 to 1.
+/// Returns a square wave of period 1 in [-1, 1], with edges of width `width`.
 float square_wave(float position, float width) {
   const float t = fraction(position) - 0.5F;
   return 2 * soft_step(0.25F - std::abs(t), width) - 1;
@@ -98,7 +98,7 @@ float bricks(float u, float v, float width, uint32_t seed) {
 float wood(float u, float v, float width, uint32_t seed) {
   const int32_t plank = cell_of(u);
   const float offset = 17 * unit(hash_cell(plank, 3, seed));
-  // Grain: noise stretched along the plank, folded into rings.
+  // The grain is noise stretched along the plank and folded into rings.
   const float warp = fractal_noise(3 * u, 0.35F * v + offset, 1, width, seed);
   const float rings = 0.5F + 0.5F * std::sin(14 * warp + 9 * u);
   const float joint = soft_step(std::min(fraction(u), 1 - fraction(u)) - 0.012F, width);
@@ -115,7 +115,7 @@ float distance_to_segment(float x, float y, const std::array<float, 4>& segment)
   return std::hypot(x - segment[0] - along * dx, y - segment[1] - along * dy);
 }
 
-/// Ink of one sign in a cell: some of a few strokes.
+/// Returns the ink of one sign in its cell, which consists of some of a few strokes.
 float sign(float x, float y, float width, uint32_t bits) {
   constexpr std::array<std::array<float, 4>, 8> kStrokes{{{0.2F, 0.2F, 0.2F, 0.8F},
                                                           {0.75F, 0.2F, 0.75F, 0.8F},
@@ -132,7 +132,7 @@ float sign(float x, float y, float width, uint32_t bits) {
   return soft_step(0.07F - distance, width);
 }
 
-/// Paper 1, ink 0. A line of text has height 1; lines end raggedly, some are left out.
+/// Returns 1 for paper and 0 for ink. A line of text has height 1. Some signs and whole lines are left out.
 float marks(float u, float v, float width, uint32_t seed) {
   constexpr float kAdvance = 0.6F;
   const int32_t line = cell_of(v), column = cell_of(u / kAdvance);
@@ -146,7 +146,7 @@ float star(float u, float v, float width) {
   constexpr float kWedges = 24;
   const float radius = std::hypot(u, v);
   const float position = std::atan2(v, u) * kWedges / (2 * std::numbers::pi_v<float>);
-  // A wedge pair is 2 pi radius / kWedges long: below two pixels it turns grey.
+  // A pair of wedges is 2 pi radius / kWedges long; below two pixels it turns grey.
   const float pair = 2 * std::numbers::pi_v<float> * radius / kWedges;
   const float contrast = std::clamp(pair / std::max(2 * width, 1e-6F) - 0.5F, 0.0F, 1.0F);
   const float wedges = 0.5F + 0.5F * contrast * square_wave(position, width / std::max(pair, 1e-6F));

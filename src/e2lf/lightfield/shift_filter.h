@@ -10,15 +10,15 @@ namespace e2lf::lightfield {
 
 inline constexpr int kShiftTaps = 4;
 
-/// One fractional shift along one axis: out[i] = sum_k taps[k] * in[i + first + k].
+/// A fractional shift along one axis: out[i] = sum_k taps[k] * in[i + first + k].
 struct ShiftFilter {
   ptrdiff_t first = 0;
   std::array<float, kShiftTaps> taps{};
 };
 
-/// Catmull-Rom interpolation at `shift` px, within +-1e6 px; a whole shift copies.
+/// Returns the Catmull-Rom filter for a shift by `shift` px, clamped to +-1e6 px. A whole shift copies the pixels.
 [[nodiscard]] inline ShiftFilter make_shift_filter(float shift) {
-  constexpr float kFarOutside = 1e6F;  // No view is that large, and it fits any integer.
+  constexpr float kFarOutside = 1e6F;  // No view is that large, and the shift fits into any integer type.
   shift = std::clamp(shift, -kFarOutside, kFarOutside);
   const float whole = std::floor(shift);
   const float t = shift - whole, t2 = t * t, t3 = t2 * t;

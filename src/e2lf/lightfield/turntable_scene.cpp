@@ -11,9 +11,9 @@ namespace {
 constexpr float kTable = 0.26F;     // y of its top
 constexpr float kHalfSide = 0.27F;  // of the table
 constexpr float kMiddleZ = 0.95F;   // of its middle; x = 0
-constexpr float kWall = 1.5F;       // z
+constexpr float kBackWall = 1.5F;   // z
 
-/// Places things by where they stand on a table that is turned.
+/// Places objects on the rotated table by their position on it.
 class Table {
  public:
   Table(float turn, uint64_t seed) : turn_(turn), cosine_(std::cos(turn)), sine_(std::sin(turn)), rng_(seed, 1) {}
@@ -56,8 +56,8 @@ Scene turntable_scene(float turn, uint64_t seed) {
   scene.light.direction = {-0.55F, -0.75F, -0.75F};
   Table table(turn, seed);
   scene.quads = {
-      {{-1.5F, -1.2F, kWall}, {3, 0, 0}, {0, 2.4F, 0}, table.material(kBricks, 0.15F, 0.9F, 0.16F)},
-      {{-1.5F, kTable + 0.04F, 0.3F}, {3, 0, 0}, {0, 0, kWall}, table.material(kPlain, 0.1F, 0.3F, 0.2F)},
+      {{-1.5F, -1.2F, kBackWall}, {3, 0, 0}, {0, 2.4F, 0}, table.material(kBricks, 0.15F, 0.9F, 0.16F)},
+      {{-1.5F, kTable + 0.04F, 0.3F}, {3, 0, 0}, {0, 0, kBackWall}, table.material(kPlain, 0.1F, 0.3F, 0.2F)},
       table.top(table.material(kWood, 0.12F, 0.8F, 0.12F)),
   };
   scene.blocks = {

@@ -7,9 +7,9 @@
 
 namespace e2lf::lightfield {
 
-/// A still life on a square table before a wall, the table with all that stands on it turned by `turn` radians around
-/// its middle: a scene whose motion is known exactly. Balls move on their circle and do not spin. The seed varies
-/// textures.
+/// Returns a still life on a square table in front of a wall. The table and everything on it are rotated by `turn`
+/// radians around its middle, so that the motion is known exactly. The balls move on circles and do not spin. The seed
+/// varies the textures.
 [[nodiscard]] Scene turntable_scene(float turn, uint64_t seed = 0);
 
 }  // namespace e2lf::lightfield

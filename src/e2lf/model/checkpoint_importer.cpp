@@ -151,9 +151,9 @@ Result<void> CheckpointImporter::append(const std::string& key, std::vector<floa
   return {};
 }
 
-/// y = (conv - mean) / sqrt(var + eps) * scale + shift, as a convolution.
+/// Folds y = (conv - mean) / sqrt(var + eps) * scale + shift into the convolution.
 Result<void> CheckpointImporter::fold(const std::string& norm, std::vector<float>& weight, std::vector<float>& bias) {
-  constexpr double kEps = 1e-5;  // of torch
+  constexpr double kEps = 1e-5;  // the value of torch
   const size_t out = bias.size(), taps = weight.size() / out;
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> mean, values(norm + ".running_mean", out));
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> variance, values(norm + ".running_var", out));

@@ -10,53 +10,54 @@
 
 namespace e2lf::model {
 
-/// Makes layers of the tensors of a published checkpoint, and remembers which were read. Functions that add layers
-/// return the last one's name; they fail with kNotFound and kShape, naming the tensor.
+/// Converts the tensors of a published checkpoint to layers and records which tensors were read. Functions that add
+/// layers return the name of the last one. They fail with kNotFound and kShape, and the location names the tensor.
 class CheckpointImporter {
  public:
-  /// `prefix` stands before the keys of all tensors.
+  /// `prefix` precedes the keys of all tensors.
   CheckpointImporter(const Safetensors& tensors, std::string file, std::string prefix)
       : tensors_(tensors), file_(std::move(file)), prefix_(std::move(prefix)) {}
 
   [[nodiscard]] bool has(const std::string& key) const { return tensors_.tensors.contains(prefix_ + key); }
 
-  /// The tensor's shape; fails where it has other than `rank` axes or one of them is empty.
+  /// Returns the shape of a tensor. Fails if it does not have `rank` axes or if an extent is 0.
   [[nodiscard]] Result<std::vector<size_t>> shape(const std::string& key, size_t rank);
 
-  /// The tensor's values; fails where they are not `size`.
+  /// Returns the values of a tensor. Fails if their number is not `size`.
   [[nodiscard]] Result<std::vector<float>> values(const std::string& key, size_t size);
 
-  /// A convolution "<key>.weight", with a bias and batch normalisation "<norm>" where they are there.
+  /// Adds a convolution "<key>.weight", with a bias and the batch normalisation "<norm>" if the checkpoint has them.
   Result<std::string> conv(Layer layer, const std::string& key, const std::string& norm = "");
 
-  /// A linear layer "<key>.weight" [out, in] of each pixel, with its bias: a 1x1 convolution.
+  /// Adds a linear layer "<key>.weight" [out, in] with its bias, applied to each pixel: a 1x1 convolution.
   Result<std::string> linear(Layer layer, const std::string& key);
 
-  /// "<key>.weight" and "<key>.bias" of each channel.
+  /// Adds a layer normalisation with "<key>.weight" and "<key>.bias" [channels].
   Result<std::string> layer_norm(const std::string& name, const std::string& key, const std::string& input);
 
-  /// A cell: a GRU by its three gates, or an LSTM by its one tensor of gates.
+  /// Adds a recurrent cell: a GRU if the checkpoint has tensors for its three gates, an LSTM if it has one for all
+  /// gates.
   Result<std::string> cell(const std::string& name, const std::string& key, const std::string& input);
 
-  /// ReLU(conv2(ReLU(conv1(x))) + x).
+  /// Adds a residual block, ReLU(conv2(ReLU(conv1(x))) + x).
   Result<std::string> residual_block(const std::string& name, const std::string& key, const std::string& input);
 
-  /// The last convolution; of several channels, the first.
+  /// Adds the last convolution, of which only the first output channel is kept.
   Result<std::string> picture(const std::string& input);
 
   std::string add(Layer layer);
 
-  /// A layer with weights that are made of the checkpoint's.
+  /// Adds a layer whose weights were computed from those of the checkpoint.
   std::string add(Layer layer, std::vector<float> weight, std::vector<float> bias);
 
-  /// The tensor whose depth is the number of time bins.
+  /// Names the tensor whose number of input channels is the number of time bins.
   void set_head(std::string key) { head_ = std::move(key); }
   [[nodiscard]] Result<size_t> bins();
 
-  /// Ends the network. Fails where a tensor was not read.
+  /// Completes the network and moves it to `model`. Fails if a tensor was not read.
   Result<void> finish(VideoModel& model);
 
-  /// Where a tensor is, for errors.
+  /// Returns the location of a tensor for errors.
   [[nodiscard]] std::string location(const std::string& key) const;
 
  private:

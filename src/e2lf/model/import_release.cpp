@@ -7,13 +7,13 @@ namespace {
 
 constexpr size_t kPatterns = 4;
 constexpr size_t kViews = 64;  // 8 rows of 8, numbered row by row
-constexpr const char* kCodesTensor = "mask_4x64";
+constexpr const char* kReleaseCodes = "mask_4x64";
 
 Result<capture::Codes> import_codes(const std::filesystem::path& path) {
   const std::string file = path.string();
   E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
-  E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(kCodesTensor, file));
-  const std::string location = cat(file, ": ", kCodesTensor);
+  E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(kReleaseCodes, file));
+  const std::string location = cat(file, ": ", kReleaseCodes);
   if (tensor->shape != std::vector<size_t>{kPatterns, kViews}) {
     return Error{ErrorCode::kShape,
                  cat("patterns of shape ", shape_text(tensor->shape), ", the release has ",

@@ -33,7 +33,7 @@ Result<capture::Codes> codes_from_tensor(const Model& model, const Safetensors& 
   return codes;
 }
 
-/// A tensor that nothing reads is a sign of another network than the one described.
+/// Rejects tensors that no layer reads, because they indicate another network than the one described.
 Result<void> check_all_used(const Model& model, const Safetensors& tensors, const std::string& file) {
   for (const auto& entry : tensors.tensors) {
     if (entry.first == kCodesTensor || model.weights.contains(entry.first)) continue;

@@ -60,7 +60,7 @@ Result<capture::SensorConstants> constants_from_json(const Json& json, const std
   return constants;
 }
 
-/// What a file says of its measurement fits its input.
+/// Checks that the measurement stated in the file agrees with its input.
 Result<void> check_measurement(const Model& model, const std::string& said, const OptionReader& reader) {
   const auto needed = measurement_of(model.input);
   if (!needed) return Error{needed.error().code, needed.error().message, reader.child_location("input")};
@@ -71,7 +71,7 @@ Result<void> check_measurement(const Model& model, const std::string& said, cons
       reader.child_location(kMeasurement)};
 }
 
-/// The version is looked at first: another version has other keys.
+/// The version is checked first, because another version has other keys.
 Result<void> check_version(const Json& json, const std::string& location) {
   if (!json.is_object()) return Error{ErrorCode::kFormat, "expected an object; write { ... }", location};
   const Json version = json.value("format_version", Json());
@@ -114,7 +114,7 @@ size_t num_input_channels(InputKind kind, size_t num_patterns) {
     case InputKind::kIntensity:
       return num_patterns - 1;
     case InputKind::kCamera:
-      return capture::num_traits(num_patterns);
+      return capture::conditioning_size(num_patterns);
     case InputKind::kImages:
       return num_patterns;
     case InputKind::kImageSum:
@@ -175,7 +175,7 @@ Json header_to_json(const Model& model) {
                  {"input", std::move(input)},
                  {"network", to_json(model.network)},
                  {"provenance", model.provenance}};
-  // Old files say nothing: event images.
+  // Older files do not state the measurement, which is then event images.
   const capture::MeasurementKind measurement = model.measurement();
   if (measurement != capture::MeasurementKind::kEventImages) {
     header[kMeasurement] = capture::measurement_name(measurement);

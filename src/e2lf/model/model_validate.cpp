@@ -10,11 +10,11 @@
 namespace e2lf::model {
 namespace {
 
-// Bounds that keep products of sizes far from overflow.
+// These bounds keep products of sizes far from overflow.
 constexpr size_t kMaxPatterns = 1024;
 constexpr size_t kMaxViews = 255;
 
-/// Checks field by field; each function names the field it refuses.
+/// Checks a model field by field. Each function names the field that it rejects.
 class ModelCheck {
  public:
   ModelCheck(const Model& model, const std::string& location) : model_(model), location_(location) {}
@@ -39,7 +39,7 @@ class ModelCheck {
   [[nodiscard]] Result<void> check_sizes() const {
     const auto measurement = measurement_of(model_.input);
     if (!measurement) return refuse("input", measurement.error().message);
-    // Events are of changes between patterns.
+    // Events need a transition between two patterns.
     const size_t least = capture::has_events(*measurement) ? 2 : 1;
     if (model_.num_patterns < least || model_.num_patterns > kMaxPatterns) {
       return refuse("num_patterns", cat(model_.num_patterns, " patterns; use ", least, " to ", kMaxPatterns));

@@ -9,24 +9,24 @@
 namespace e2lf::model {
 namespace {
 
-/// A convolution of a layer: the shape of its weights, and the input pixels (along an axis) per pixel that it is
-/// computed for.
+/// A convolution of a layer: the shape of its weights, and the number of input pixels along an axis per pixel at which
+/// it is evaluated.
 struct ConvCost {
   std::string name;
-  size_t out = 0, in = 0;  ///< as stored: for transposed ones the other way round
+  size_t out = 0, in = 0;  ///< as stored, i.e. swapped for transposed convolutions
   size_t bias = 0;
   size_t kernel = 1;
   size_t scale = 1;
 };
 
-/// The convolutions of a layer; `in` channels at scale `scale_in` make it, `scale_out` is its own.
+/// Returns the convolutions of a layer that has `in` input channels at scale `scale_in` and its output at `scale_out`.
 std::vector<ConvCost> convolutions(const Layer& layer, size_t in, size_t scale_in, size_t scale_out) {
   const size_t out = layer.out_channels, kernel = layer.kernel;
   switch (layer.op) {
     case Op::kConv:
       return {{layer.name, out, in, out, kernel, scale_out}};
     case Op::kConvTransposed:
-      // Visits all its weights once per pixel of its input, not of its output.
+      // A transposed convolution applies all of its weights once per input pixel, not per output pixel.
       return {{layer.name, in, out, out, kernel, scale_in}};
     case Op::kConvGru:
       return {{layer.name + ".gates", 2 * out, in + out, 2 * out, kernel, scale_out},
@@ -42,7 +42,7 @@ size_t product(const std::vector<size_t>& shape) {
   return std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>());
 }
 
-/// Every tensor's shape by name, the input's included.
+/// Returns the shapes of all tensors by name, including the input.
 std::map<std::string, LayerShape> shapes_by_name(const Network& network) {
   const std::vector<LayerShape> shapes = infer_shapes(network).value();
   std::map<std::string, LayerShape> by_name = {{"input", {network.input_channels, 1}}};
@@ -99,11 +99,11 @@ size_t num_parameters(const Network& network) {
 
 size_t receptive_radius(const Network& network) {
   const auto shapes = shapes_by_name(network);
-  // A pixel at scale s stands for a block of s input pixels; the radius is what it sees beyond that block.
+  // A pixel at scale s represents a block of s input pixels. The radius counts the context beyond that block.
   std::map<std::string, size_t> radius = {{"input", 0}};
   for (const Layer& layer : network.layers) {
     if (layer.op == Op::kPrevious) {
-      radius[layer.name] = 0;  // nothing of the same frame
+      radius[layer.name] = 0;  // it depends on nothing in the same frame
       continue;
     }
     if (needs_whole_image(layer)) return kWholeImage;

@@ -85,7 +85,7 @@ Result<Network> network_from_json(const Json& json, const std::string& location)
   OptionReader reader(json, location);
   std::string type;
   reader.read("type", type).read("input_channels", network.input_channels);
-  // Another type has other keys, so its name is looked at before them.
+  // The type is checked before the keys, because another type has other keys.
   if (json.is_object() && type != kType) {
     return Error{ErrorCode::kUnsupported, cat("unknown network type \"", type, "\"; this build knows \"", kType, "\""),
                  reader.child_location("type")};

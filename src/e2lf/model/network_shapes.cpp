@@ -9,12 +9,12 @@
 namespace e2lf::model {
 namespace {
 
-// Bounds that keep every product of sizes far from overflow; files from elsewhere come through here.
+// These bounds keep all products of sizes far from overflow, because files from other sources are checked here.
 constexpr size_t kMaxChannels = size_t{1} << 16;
 constexpr size_t kMaxKernel = 127;
 constexpr size_t kMaxScale = 1024;
 
-/// Shape inference of one layer; the first problem found is kept.
+/// Infers the shape of one layer and returns the first problem found.
 class LayerCheck {
  public:
   LayerCheck(const Layer& layer, const std::map<std::string, LayerShape>& known) : layer_(layer), known_(known) {}
@@ -145,7 +145,7 @@ class LayerCheck {
 
   [[nodiscard]] Result<void> check_cell() const {
     E2LF_RETURN_IF_ERROR(check_plain());
-    // Gates are up to four times as many.
+    // The gates have up to four times as many channels.
     if (layer_.out_channels > kMaxChannels / 4) {
       return invalid(cat(layer_.out_channels, " channels; use 1 to ", kMaxChannels / 4));
     }
@@ -212,7 +212,7 @@ class LayerCheck {
   std::vector<LayerShape> inputs_;
 };
 
-/// What comes back in the next frame has the shape that it is said to have.
+/// Checks that the output that is fed back to the next frame has the shape that kPrevious states.
 Result<void> check_feedback(const Network& network, const LayerShape& output) {
   for (const Layer& layer : network.layers) {
     if (layer.op != Op::kPrevious) continue;

@@ -12,7 +12,7 @@
 namespace e2lf::model {
 namespace {
 
-/// Empty: the whole image.
+/// Returns nothing if the receptive field is the whole image.
 std::optional<size_t> receptive_field_px(const Network& network) {
   const size_t radius = receptive_radius(network);
   return radius == kWholeImage ? std::nullopt : std::optional(2 * radius + 1);
@@ -34,7 +34,7 @@ Json codes_summary(const capture::Codes& codes) {
   return {{"binary", capture::is_binary(codes)}, {"light_efficiency", std::move(efficiency)}};
 }
 
-/// "948,352".
+/// Formats a number as "948,352".
 std::string grouped(size_t number) {
   std::string text = std::to_string(number);
   for (size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, 1, ',');
@@ -46,7 +46,7 @@ void append_field(std::string& text, std::string label, const std::string& value
   text += label + value + '\n';
 }
 
-/// JSON values as lines "key: value"; text without quotes.
+/// Appends JSON values as lines "key: value", with text unquoted.
 void append_provenance(std::string& text, const Json& provenance) {
   for (const auto& [key, value] : provenance.items()) {
     append_field(text, "  " + key, value.is_string() ? value.get<std::string>() : json_line(value));
@@ -97,7 +97,7 @@ Json summary_json(const Model& model) {
   json["measurement"] = capture::measurement_name(model.measurement());
   json["network"] = network_summary(model.network);
   json["codes"] = model.codes ? codes_summary(*model.codes) : Json();
-  // What the model comes from closes the list.
+  // The provenance comes last.
   json.erase("provenance");
   json["provenance"] = model.provenance;
   return json;

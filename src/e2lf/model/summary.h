@@ -8,16 +8,16 @@
 
 namespace e2lf::model {
 
-/// What a model is, for `e2lf model info --json`: name, patterns, views, event model, constants, input, network figures
-/// (layers, parameters, multiply-adds per pixel, receptive field in pixels), light efficiency of its codes (null when
-/// it has none), provenance. The model must pass validate().
+/// Summarises a model for `e2lf model info --json`: name, patterns, views, event model, constants, input, figures of
+/// the network (layers, parameters, multiply-adds per pixel, receptive field in pixels), light efficiency of its codes
+/// (null if it has none) and provenance. The model must pass validate().
 [[nodiscard]] Json summary_json(const Model& model);
 
-/// The same for people, with a picture of the patterns.
+/// Summarises a model as text, with a picture of the patterns.
 [[nodiscard]] std::string summary_text(const Model& model);
 
-/// The same of a model that makes frames: name, measurement, bins, what happens to voxels and frames, network figures,
-/// provenance.
+/// Summarise a model that makes frames: name, measurement, bins, treatment of voxels and frames, figures of the network
+/// and provenance.
 [[nodiscard]] Json summary_json(const VideoModel& model);
 [[nodiscard]] std::string summary_text(const VideoModel& model);
 

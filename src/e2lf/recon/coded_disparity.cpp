@@ -12,9 +12,9 @@
 namespace e2lf::recon {
 namespace {
 
-/// Squared relative spread of the pictures at one pixel when the scene lies at `disparity`.
+/// Returns the squared relative spread of the pictures at one pixel for a scene at `disparity`.
 float mismatch(std::span<const PlacedImage> images, size_t height, size_t width, float disparity, size_t y, size_t x) {
-  constexpr float kDark = 1e-2F;  // keeps the noise of dark pixels from deciding
+  constexpr float kDark = 1e-2F;  // prevents the noise of dark pixels from dominating
   float sum = 0, squares = 0;
   for (const PlacedImage& image : images) {
     const float value = sample_bilinear(image.pixels, height, width,

@@ -10,7 +10,7 @@
 namespace e2lf::recon {
 namespace {
 
-/// Sliding sums of `count` values that lie `stride` apart; the ends repeat.
+/// Computes sliding sums of `count` values that are `stride` apart. The end values are repeated.
 void line_sums(const float* in, float* out, size_t count, size_t stride, size_t radius) {
   const auto last = static_cast<ptrdiff_t>(count) - 1, reach = static_cast<ptrdiff_t>(radius);
   const auto at = [&](ptrdiff_t i) {

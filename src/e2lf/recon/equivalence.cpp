@@ -11,7 +11,8 @@
 namespace e2lf::recon {
 namespace {
 
-/// Seeds of the three recordings differ by this, so that neighbouring seeds of a user stay apart.
+/// The seeds of the three recordings differ by this number, so that they do not collide with neighbouring seeds of a
+/// user.
 constexpr uint64_t kSeedStep = uint64_t{1} << 40;
 
 double relative_error(const capture::CodedIntensities& found, const capture::CodedIntensities& truth, size_t black,

@@ -11,22 +11,22 @@
 
 namespace e2lf::recon {
 
-/// How far two findings of the paper hold at one setting of a sensor. The mean squares are over pixels and patterns, or
-/// pixels and transitions.
+/// Measures how accurately two findings of the paper hold for one setting of a sensor. The means are taken over pixels
+/// and patterns, or over pixels and transitions.
 struct Equivalence {
-  double intensity_error = 0;   ///< of Eq. 7: root of the mean squared error of the coded intensities of the patterns
-                                ///< other than black, relative to the root of their mean square
-  double centred_error = 0;     ///< the same with half a threshold added; see InversionOptions::centred
-  double permuted_error = 0;    ///< of Eq. 11: root of the mean squared difference, in events, between the event images
-                                ///< of the patterns in another order and those computed from the first order's
-  double repeated_error = 0;    ///< the same between two recordings of the other order: what noise alone does
-  double events_per_pixel = 0;  ///< of the first order
+  double intensity_error = 0;  ///< of Eq. 7: root mean square error of the coded intensities of the patterns other than
+                               ///< black, relative to their root mean square
+  double centred_error = 0;    ///< the same with half a threshold added; see InversionOptions::centred
+  double permuted_error = 0;   ///< of Eq. 11: root mean square difference, in events, between the event images of the
+                               ///< reordered patterns and those computed from the first order
+  double repeated_error = 0;   ///< the same between two recordings of the other order, which is due to noise alone
+  double events_per_pixel = 0;  ///< for the first order
   double permuted_events_per_pixel = 0;
 };
 
-/// Simulates the event images of `codes` and of the same patterns in the order `order` (Eq. 8 to 10), and compares. One
-/// pattern must be black. `order` holds each of 0 .. N - 1 once. Fails with kInvalidValue where no pattern is black,
-/// and as simulate_events() does.
+/// Simulates the event images of `codes` and of the same patterns in the order `order` (Eq. 8 to 10), and compares
+/// them. One pattern must be black. `order` must contain each of 0 .. N - 1 once. Fails with kInvalidValue if no
+/// pattern is black, and as simulate_events() does.
 [[nodiscard]] Result<Equivalence> measure_equivalence(const capture::Codes& codes, const std::vector<size_t>& order,
                                                       const lightfield::LightField& scene,
                                                       const sensor::EventModelOptions& options);

@@ -13,8 +13,8 @@
 namespace e2lf::recon {
 namespace {
 
-constexpr size_t kParts = 5;  // of a threshold, from none to all of it
-using Differences = std::array<uint64_t, kParts>;
+constexpr size_t kResidueParts = 5;  // of a threshold, from none to all of it
+using Differences = std::array<uint64_t, kResidueParts>;
 
 /// How far the counts of one pixel are from the given ones, for each place where its reference may start. The levels
 /// are the same for all of them, so logarithms are taken once.
@@ -34,8 +34,8 @@ class PixelCheck {
     for (size_t k = 0; k < levels_.size(); ++k) {
       levels_[k] = std::log(std::max(inverse_gain_ * intensities_.image(k)[pixel], 0.0F) + eps_);
     }
-    for (size_t part = 0; part < kParts; ++part) {
-      float reference = levels_[0] + tau_ * static_cast<float>(part) / (kParts - 1);
+    for (size_t part = 0; part < kResidueParts; ++part) {
+      float reference = levels_[0] + tau_ * static_cast<float>(part) / (kResidueParts - 1);
       for (size_t k = 1; k < levels_.size(); ++k) {
         const auto count = static_cast<int>((levels_[k] - reference) / tau_);
         differences[part] += static_cast<uint64_t>(std::abs(count - int{given_.image(k - 1)[pixel]}));
@@ -53,7 +53,7 @@ class PixelCheck {
 };
 
 /// The camera with nothing that differs from pixel to pixel: what its counts are in the middle.
-capture::Camera average_pixels(capture::Camera camera) {
+capture::SensorProfile average_pixels(capture::SensorProfile camera) {
   using enum capture::PixelConstant;
   camera = capture::without_noise(std::move(camera));
   camera.pixel[kMismatch] = camera.pixel[kMismatchEach] = 0.0F;
@@ -98,13 +98,13 @@ Result<EventError> event_error(const EventCheck& check, const lightfield::LightF
     Differences own{};
     for (size_t pixel = begin; pixel < end; ++pixel) pixels.add(pixel, own);
     const std::lock_guard<std::mutex> lock(mutex);
-    for (size_t part = 0; part < kParts; ++part) differences[part] += own[part];
+    for (size_t part = 0; part < kResidueParts; ++part) differences[part] += own[part];
   });
 
   const auto mean = [&](uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(given.counts.size()); };
   const auto least = std::min_element(differences.begin(), differences.end());
   return EventError{mean(differences[0]), mean(*least),
-                    static_cast<double>(least - differences.begin()) / static_cast<double>(kParts - 1)};
+                    static_cast<double>(least - differences.begin()) / static_cast<double>(kResidueParts - 1)};
 }
 
 }  // namespace e2lf::recon

@@ -6,8 +6,8 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
 #include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/sensor/event_model.h"
 
@@ -18,7 +18,7 @@ struct EventCheck {
   capture::Codes codes;
   capture::SensorConstants constants;
   sensor::EventModel model = sensor::EventModel::kReferenceAware;
-  std::optional<capture::Camera> pixels = {};  ///< physical ones, in place of constants and model
+  std::optional<capture::SensorProfile> pixels = {};  ///< physical ones, in place of constants and model
 };
 
 /// Means of |simulated - given| over pixels and transitions.

@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(Models, EventErrors,
 TEST(EventErrors, OfPhysicalPixelsTellTheLightFieldAndTheCamera) {
   using enum capture::PixelConstant;
   const lightfield::LightField truth = scene();
-  capture::Camera camera;
+  capture::SensorProfile camera;
   camera.event_model = "pixel";
   camera.pixel[kEps] = 0.01F;
   camera.pixel[kReceptorRate] = 30.0F;

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <functional>
 #include <optional>
 
 #include "e2lf/capture/measurement/colour_filter.h"
-#include "e2lf/recon/event_check.h"
+#include "e2lf/recon/event_judgement.h"
 #include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::recon {
-
-/// One way from what was measured to a light field: a network or the inversion.
-using Method =
-    std::function<Result<lightfield::LightField>(const capture::Measurement& measurement, const ProgressFn& progress)>;
 
 /// A Reconstructor as a method. It makes `passes` over sums of `cycles` cycles; see Reconstructor::reconstruct().
 [[nodiscard]] Method network_method(Reconstructor reconstructor, size_t passes = 1, size_t cycles = 1);
@@ -24,10 +19,11 @@ using Method =
 
 /// The light field of one cycle.
 struct Field {
-  lightfield::LightField light_field;    ///< less the black level, multiplied with the gain
-  float black = 0, gain = 1;             ///< the same for all of a sequence
-  double reconstruct_s = 0;              ///< what the method took
-  std::optional<EventError> error = {};  ///< against its events, where the camera is known
+  lightfield::LightField light_field;            ///< less the black level, multiplied with the gain
+  float black = 0, gain = 1;                     ///< the same for all of a sequence
+  double reconstruct_s = 0;                      ///< what the method took
+  std::optional<EventError> error = {};          ///< against its events, where the camera is known
+  std::optional<EventJudgement> judgement = {};  ///< of that error, at the first of a sequence
 };
 
 /// What a sequence does to brightness; nothing = found at the first light field of a cycle with events.
@@ -36,13 +32,25 @@ struct Tone {
   std::optional<float> black = 0.0F;  ///< nothing = auto_black()
 };
 
+/// How FieldSequence judges the comparison with the events at the first light field.
+enum class Judging {
+  kNone,     ///< not at all, for methods that do not know the camera
+  kNoise,    ///< by the noise of the camera
+  kChanges,  ///< and by light fields of changed events, which takes several more runs of the method on a small window
+};
+
 /// Light fields of cycles, one after the other. Their brightness is found at the first with events and kept, so that a
 /// sequence does not flicker.
 class FieldSequence {
  public:
-  /// `check`: nothing = no comparison with the events.
-  FieldSequence(Method method, Tone tone, std::optional<EventCheck> check)
-      : method_(std::move(method)), tone_(tone), check_(std::move(check)) {}
+  /// `check`: nothing = no comparison with the events. `rival`: another camera that judge() compares with.
+  FieldSequence(Method method, Tone tone, std::optional<EventCheck> check, std::optional<Rival> rival = {},
+                Judging judging = Judging::kNone)
+      : method_(std::move(method)),
+        tone_(tone),
+        check_(std::move(check)),
+        rival_(std::move(rival)),
+        judging_(judging) {}
 
   /// The comparison with the events is made where there are some. Fails as the method and event_error() do.
   [[nodiscard]] Result<Field> next(const capture::Measurement& measurement, const ProgressFn& progress = {});
@@ -54,6 +62,9 @@ class FieldSequence {
   Method method_;
   Tone tone_;
   std::optional<EventCheck> check_;
+  std::optional<Rival> rival_;
+  Judging judging_ = Judging::kNone;
+  bool is_first_ = true;
 };
 
 }  // namespace e2lf::recon

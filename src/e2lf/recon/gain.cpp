@@ -10,11 +10,11 @@ namespace {
 
 constexpr size_t kSamples = 1 << 18;
 constexpr double kBrightQuantile = 0.995, kDarkQuantile = 0.005;
-constexpr float kMostBlack = 0.15F;  ///< of the bright level: a scene without anything black keeps its contrast
+constexpr float kMostBlack = 0.15F;  ///< relative to the bright level; keeps the contrast of scenes without black
 
-/// A quantile of the finite values, 0 when there are none.
+/// Returns a quantile of the finite values, or 0 if there are none.
 float level_of(std::span<const float> values, double quantile) {
-  // An odd stride visits the columns of an image evenly even when its width is a power of two.
+  // An odd stride visits the columns of an image evenly even if its width is a power of two.
   const size_t stride = values.size() / kSamples | 1;
   std::vector<float> samples;
   samples.reserve(values.size() / stride + 1);

@@ -12,8 +12,8 @@ std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple) {
   const size_t side = std::bit_ceil(size_multiple);
   std::vector<GridShift> shifts;
   for (size_t i = 0; i < side * side && shifts.size() < count; ++i) {
-    // The bits of i go to both coordinates in turn: four shifts differ in every way on the finest grid, sixteen on the
-    // next. The odd factors keep neighbours in this order apart.
+    // The bits of i alternate between both coordinates: four shifts cover the finest grid, and sixteen the next coarser
+    // one. The odd factors separate shifts that are neighbours in this order.
     size_t y = 0, both = 0;
     for (size_t bit = 0; (size_t{1} << bit) < side; ++bit) {
       y |= (i >> (2 * bit) & 1U) << bit;

@@ -11,9 +11,9 @@
 namespace e2lf::recon {
 namespace {
 
-/// What the counts of one row have added up to so far.
+/// The cumulative counts of one row.
 struct RowState {
-  std::vector<int> total, last_change;  ///< last_change: sign of the last nonzero count, 0 before the first
+  std::vector<int> total, last_change;  ///< last_change: sign of the last non-zero count, 0 before the first
 };
 
 void add_counts(std::span<const int16_t> counts, RowState& state) {
@@ -43,7 +43,7 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
       }
       break;
     default:
-      break;  // not made of counts
+      break;  // not made from counts
   }
 }
 
@@ -56,26 +56,26 @@ size_t round_up(size_t value, size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
-/// The first channel of each group, and behind them the number of channels.
-std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size_t transitions, size_t num_traits,
-                                 size_t num_images) {
+/// Returns the first channel of each group, followed by the number of channels.
+std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size_t transitions,
+                                 size_t conditioning_size, size_t num_images) {
   std::vector<size_t> begins = {0};
   for (const model::InputGroup& group : groups) {
     size_t channels = num_images;
     if (is_of_counts(group)) channels = transitions;
-    if (group.kind == model::InputKind::kCamera) channels = num_traits;
+    if (group.kind == model::InputKind::kCamera) channels = conditioning_size;
     if (group.kind == model::InputKind::kLensArray) channels = capture::kLensPixels * capture::kLensPixels;
     begins.push_back(begins.back() + channels);
   }
   return begins;
 }
 
-void fill_traits(std::span<const float> traits, float scale, size_t first_channel, InputPlanes& planes) {
+void fill_traits(std::span<const float> conditioning, float scale, size_t first_channel, InputPlanes& planes) {
   float* plane = planes.values.data() + first_channel * planes.height * planes.width;
-  for (const float trait : traits) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
+  for (const float trait : conditioning) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
 }
 
-/// The planes of all groups that are made of event counts.
+/// Fills the planes of all groups that are made from event counts.
 void fill_counts(const capture::EventImages& images, std::span<const model::InputGroup> groups,
                  std::span<const size_t> first_channels, const InputConditions& conditions, InputPlanes& planes) {
   const IntensityTable table(conditions.constants);
@@ -96,7 +96,7 @@ void fill_counts(const capture::EventImages& images, std::span<const model::Inpu
   });
 }
 
-/// The intensity images, extended as counts are.
+/// Fills the planes of intensity images, which are extended in the same way as counts.
 void fill_images(const capture::CodedIntensities& images, float scale, size_t first_channel, InputPlanes& planes) {
   for (size_t n = 0; n < images.num_patterns; ++n) {
     for (size_t y = 0; y < planes.height; ++y) {
@@ -107,10 +107,10 @@ void fill_images(const capture::CodedIntensities& images, float scale, size_t fi
   }
 }
 
-/// Where a pixel lies between the centres of lenses.
+/// The position of a pixel between the centres of lenses.
 struct LensPlace {
-  size_t before, after;  ///< lenses
-  float share;           ///< of the latter
+  size_t before, after;  ///< number of the lens
+  float share;           ///< weight of the latter
 };
 
 LensPlace lens_place(size_t pixel, size_t lenses) {
@@ -152,8 +152,8 @@ Result<InputPlanes> network_input(const capture::Measurement& measurement, std::
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
     E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
-  const std::vector<size_t> first_channels =
-      group_begins(groups, measurement.events.transitions, conditions.traits.size(), measurement.images.num_patterns);
+  const std::vector<size_t> first_channels = group_begins(
+      groups, measurement.events.transitions, conditions.conditioning.size(), measurement.images.num_patterns);
   InputPlanes planes{first_channels.back(),
                      round_up(measurement.height(), size_multiple),
                      round_up(measurement.width(), size_multiple),
@@ -165,7 +165,8 @@ Result<InputPlanes> network_input(const capture::Measurement& measurement, std::
   for (size_t g = 0; g < groups.size(); ++g) {
     const float scale = groups[g].scale;
     const bool is_image = groups[g].kind == model::InputKind::kImages || groups[g].kind == model::InputKind::kImageSum;
-    if (groups[g].kind == model::InputKind::kCamera) fill_traits(conditions.traits, scale, first_channels[g], planes);
+    if (groups[g].kind == model::InputKind::kCamera)
+      fill_traits(conditions.conditioning, scale, first_channels[g], planes);
     if (is_image) fill_images(measurement.images, scale, first_channels[g], planes);
     if (groups[g].kind == model::InputKind::kLensArray) {
       fill_lens_array(measurement.images, scale, first_channels[g], planes);

@@ -12,25 +12,25 @@
 
 namespace e2lf::recon {
 
-/// A network's input: float32 [channel, y, x], row-major.
+/// The input of a network: float32 [channel, y, x], row-major.
 struct InputPlanes {
   size_t channels = 0, height = 0, width = 0;
   std::vector<float> values;
 };
 
-/// How the counts of event images came about.
+/// The conditions under which the counts of event images were recorded.
 struct InputConditions {
-  capture::SensorConstants constants = {};  ///< eps and tau, for intensities
-  std::vector<float> traits = {};           ///< what the network is told of the camera: capture::camera_traits()
-  size_t cycles = 1;                        ///< counts are sums over so many cycles of a scene that stands still
+  capture::SensorConstants constants = {};  ///< eps and tau are used for intensities
+  std::vector<float> conditioning = {};     ///< the conditioning vector capture::conditioning_vector()
+  size_t cycles = 1;                        ///< number of cycles of a static scene over which counts are summed
 };
 
-/// The input channels of `groups` one after another (see model::InputKind; C_k, m and J_k as in invert_events() with
-/// `centred`; a camera's channels hold its traits; counts are divided by the number of cycles), with height and width
-/// rounded up to multiples of `size_multiple`. The extra rows and columns at the bottom and right repeat the last ones:
-/// no events at all would look like a black frame to a network. Fails with kInvalidValue when a group needs constants
-/// that are not positive.
-/// What `groups` are made of must have been measured; else the contract is broken.
+/// Makes the input channels of `groups`, one group after another (see model::InputKind; C_k, m and J_k as in
+/// invert_events() with `centred`). The channels of a camera hold its conditioning vector, and counts are divided by
+/// the number of cycles. Height and width are rounded up to multiples of `size_multiple`. The additional rows and
+/// columns at the bottom and right repeat the last ones, because the absence of events would look like a black frame to
+/// a network. Fails with kInvalidValue if a group needs constants that are not positive. If `measurement` lacks the
+/// data for a group, the contract is broken.
 [[nodiscard]] Result<InputPlanes> network_input(const capture::Measurement& measurement,
                                                 std::span<const model::InputGroup> groups,
                                                 const InputConditions& conditions, size_t size_multiple = 1);

@@ -84,13 +84,13 @@ TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
   images.counts[0] = 5;
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1.0F}, {InputKind::kCamera, 2.0F}, {InputKind::kCumulative, 1.0F}};
-  const std::vector<float> traits = {0.5F, -1.0F, 3.0F};
-  const auto planes = network_input(images, groups, {.traits = traits});
+  const std::vector<float> conditioning = {0.5F, -1.0F, 3.0F};
+  const auto planes = network_input(images, groups, {.conditioning = conditioning});
   ASSERT_TRUE(planes);
   ASSERT_EQ(planes->channels, 7U);
   EXPECT_EQ(planes->values[0], 5.0F);
-  for (size_t trait = 0; trait < traits.size(); ++trait) {
-    for (size_t i = 0; i < 6; ++i) EXPECT_EQ(planes->values[(2 + trait) * 6 + i], 2.0F * traits[trait]);
+  for (size_t trait = 0; trait < conditioning.size(); ++trait) {
+    for (size_t i = 0; i < 6; ++i) EXPECT_EQ(planes->values[(2 + trait) * 6 + i], 2.0F * conditioning[trait]);
   }
   EXPECT_EQ(planes->values[5 * 6], 5.0F);
   EXPECT_EQ(planes->values[6 * 6], 5.0F);

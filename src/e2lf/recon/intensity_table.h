@@ -10,11 +10,11 @@
 
 namespace e2lf::recon {
 
-/// The intensity that lies a number of half thresholds above black: eps (exp(tau h / 2) - 1), h = 0 at black. Counts
-/// are whole numbers, so a table of the common ones replaces the exponential.
+/// Returns intensities as a function of the number h of half thresholds above black: eps (exp(tau h / 2) - 1). Counts
+/// are whole numbers, so a table of the common values replaces the exponential.
 class IntensityTable {
  public:
-  /// Success when eps and tau are positive and finite.
+  /// Checks that eps and tau are positive and finite.
   [[nodiscard]] static Result<void> check(const capture::SensorConstants& constants) {
     if (std::isfinite(constants.eps) && constants.eps > 0 && std::isfinite(constants.tau) && constants.tau > 0) {
       return {};
@@ -26,12 +26,13 @@ class IntensityTable {
     for (int h = -kRange; h <= kRange; ++h) table_[static_cast<size_t>(h + kRange)] = compute(h);
   }
 
-  /// Limited at exp(80), so that damaged counts stay finite.
+  /// Returns the intensity at h half thresholds. The exponent is limited to 80, so that damaged counts give finite
+  /// values.
   [[nodiscard]] float at_half_steps(int h) const {
     return h >= -kRange && h <= kRange ? table_[static_cast<size_t>(h + kRange)] : compute(h);
   }
 
-  /// The same for any number of thresholds.
+  /// Returns the intensity at any number of thresholds.
   [[nodiscard]] float at_steps(float steps) const { return compute(2.0 * double{steps}); }
 
  private:

@@ -27,7 +27,7 @@ Result<void> check(const capture::EventImages& images, const InversionOptions& o
                ""};
 }
 
-/// What is known of a pixel's log intensity, in thresholds.
+/// The possible log intensities of a pixel, in thresholds.
 struct Interval {
   int lower = 0, upper = 0;
 };
@@ -44,7 +44,7 @@ Interval counted(int count) {
   return {count - (count <= 0 ? 1 : 0), count + (count >= 0 ? 1 : 0)};
 }
 
-/// Intervals of one pixel for all patterns, relative to the black one.
+/// Computes the intervals of one pixel for all patterns, relative to the black one.
 void pixel_intervals(std::span<const int> counts, size_t black, Counting counting, std::span<Interval> intervals) {
   const auto step = [&](size_t k) -> Interval {
     return counting == Counting::kQuantised ? counted(counts[k]) : Interval{counts[k], counts[k]};
@@ -53,7 +53,7 @@ void pixel_intervals(std::span<const int> counts, size_t black, Counting countin
   for (size_t n = black; n + 1 < intervals.size(); ++n) intervals[n + 1] = intervals[n] + step(n);
   for (size_t n = black; n-- > 0;) intervals[n] = intervals[n + 1] + -step(n);
   if (counting == Counting::kQuantised) return;
-  // The counted levels are exact; what lies between them and the log intensities is the rest at either end.
+  // The counted levels are exact. The log intensities differ from them by the residual at either end.
   const auto rest = [&](size_t n) -> Interval {
     return n == 0 ? Interval{} : counted(counts[n - 1]) + Interval{-counts[n - 1], -counts[n - 1]};
   };
@@ -70,7 +70,7 @@ Result<capture::CodedIntensities> invert_events(const capture::EventImages& imag
   const size_t num_patterns = images.transitions + 1;
   capture::CodedIntensities intensities(num_patterns, images.height, images.width);
   parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
-    std::vector<int> levels(num_patterns);  // in half thresholds, from the first pattern
+    std::vector<int> levels(num_patterns);  // in half thresholds, relative to the first pattern
     for (size_t pixel = begin; pixel < end; ++pixel) {
       int total = 0, last_change = 0;
       for (size_t k = 0; k < images.transitions; ++k) {

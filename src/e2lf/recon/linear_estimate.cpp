@@ -17,13 +17,13 @@ struct View {
   std::vector<float> weights;
 };
 
-/// One row of one view: the weighted sum of the pictures at the places where each sees the same point.
+/// Renders one row of a view as the weighted sum of the pictures, each sampled where it shows the same point.
 void render_row(const View& view, std::span<const PlacedImage> images, std::span<const float> disparity,
                 const lightfield::Shape& shape, size_t y, std::span<float> row) {
   const size_t height = shape.height, width = shape.width;
   for (size_t x = 0; x < width; ++x) {
     const auto fy = static_cast<float>(y), fx = static_cast<float>(x);
-    // The disparity is known at the centre; the first guess tells where this view's pixel lies there.
+    // The disparity is known at the centre. A first guess determines where the pixel of this view lies there.
     const float guess = disparity[y * width + x];
     const float d = sample_bilinear(disparity, height, width, fy - guess * static_cast<float>(view.y),
                                     fx - guess * static_cast<float>(view.x));

@@ -15,20 +15,21 @@ namespace e2lf::recon {
 struct LinearEstimateOptions {
   ViewPrior prior = {};
   DisparitySearch search = {};
-  size_t denoise_radius = 3;  ///< see denoise_intensities(); used by reconstruct_by_inversion() only
+  size_t denoise_radius = 3;  ///< see denoise_intensities(); used only by reconstruct_by_inversion()
 };
 
-/// A light field from coded intensities without any training. Each coded image, divided by its pattern's share of open
-/// cells, is taken for a picture from the pattern's centre of light. Their disparity is searched block by block
-/// (coded_disparity()); then each view is the best linear combination (view_weights()) of the pictures, each moved by
-/// its disparity to the view. Blur over the open cells and occlusions are not undone. The result is not clamped.
-/// Fails with kShape (images and patterns differ in number, empty images) and kInvalidValue (every pattern is black).
+/// Estimates a light field from coded intensities without training. Each coded image, divided by the share of open
+/// cells of its pattern, is treated as a picture seen from the centre of light of the pattern. Their disparity is
+/// estimated by window matching (coded_disparity()). Each view is then the best linear combination (view_weights()) of
+/// the pictures, each shifted by its disparity to the view. Blur over the open cells and occlusions are not removed.
+/// The result is not clamped. Fails with kShape (different numbers of images and patterns, or empty images) and
+/// kInvalidValue (all patterns are black).
 [[nodiscard]] Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& intensities,
                                                              const capture::Codes& codes,
                                                              const LinearEstimateOptions& options = {});
 
-/// The method "inversion": linear_estimate() of the centred closed-form inversion of the events (invert_events()).
-/// Also fails with kInvalidValue when no pattern is black.
+/// Implements the method "inversion": linear_estimate() of the centred closed-form inversion of the events
+/// (invert_events()). Also fails with kInvalidValue if no pattern is black.
 [[nodiscard]] Result<lightfield::LightField> reconstruct_by_inversion(const capture::EventImages& images,
                                                                       const capture::Codes& codes,
                                                                       const capture::SensorConstants& constants,

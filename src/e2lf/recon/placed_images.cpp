@@ -8,7 +8,7 @@
 namespace e2lf::recon {
 namespace {
 
-/// A black pattern gives no pixels.
+/// Places one coded image. The image of a black pattern has no pixels.
 PlacedImage place_image(const capture::CodedIntensities& intensities, const capture::Codes& codes, size_t n) {
   PlacedImage image;
   double open = 0;
@@ -66,7 +66,7 @@ std::vector<float> disparity_in_view(const std::vector<float>& disparity, size_t
   std::vector<float> seen(disparity.size());
   for (size_t y = 0; y < height; ++y) {
     for (size_t x = 0; x < width; ++x) {
-      // The disparity is known at the centre; the first guess tells where this view's pixel lies there.
+      // The disparity is known at the centre. A first guess determines where the pixel of this view lies there.
       const float guess = disparity[y * width + x];
       seen[y * width + x] =
           sample_bilinear(disparity, height, width, static_cast<float>(y) - guess * static_cast<float>(view_y),

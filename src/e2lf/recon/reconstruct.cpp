@@ -9,7 +9,7 @@
 
 namespace e2lf::recon {
 
-/// Views over more than the image: float32 [view, height, width].
+/// Views that may extend beyond the image: float32 [view, height, width].
 struct Reconstructor::Planes {
   size_t height = 0, width = 0;
   std::vector<float> values;
@@ -29,7 +29,7 @@ void add_crop(const Planes& planes, const GridShift& shift, lightfield::LightFie
   }
 }
 
-/// Progress of one pass among several.
+/// Reports the progress of one pass as part of several passes.
 ProgressFn part_of(const ProgressFn& progress, size_t pass, size_t passes) {
   if (!progress) return {};
   return [=](size_t done, size_t total) { progress(pass * total + done, passes * total); };
@@ -48,7 +48,7 @@ Result<Reconstructor::Planes> Reconstructor::run(const capture::Measurement& mea
                                                  const ProgressFn& progress) const {
   InputConditions conditions{model_.camera->constants, {}, cycles};
   if (model::is_told_the_camera(model_)) {
-    conditions.traits = capture::camera_traits(*model_.camera, model_.num_patterns, cycles);
+    conditions.conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
   }
 
   E2LF_ASSIGN_OR_RETURN(const InputPlanes input,
@@ -112,7 +112,7 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measure
     if (shifts.size() == 1 && planes.height == shape.height && planes.width == shape.width) {
       return lightfield::LightField(shape, std::move(planes.values));
     }
-    if (pass == 0) mean = lightfield::LightField(shape);  // not before: the one that is whole needs no second
+    if (pass == 0) mean = lightfield::LightField(shape);  // a single uncropped pass needs no second field
     add_crop(planes, shifts[pass], mean);
   }
   for (float& value : mean.data()) value /= static_cast<float>(shifts.size());

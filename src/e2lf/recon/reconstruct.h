@@ -13,26 +13,26 @@
 
 namespace e2lf::recon {
 
-/// Turns measurements into light fields with one model; made once, used for every cycle.
+/// Reconstructs light fields from measurements with one model. It is made once and used for every cycle.
 class Reconstructor {
  public:
   /// Prepares the network of `model`. Fails as model::validate() and Engine::create() do.
   [[nodiscard]] static Result<Reconstructor> create(model::Model model, const engine::EngineOptions& options = {});
 
-  /// The network's plain output, not clamped and without gain: [view_y, view_x, y, x]. Images whose size the network
-  /// does not take are extended as network_input() says and the result is cropped. A network that works at reduced
-  /// resolution errs differently where pixels fall differently on its grid: the result is the mean over the first
-  /// num_passes(passes) of grid_shifts(), at so many times the cost. From two passes on, or where the result is
-  /// cropped, a second light field needs room. The images may be sums over several `cycles` of a
-  /// scene that stands still, where model::is_told_the_camera(). Fails with kInvalidValue when the measurement is of
-  /// another kind than the model takes, with kShape when the number of images is not that of its patterns or they are
-  /// empty, and as Engine::run does.
+  /// Computes the network's unprocessed output [view_y, view_x, y, x], neither clamped nor multiplied by a gain. Images
+  /// of a size that the network does not accept are extended as network_input() does, and the result is cropped. The
+  /// errors of a network with reduced resolution depend on the position of the pixels on its grid. The result is
+  /// therefore the mean over the first num_passes(passes) of grid_shifts(), at a proportional cost. With two or more
+  /// passes, or if the result is cropped, memory for a second light field is needed. The images may be sums over
+  /// several `cycles` of a static scene if model::is_told_the_camera(). Fails with kInvalidValue if the measurement is
+  /// not of the kind that the model takes, with kShape if the number of images does not match its patterns or if they
+  /// are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const capture::Measurement& measurement,
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;
 
-  /// How many passes are made when `wanted` are: at least one, at most model::size_multiple() squared; one behind a
-  /// lens array.
+  /// Returns the number of passes that are made if `wanted` are requested: at least one and at most
+  /// model::size_multiple() squared, or one if there is a lens array.
   [[nodiscard]] size_t num_passes(size_t wanted) const;
 
   [[nodiscard]] const model::Model& model() const { return model_; }
@@ -40,7 +40,7 @@ class Reconstructor {
 
  private:
   struct Planes;
-  /// The network's output, not cropped.
+  /// Returns the output of the network without cropping.
   [[nodiscard]] Result<Planes> run(const capture::Measurement& measurement, size_t cycles,
                                    const ProgressFn& progress) const;
   [[nodiscard]] Result<void> check(const capture::Measurement& measurement) const;

@@ -67,7 +67,7 @@ model::Model told_model() {
 
 TEST(Reconstructor, TellsTheNetworkTheCameraAndTheCycles) {
   model::Model model = told_model();
-  capture::Camera& camera = model.camera.emplace();
+  capture::SensorProfile& camera = model.camera.emplace();
   camera.event_model = "pixel";
   camera.constants = {.eps = 0.02F, .tau = 0.4F};
   const auto reconstructor = Reconstructor::create(model, {engine::Precision::kFloat32});

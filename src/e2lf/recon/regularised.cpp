@@ -15,9 +15,10 @@ namespace {
 using Plane = std::vector<float>;  // [y, x]
 
 constexpr float kBrightest = 1.5F;
-constexpr size_t kParts = 8;  // of sums over views: fixed, so that threads do not change their order
+constexpr size_t kSumParts =
+    8;  // number of partial sums over views; it is fixed, so that threads do not change the order
 
-/// The four pixels around a place and their weights.
+/// The four pixels around a position and their bilinear weights.
 struct Taps {
   size_t at[4];
   float weight[4];
@@ -33,14 +34,15 @@ struct Taps {
   }
 };
 
-/// A view that some pattern opens.
+/// A view that is opened by at least one pattern.
 struct OpenView {
   float y = 0, x = 0;  ///< relative to the centre of the views
   Plane disparity;
-  std::vector<float> share;  ///< of each lit pattern: transmittance / number of views
+  std::vector<float> share;  ///< for each active pattern: transmittance / number of views
 };
 
-/// The coded intensities of a picture that all views show, moved by its disparity: linear in the picture.
+/// Maps a picture that all views show, shifted by its disparity, to coded intensities. The map is linear in the
+/// picture.
 class CodedPicture {
  public:
   CodedPicture(const capture::Codes& codes, const std::vector<size_t>& patterns, const Plane& disparity, size_t height,
@@ -65,7 +67,7 @@ class CodedPicture {
 
   [[nodiscard]] size_t num_patterns() const { return num_patterns_; }
 
-  /// The coded intensities, a plane for each pattern.
+  /// Computes the coded intensities, one plane per pattern.
   [[nodiscard]] std::vector<Plane> forward(const Plane& picture) const {
     std::vector<Plane> coded(num_patterns_, Plane(picture.size()));
     parallel_for(height_, 4, [&](size_t begin, size_t end) {
@@ -81,15 +83,15 @@ class CodedPicture {
     return coded;
   }
 
-  /// The transposed operation.
+  /// Applies the transposed operator.
   [[nodiscard]] Plane backward(const std::vector<Plane>& coded) const {
-    std::vector<Plane> parts(kParts, Plane(height_ * width_));
-    parallel_for(kParts, 1, [&](size_t begin, size_t end) {
+    std::vector<Plane> parts(kSumParts, Plane(height_ * width_));
+    parallel_for(kSumParts, 1, [&](size_t begin, size_t end) {
       for (size_t part = begin; part < end; ++part) {
-        for (size_t i = part; i < views_.size(); i += kParts) add_backward(views_[i], coded, parts[part]);
+        for (size_t i = part; i < views_.size(); i += kSumParts) add_backward(views_[i], coded, parts[part]);
       }
     });
-    for (size_t part = 1; part < kParts; ++part) {
+    for (size_t part = 1; part < kSumParts; ++part) {
       for (size_t p = 0; p < parts[0].size(); ++p) parts[0][p] += parts[part][p];
     }
     return std::move(parts[0]);
@@ -114,13 +116,13 @@ class CodedPicture {
   std::vector<OpenView> views_;
 };
 
-/// What the counts say of the coded intensities of the lit patterns.
+/// The coded intensities of the active patterns as determined by the counts.
 struct Observation {
-  std::vector<Plane> lower, upper, weight;  ///< an interval, and 1 / variance of the noise
+  std::vector<Plane> lower, upper, weight;  ///< the ends of the interval, and 1 / variance of the noise
 };
 
-/// The noise is that of the logarithm, so its deviation grows with the intensity; that of the smoothed images, as dark
-/// outliers would weigh too much otherwise.
+/// Derives the intervals and weights. The noise is that of the logarithm, so its standard deviation grows with the
+/// intensity. The smoothed images are used for it, because dark outliers would otherwise get too much weight.
 Observation observe(const capture::CodedIntensities& centred, const capture::CodedIntensities& smooth,
                     const std::vector<size_t>& patterns, const capture::EventImages& images,
                     const capture::SensorConstants& constants) {
@@ -132,7 +134,7 @@ Observation observe(const capture::CodedIntensities& centred, const capture::Cod
       const float level = std::max(centred.image(n)[p], 0.0F) + eps;
       const float mean = std::max(smooth.image(n)[p], 0.0F) + eps;
       const float threshold_noise = n > 0 ? constants.sigma_z * static_cast<float>(images.image(n - 1)[p]) : 0.0F;
-      // Without noise the interval is to be kept; a tenth of a threshold makes that soft.
+      // Without noise, the interval would be a hard constraint; a tenth of a threshold softens it.
       const float deviation =
           mean * std::sqrt(constants.sigma_w * constants.sigma_w + threshold_noise * threshold_noise +
                            0.01F * constants.tau * constants.tau);
@@ -147,7 +149,7 @@ Observation observe(const capture::CodedIntensities& centred, const capture::Cod
   return observation;
 }
 
-/// The gradient of the data term.
+/// Computes the gradient of the data term.
 Plane data_gradient(const CodedPicture& coded, const Observation& observation, const Plane& picture) {
   std::vector<Plane> residuals = coded.forward(picture);
   for (size_t n = 0; n < residuals.size(); ++n) {
@@ -160,7 +162,7 @@ Plane data_gradient(const CodedPicture& coded, const Observation& observation, c
   return coded.backward(residuals);
 }
 
-/// A bound of the data term's curvature at each pixel: that of the sums of its rows.
+/// Computes an upper bound of the curvature of the data term at each pixel from its row sums.
 Plane curvature(const CodedPicture& coded, const Observation& observation) {
   std::vector<Plane> weighted = coded.forward(Plane(observation.weight[0].size(), 1.0F));
   for (size_t n = 0; n < weighted.size(); ++n) {
@@ -169,13 +171,13 @@ Plane curvature(const CodedPicture& coded, const Observation& observation) {
   return coded.backward(weighted);
 }
 
-/// The dual variable of the total variation: a vector at each pixel, no longer than `longest`.
+/// The dual variable of the total variation: a vector at each pixel, not longer than `longest`.
 struct Dual {
   Plane y, x;
 
   explicit Dual(size_t size) : y(size), x(size) {}
 
-  /// Adds step times the differences to the next pixels, and shortens what is too long.
+  /// Adds `step` times the differences to the next pixels, and shortens vectors that are too long.
   void ascend(const Plane& picture, size_t height, size_t width, float step, float longest) {
     for (size_t row = 0; row < height; ++row) {
       for (size_t column = 0; column < width; ++column) {
@@ -190,13 +192,13 @@ struct Dual {
     }
   }
 
-  /// The transposed differences at a pixel.
+  /// Returns the transposed differences at a pixel.
   [[nodiscard]] float transposed(size_t p, size_t width) const {
     return (p >= width ? y[p - width] : 0.0F) - y[p] + (p % width > 0 ? x[p - 1] : 0.0F) - x[p];
   }
 };
 
-/// Condat's and Vu's iteration with steps for each pixel.
+/// Runs the iteration of Condat and Vu with a step size per pixel.
 Plane minimise(const CodedPicture& coded, const Observation& observation, Plane picture, size_t height, size_t width,
                const RegularisedOptions& options, const ProgressFn& progress) {
   const Plane bound = curvature(coded, observation);
@@ -208,7 +210,7 @@ Plane minimise(const CodedPicture& coded, const Observation& observation, Plane 
   for (size_t i = 0; i < options.iterations; ++i) {
     const Plane gradient = data_gradient(coded, observation, picture);
     for (size_t p = 0; p < picture.size(); ++p) {
-      // The squared norm of the differences is at most 8.
+      // The squared norm of the difference operator is at most 8.
       const float step = 1 / (bound[p] / 2 + 8 * dual_step);
       const float moved = std::clamp(picture[p] - step * (gradient[p] + dual.transposed(p, width)), 0.0F, kBrightest);
       doubled[p] = 2 * moved - picture[p];
@@ -220,7 +222,7 @@ Plane minimise(const CodedPicture& coded, const Observation& observation, Plane 
   return picture;
 }
 
-/// The mean of the placed images, moved to the centre of the views.
+/// Returns the mean of the placed images, shifted to the centre of the views.
 Plane first_guess(const std::vector<PlacedImage>& images, const Plane& disparity, size_t height, size_t width) {
   Plane guess(disparity.size());
   for (const PlacedImage& image : images) {

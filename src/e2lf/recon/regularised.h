@@ -12,21 +12,21 @@
 namespace e2lf::recon {
 
 struct RegularisedOptions {
-  float smoothness = 3.0F;  ///< weight of the total variation, in units where an error of one noise counts 1/2
+  float smoothness = 3.0F;  ///< weight of the total variation; an error of one standard deviation costs 1/2
   size_t iterations = 60;
   DisparitySearch search = {};
-  size_t denoise_radius = 3;  ///< of the images that the disparity is searched in; see denoise_intensities()
+  size_t denoise_radius = 3;  ///< for the images used to estimate the disparity; see denoise_intensities()
 };
 
-/// The method "regularised": a classical solution, without training. Its prior is that all views show one picture,
-/// moved by a disparity (rank one once that is undone), whose total variation is small. With the disparity of
-/// coded_disparity(), the views of a picture C are linear in C, and so are the coded intensities I_n. C is the minimum,
-/// in [0, 1.5], of
+/// Implements the method "regularised", a classical optimisation without training. Its prior is that all views show one
+/// picture, shifted by a disparity (i.e. they have rank one once that is undone), whose total variation is small. With
+/// the disparity of coded_disparity(), the views of a picture C are linear in C, and so are the coded intensities I_n.
+/// C is the minimum, in [0, 1.5], of
 ///   sum over patterns n and pixels of 1/2 (distance of I_n from its interval / s_n)^2 + smoothness * TV(C).
-/// The interval is what the counts say of I_n when all transitions are taken together (Eq. 6), half a threshold to
-/// either side of the centred inversion; s_n is the deviation of the sensor's noise there. Blur over the open cells is
-/// undone, occlusion is not. Condat's and Vu's primal-dual iteration (2013), a fixed number of times; the result is the
-/// same for any number of threads. Fails as reconstruct_by_inversion() does.
+/// The interval of I_n follows from the counts of all transitions together (Eq. 6) and extends half a threshold to
+/// either side of the centred inversion; s_n is the standard deviation of the sensor noise there. Blur over the open
+/// cells is removed, but occlusion is not. The primal-dual iteration of Condat and Vu (2013) is run a fixed number of
+/// times. The result does not depend on the number of threads. Fails as reconstruct_by_inversion() does.
 [[nodiscard]] Result<lightfield::LightField> reconstruct_regularised(const capture::EventImages& images,
                                                                      const capture::Codes& codes,
                                                                      const capture::SensorConstants& constants,

@@ -33,7 +33,7 @@ void solve(Matrix matrix, Matrix& right) {
   }
 }
 
-/// B K: the prior correlation of each view with each normalised coded image, [pattern][view].
+/// Computes B K, the prior correlation of each view with each normalised coded image, [pattern][view].
 Matrix correlations(const capture::Codes& codes, const std::vector<size_t>& lit, double length) {
   Matrix result(lit.size(), std::vector<double>(codes.pattern_size()));
   for (size_t i = 0; i < lit.size(); ++i) {

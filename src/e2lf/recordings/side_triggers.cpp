@@ -13,7 +13,7 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr size_t kLongestLine = 256;
+constexpr size_t kLongestTriggerLine = 256;
 
 std::optional<Trigger> parse_line(std::string_view line) {
   int64_t values[3] = {};
@@ -69,7 +69,7 @@ class SideTriggerFile final : public TriggerSource {
  private:
   /// The triggers of the lines at hand; false at the end.
   Result<bool> read_lines(std::vector<Trigger>& block, DecodeSummary& summary) {
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestTriggerLine));
     if (bytes.empty()) return false;
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     size_t used = 0;
@@ -90,7 +90,7 @@ class SideTriggerFile final : public TriggerSource {
   /// A line that is too long is none, wherever the bytes at hand end.
   void add_line(std::string_view line, uint64_t byte, std::vector<Trigger>& block, DecodeSummary& summary) const {
     if (is_within_line_ || is_remark(line, byte)) return;
-    const auto trigger = line.size() < kLongestLine ? parse_line(line) : std::nullopt;
+    const auto trigger = line.size() < kLongestTriggerLine ? parse_line(line) : std::nullopt;
     if (trigger) {
       block.push_back(*trigger);
     } else {

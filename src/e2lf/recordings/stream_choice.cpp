@@ -7,7 +7,7 @@
 
 namespace e2lf::recordings {
 
-std::string printable(std::string text) {
+std::string one_line(std::string text) {
   for (size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
     // In UTF-8 those from 0x80 to 0x9F stand behind 0xC2.
@@ -22,7 +22,7 @@ namespace {
 std::string text_of(const NamedStream& stream) {
   std::string about = stream.name;
   if (!stream.camera.empty()) about += cat(about.empty() ? "" : " of ", stream.camera);
-  return about.empty() ? stream.number : cat(stream.number, " (", printable(about), ")");
+  return about.empty() ? stream.number : cat(stream.number, " (", one_line(about), ")");
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
   if (count != 1) {
     return Error{ErrorCode::kInvalidValue,
                  cat(count == 0 ? "no stream of events is called " : "several streams of events are called ",
-                     printable(wanted), "; there are ", join(info.streams), ": choose one by its number"),
+                     one_line(wanted), "; there are ", join(info.streams), ": choose one by its number"),
                  location, Setting::kStream};
   }
   return static_cast<size_t>(first - streams.begin());

@@ -9,7 +9,7 @@
 namespace e2lf::recordings {
 
 /// Text of a file for people: control characters, which could command a terminal, become question marks.
-[[nodiscard]] std::string printable(std::string text);
+[[nodiscard]] std::string one_line(std::string text);
 
 /// One stream of events of a container that may hold several.
 struct NamedStream {

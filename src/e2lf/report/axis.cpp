@@ -11,7 +11,8 @@
 namespace e2lf::report {
 namespace {
 
-/// Multiples of a step in a range; a billionth of a step outside counts as inside, as decimal steps are no doubles.
+/// The multiples of a step in a range. A multiple that is outside by a billionth of a step counts as inside, because
+/// decimal steps are not exact as doubles.
 struct Multiples {
   double first, last;
   Multiples(double low, double high, double step)
@@ -23,7 +24,7 @@ struct Multiples {
 
 Ticks round_ticks(double low, double high, size_t most) {
   E2LF_REQUIRE(std::isfinite(low) && std::isfinite(high) && low < high && most >= 2, "an axis needs a range");
-  // With a step of a tenth of this there are more than `most` in any case.
+  // A step of a tenth of this gives more than `most` ticks in any case.
   int exponent = static_cast<int>(std::floor(std::log10((high - low) / static_cast<double>(most)))) - 1;
   for (;; ++exponent) {
     for (const double factor : {1.0, 2.0, 5.0}) {
@@ -47,7 +48,7 @@ std::vector<double> log_ticks(double low, double high, size_t most) {
     for (int exponent = first; values.size() < 2 || values.back() < high; exponent += decades) {
       for (const double factor : factors) values.push_back(factor * std::pow(10.0, exponent));
     }
-    // What lies outside is left out, but for the last before and the first behind.
+    // Drops the ticks outside of the range, except for the last one before it and the first one after it.
     while (values.size() > 2 && values[1] <= low) values.erase(values.begin());
     while (values.size() > 2 && values[values.size() - 2] >= high) values.pop_back();
     return values;

@@ -7,7 +7,7 @@
 
 namespace e2lf::report {
 
-/// The bytes as text of the letters of RFC 4648, padded with "=".
+/// Encodes bytes in Base64 (RFC 4648), padded with "=".
 [[nodiscard]] std::string base64(std::span<const uint8_t> bytes);
 
 }  // namespace e2lf::report

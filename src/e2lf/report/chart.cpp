@@ -23,7 +23,7 @@ const char* colour_of(size_t series) {
   return kColours[series % std::size(kColours)];
 }
 
-/// No sans-serif letter of the usual fonts is wider on average.
+/// Estimates the width of a text. The average letter of the usual sans-serif fonts is no wider than this.
 double text_width(const std::string& text) {
   return 0.62 * kFont * static_cast<double>(num_characters(text));
 }
@@ -38,7 +38,7 @@ std::string label(double x, double y, const char* anchor, const std::string& tex
   return cat("<text x=\"", x, "\" y=\"", y, "\" text-anchor=\"", anchor, "\"", more, ">", escaped(text), "</text>\n");
 }
 
-/// On a narrow page, a phone's, a chart is made smaller down to this width; then it is moved sideways.
+/// On a narrow page, such as that of a phone, a chart shrinks to this width and then scrolls sideways.
 constexpr double kLeastWidth = 620;
 
 std::string svg_begin(double width, double height) {
@@ -52,7 +52,7 @@ struct LegendEntry {
   const char* colour;
 };
 
-/// Names with their colours in as many rows as they need; none for what has no name.
+/// Lists names with their colours in as many rows as they need. Entries without a name are skipped.
 struct Legend {
   std::string svg;
   double height = 0;
@@ -83,7 +83,7 @@ struct Range {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  /// A range for an axis also where there is no value or a single one.
+  /// Returns a range that suits an axis even if there is no value or a single one.
   [[nodiscard]] Range open() const {
     if (low > high) return {0, 1};
     if (low < high) return *this;
@@ -92,7 +92,7 @@ struct Range {
   }
 };
 
-/// The y axis: its range ends at ticks. A logarithmic one is linear in the logarithms, which at() takes.
+/// The y axis, whose range ends at ticks. A logarithmic axis is linear in the logarithms, which at() takes.
 struct VerticalAxis {
   std::vector<double> places;
   Axis axis;
@@ -110,7 +110,7 @@ struct VerticalAxis {
     }
   }
 
-  /// `range` of the logarithms.
+  /// `range` is that of the logarithms.
   [[nodiscard]] static VerticalAxis logarithmic(const Range& range, double top) {
     VerticalAxis made;
     for (const double value : log_ticks(std::pow(10, range.low), std::pow(10, range.high), kMostTicks)) {
@@ -142,7 +142,7 @@ struct VerticalAxis {
   }
 };
 
-/// The x axis of lines, with room for half of its last number.
+/// The x axis of a line chart, with room for half of its last number.
 struct HorizontalAxis {
   Ticks ticks;
   Axis axis;
@@ -163,7 +163,7 @@ struct HorizontalAxis {
   }
 };
 
-/// Where the names of groups stand: level where they fit side by side, else tilted.
+/// Places the names of groups: horizontally if they fit side by side, and tilted otherwise.
 struct GroupNames {
   bool is_tilted = false;
   double height = 24, left = 0;
@@ -174,7 +174,7 @@ struct GroupNames {
     is_tilted = longest + 8 > (kWidth - kRight - tick_margin) / count;
     if (!is_tilted) return;
     height = longest * std::sin(kTilt) + 2 * kFont;
-    // A tilted name ends below the middle of its group and begins to the left of that.
+    // A tilted name ends below the middle of its group and begins to the left of it.
     left = std::max(tick_margin, longest * std::cos(kTilt) + 4);
   }
 
@@ -223,7 +223,7 @@ std::vector<LegendEntry> entries_of(const LineChart& chart) {
   return entries;
 }
 
-/// Where a value is on the y axis; not finite where it is nowhere.
+/// Returns the position of a value along the y axis; NaN if it has none.
 double height_of(const LineChart& chart, double y) {
   return chart.is_logarithmic ? (y > 0 ? std::log10(y) : NAN) : y;
 }
@@ -364,7 +364,7 @@ std::string grid_svg(const CellGrid& grid) {
 }
 
 std::string file_svg(const std::string& svg) {
-  constexpr double kMargin = 14;  // in a page, the page has one
+  constexpr double kMargin = 14;  // in a page, the page provides the margin
   double width = 0, height = 0;
   const size_t size = svg.find(" width=");
   const bool is_chart =

@@ -7,8 +7,9 @@
 
 namespace e2lf::report {
 
-/// Charts as SVG elements for a page, 900 wide, with ticks at round numbers and a legend above. Their text has the
-/// colour of the text around; margins are as wide as the labels need. What is not finite is left out.
+/// Charts as SVG elements for a page, 900 px wide, with ticks at round numbers and a legend above. Their text has the
+/// colour of the surrounding text, and the margins are as wide as the labels need. Values that are not finite are
+/// omitted.
 
 struct Line {
   std::string name;
@@ -16,10 +17,10 @@ struct Line {
     double x = 0, y = 0;
   };
   std::vector<Point> points;
-  bool is_filled = false;  ///< between the line and zero
+  bool is_filled = false;  ///< fills the area between the line and zero
 };
 
-/// Stretches of the x axis that are shaded over the whole height, each with a text above it where there is room.
+/// Intervals of the x axis that are shaded over the whole height. Each has a text above it if there is room.
 struct Bands {
   std::string name;
   struct Band {
@@ -36,50 +37,50 @@ struct Marks {
     double x = 0, opacity = 1;
   };
   std::vector<Mark> marks;
-  std::optional<size_t> as_line;  ///< in the colour of this line; else grey
+  std::optional<size_t> as_line;  ///< the line whose colour the marks take; grey if absent
 };
 
 struct LineChart {
   std::string x_label, y_label;
   std::vector<Line> lines;
-  bool is_logarithmic = false;  ///< the y axis; values of 0 and less are left out, nothing is filled
-  bool has_signs = true;        ///< else -2 reads 2 along the y axis
+  bool is_logarithmic = false;  ///< the y axis; values of 0 and less are omitted, nothing is filled
+  bool has_signs = true;        ///< if false, -2 is labelled 2 along the y axis
   Bands bands = {};
   std::vector<Marks> marks = {};
 };
 
-/// Bands and marks do not widen the x axis, which goes over the points; what lies outside is cut off. An x axis without
-/// points is that of the bands and marks.
+/// Draws a line chart. The x axis covers the points; bands and marks do not extend it and are clipped to it. If there
+/// are no points, it covers the bands and marks.
 [[nodiscard]] std::string chart_svg(const LineChart& chart);
 
-/// A bar of each series for every group.
+/// A chart with one bar per series for every group.
 struct BarChart {
   std::string y_label;
-  bool from_zero = true;  ///< else the axis begins a little below the least value, as suits decibels
-  int decimals = 2;       ///< of the values that a pointer over a bar shows
+  bool from_zero = true;  ///< if false, the axis begins slightly below the smallest value, as suits decibels
+  int decimals = 2;       ///< of the values shown when the pointer is over a bar
   std::vector<std::string> groups;
   struct Series {
     std::string name;
-    std::vector<std::optional<double>> values;  ///< one for each group; nothing: no bar
+    std::vector<std::optional<double>> values;  ///< one per group; no bar is drawn for an absent value
   };
   std::vector<Series> series;
 };
 
-/// Series whose values are not as many as the groups break the contract.
+/// Draws a bar chart. If the number of values of a series differs from the number of groups, the contract is broken.
 [[nodiscard]] std::string chart_svg(const BarChart& chart);
 
-/// A grid of cells, such as the views of a light field: dark at `low`, bright at `high`.
+/// A grid of cells, such as the views of a light field, from dark at `low` to bright at `high`.
 struct CellGrid {
   size_t columns = 8;
-  std::vector<double> values;  ///< row by row
+  std::vector<double> values;  ///< row by row; the rows must be complete
   double low = 0, high = 1;
-  int decimals = -1;  ///< of the number in each cell; negative: none is written
+  int decimals = -1;  ///< decimals of the number in each cell; negative: no number is written
   double cell_px = 12;
 };
 
 [[nodiscard]] std::string grid_svg(const CellGrid& grid);
 
-/// A chart, as the functions above make it, as a file of its own: black on white, with a margin around.
+/// Turns a chart made by the functions above into an SVG file of its own, black on white with a margin.
 [[nodiscard]] std::string file_svg(const std::string& svg);
 
 }  // namespace e2lf::report

@@ -13,7 +13,7 @@ bool continues(char c) {
   return (static_cast<uint8_t>(c) & 0xC0U) == 0x80U;
 }
 
-/// The bytes of the character that begins here; 0 where none does that XML may hold.
+/// Returns the size in bytes of the character at the beginning of `text`, or 0 if it is not one that XML allows.
 size_t character_length(std::string_view text) {
   const auto lead = static_cast<uint8_t>(text[0]);
   if (lead < 0x20) return lead == '\t' || lead == '\n' || lead == '\r' ? 1 : 0;
@@ -30,7 +30,7 @@ size_t character_length(std::string_view text) {
   return is_long && !is_surrogate && code != 0xFFFE && code != 0xFFFF && code <= 0x10FFFF ? length : 0;
 }
 
-/// Each character through `of`; what is none becomes U+FFFD.
+/// Applies `of` to each character. Invalid ones become U+FFFD.
 template <typename Function>
 std::string replaced(std::string_view text, const Function& of) {
   std::string result;

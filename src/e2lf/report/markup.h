@@ -7,14 +7,15 @@
 
 namespace e2lf::report {
 
-/// A text for HTML and XML, in elements and in quoted attributes: `& < > " '` become entities. Bytes that are no UTF-8,
-/// as names of files may hold, and characters that XML forbids become U+FFFD.
+/// Escapes a text for HTML and XML, for use in elements and in quoted attributes: `& < > " '` become entities. Bytes
+/// that are not valid UTF-8, which names of files may contain, and characters that XML forbids become U+FFFD.
 [[nodiscard]] std::string escaped(std::string_view text);
 
-/// A text for LaTeX: what has a meaning there is escaped, line ends become spaces. Bytes as in escaped().
+/// Escapes a text for LaTeX: special characters are escaped, and line ends and tabs become spaces. Invalid bytes are
+/// replaced as in escaped().
 [[nodiscard]] std::string latex_escaped(std::string_view text);
 
-/// How many characters a text in UTF-8 has: bytes that do not continue one.
+/// Returns the number of characters in a UTF-8 text, i.e. of the bytes that are not continuation bytes.
 [[nodiscard]] size_t num_characters(std::string_view text);
 
 }  // namespace e2lf::report

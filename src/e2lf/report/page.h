@@ -13,13 +13,13 @@
 
 namespace e2lf::report {
 
-/// A picture for a page: the bytes of a PNG.
+/// A picture for a page, as the bytes of a PNG file.
 struct Picture {
   std::span<const uint8_t> png;
   std::string caption;
 };
 
-/// One page of HTML with nothing outside it, dark or light as the reader's system is. Texts are escaped here.
+/// A self-contained HTML page, dark or light according to the system of the reader. All texts are escaped here.
 class Page {
  public:
   explicit Page(std::string title);
@@ -28,19 +28,19 @@ class Page {
   Page& paragraph(std::string_view text);
   Page& code(std::string_view text);
   Page& table(const Table& table);
-  /// What is known of something, a line for each value: facts_table().
+  /// Adds the values of an object as a table with one row per value; see facts_table().
   Page& facts(const Json& facts);
-  /// What is added between these stands side by side, as much as fits.
+  /// Places all elements that are added between these two calls side by side, as far as they fit.
   Page& begin_row();
   Page& end_row();
-  /// A row of them.
+  /// Adds the pictures in a row.
   Page& pictures(const std::vector<Picture>& pictures);
-  /// SVG as the charts make it, which is taken as it is.
+  /// Adds SVG made by the chart functions; it is not escaped.
   Page& drawing(std::string_view svg, std::string_view caption = "");
 
   [[nodiscard]] std::string html() const;
 
-  /// Those added by table(), in order.
+  /// Returns the tables added by table(), in order.
   [[nodiscard]] const std::vector<Table>& tables() const { return tables_; }
 
  private:
@@ -50,17 +50,17 @@ class Page {
   std::vector<Table> tables_;
 };
 
-/// What a file of a report holds.
+/// The contents of a report file.
 enum class FileFormat {
   kHtml,   ///< the page
   kCsv,    ///< its first table
   kLatex,  ///< all of its tables
 };
 
-/// By the extension: .html, .csv or .tex. Fails with kUnsupported.
+/// Determines the format from the extension .html, .csv or .tex. Fails with kUnsupported for any other.
 [[nodiscard]] Result<FileFormat> file_format_of(const std::filesystem::path& path);
 
-/// A page without tables breaks the contract where its tables are asked for.
+/// Returns the text of a report file. A page without tables breaks the contract unless the format is kHtml.
 [[nodiscard]] std::string file_text(const Page& page, FileFormat format);
 
 }  // namespace e2lf::report

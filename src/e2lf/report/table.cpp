@@ -48,7 +48,7 @@ std::string csv_value(const Json& value) {
   return csv_cell(value.is_string() ? value.get<std::string>() : json_line(value));
 }
 
-/// The keys of the objects in a column; empty where it holds none.
+/// Returns the keys of the objects in a column, or none if it holds no objects.
 std::vector<std::string> keys_of(const Table& table, size_t column) {
   std::vector<std::string> keys;
   for (const auto& row : table.rows) {
@@ -70,7 +70,7 @@ std::string latex_cell(const Cell& cell) {
   return cell.is_best ? "\\textbf{" + text + "}" : text;
 }
 
-/// What a cell is compared by: its number, or the first one of its object.
+/// Returns the number by which a cell is compared: its value, or the first one of its object.
 std::optional<double> rank_of(const Cell& cell) {
   const Json& value = cell.value.is_object() && !cell.value.empty() ? *cell.value.begin() : cell.value;
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
@@ -209,7 +209,7 @@ std::string table_latex(const Table& table) {
     format += column.is_number ? "r" : "l";
     heading += (heading.empty() ? "" : " & ") + latex_escaped(column.name);
   }
-  // Smaller letters where the table is wider than the text of the page.
+  // The table is scaled down if it is wider than the text of the page.
   constexpr const char* kNoWider = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{";
   std::string text = "% needs \\usepackage{booktabs,graphicx}\n\\begin{table}[t]\n\\centering\n";
   text += cat("\\caption{", latex_escaped(table.caption), "}\n", kNoWider, "\\begin{tabular}{", format,

@@ -9,21 +9,21 @@
 
 namespace e2lf::report {
 
-/// A cell: what people read, and the value for programs.
+/// A cell: the text for readers and the value for programs.
 struct Cell {
-  std::string text;  ///< empty: there is none
-  Json value;        ///< a text, a number, an object of numbers; null: there is none
+  std::string text;  ///< empty if there is none
+  Json value;        ///< a text, a number or an object of numbers; null if there is none
   bool is_best = false;
 };
 
 struct Column {
   std::string name;
-  bool is_number = false;    ///< set to the right
-  bool begins_part = false;  ///< a line stands before it in LaTeX
-  std::string key = {};      ///< its name for programs; empty: the same
+  bool is_number = false;    ///< the column is right-aligned
+  bool begins_part = false;  ///< LaTeX draws a vertical line before it
+  std::string key = {};      ///< the name for programs; if empty, `name`
 };
 
-/// Rows of cells under named columns; every row has a cell for each column.
+/// Rows of cells under named columns. Every row has one cell per column.
 struct Table {
   std::string caption;
   std::vector<Column> columns;
@@ -31,28 +31,31 @@ struct Table {
 };
 
 [[nodiscard]] Cell text_cell(std::string text);
-/// A number with so many decimals, the value in full. Nothing, and what is not finite, is an empty cell.
+/// Makes a cell that shows a number with `decimals` decimals and stores the exact value. The cell is empty if the value
+/// is absent or not finite.
 [[nodiscard]] Cell number_cell(std::optional<double> value, int decimals);
 
-/// Marks the cell with the largest number in a column (the smallest, with `is_least`) and those that read the same.
+/// Marks the cell with the largest number in a column (the smallest if `is_least`), and all cells with the same text.
 void mark_best(Table& table, size_t column, bool is_least = false);
 
-/// The values of an object as rows "name", "value": members of objects within have the name before theirs, "_" in a
-/// name becomes a space. Lists of numbers and texts stand in one cell, of other lists the length.
+/// Lists the values of an object as rows of "name" and "value". Members of nested objects are prefixed with the name of
+/// their object, and "_" in a name becomes a space. A list of up to 16 plain values is shown in one cell; of other
+/// lists, only the length is shown.
 [[nodiscard]] Table facts_table(const Json& facts);
 
-/// For a terminal: a heading, a line for each row, columns of even width; "-" where there is no value, "*" after the
-/// best of a column that has one.
+/// Formats a table for a terminal: a heading, one line per row, and aligned columns. "-" stands for a missing value,
+/// and "*" follows the best value of a column that has one.
 [[nodiscard]] std::string table_text(const Table& table);
 
-/// Comma-separated values (RFC 4180) of the full values; the members of an object have a column each, "<name> <key>".
+/// Formats the exact values as comma-separated values (RFC 4180). Each member of an object gets a column "<name>
+/// <key>".
 [[nodiscard]] std::string table_csv(const Table& table);
 
-/// {"caption", "rows": [{"<column>": value, ...}]}.
+/// Returns {"caption", "rows": [{"<column>": value, ...}]}.
 [[nodiscard]] Json table_json(const Table& table);
 
-/// A LaTeX table in the style of booktabs, the best of a column bold. One that is wider than the text is made as wide
-/// as that. It needs \usepackage{booktabs,graphicx}.
+/// Formats a LaTeX table in the style of booktabs, with the best value of a column in bold. A table wider than the text
+/// is scaled down to its width. It needs \usepackage{booktabs,graphicx}.
 [[nodiscard]] std::string table_latex(const Table& table);
 
 }  // namespace e2lf::report

@@ -50,13 +50,13 @@ HWY_INLINE V64 Multiply32(V64 a, V64 b) {
   return hn::MulEven(hn::BitCast(d32, a), hn::BitCast(d32, b));
 }
 
-/// The rounds of philox4x32 with one counter per 64-bit lane; its words end in the low halves of the lanes.
+/// Computes the rounds of philox4x32 with one counter per 64-bit lane. The words end up in the low halves of the lanes.
 HWY_INLINE void Philox(uint64_t seed, V64 (&counter)[4]) {
   const D64 d;
   const V64 multiplier0 = hn::Set(d, 0xD2511F53), multiplier1 = hn::Set(d, 0xCD9E8D57);
   auto key0 = static_cast<uint32_t>(seed), key1 = static_cast<uint32_t>(seed >> 32);
   for (int round = 0; round < 10; ++round) {
-    // The high halves of the lanes hold leftovers, which neither the products nor the next round look at.
+    // The high halves of the lanes hold remainders, which neither the products nor the next round read.
     const V64 product0 = Multiply32(multiplier0, counter[0]);
     const V64 product1 = Multiply32(multiplier1, counter[2]);
     counter[0] = hn::Xor3(hn::ShiftRight<32>(product1), counter[1], hn::Set(d, key0));
@@ -71,7 +71,7 @@ HWY_INLINE void Philox(uint64_t seed, V64 (&counter)[4]) {
 Words PixelWords(uint32_t first_pixel, uint64_t stream, uint64_t seed) {
   const D64 d;
   const D32 d32;
-  // Pixels with even and odd lane numbers go through the rounds apart, then come together.
+  // Pixels in even and odd lanes are processed separately and then merged.
   const V64 pixel = hn::Add(hn::Set(d, first_pixel), hn::ShiftLeft<1>(hn::Iota(d, 0)));
   V64 even[4] = {pixel, hn::Zero(d), hn::Set(d, stream & 0xFFFFFFFF), hn::Set(d, stream >> 32)};
   V64 odd[4] = {hn::Add(pixel, hn::Set(d, 1)), even[1], even[2], even[3]};
@@ -86,13 +86,13 @@ Words PixelWords(uint32_t first_pixel, uint64_t stream, uint64_t seed) {
 
 #endif
 
-/// The words as uniform numbers over 0..1.
+/// Converts the words to uniform numbers in 0..1.
 HWY_INLINE V Uniform(V32 word) {
   const D d;
   return hn::Mul(hn::Add(FloatFromWord(d, word), hn::Set(d, 0.5F)), hn::Set(d, 0x1p-32F));
 }
 
-/// Two standard normal draws per lane by Box-Muller.
+/// Computes two standard normal draws per lane with the Box-Muller transform.
 HWY_INLINE void Normals(V32 word0, V32 word1, V& w, V& z) {
   const D d;
   const V unit = hn::Min(Uniform(word0), hn::Set(d, 1.0F));
@@ -117,7 +117,7 @@ bool Simulate(const EventBlock& block, size_t num_pixels, const EventModelOption
 
   for (size_t i = 0; i < num_pixels; i += hn::Lanes(d)) {
     const float* intensity = block.intensities + i;
-    // Max returns its second operand where the first is NaN.
+    // Max returns its second operand if the first is NaN.
     const auto log_intensity = [&](size_t n) HWY_ATTR {
       const V light = hn::Mul(hn::LoadU(d, intensity + n * kBlockPixels), gain);
       return Log(d, hn::Add(hn::Max(light, zero), eps));

@@ -31,7 +31,7 @@ void code_block(const capture::Codes& codes, const lightfield::LightField& light
     const float* values = light_field.data().data() + view * shape.view_size() + first;
     for (size_t n = 0; n < codes.num_patterns; ++n) {
       const float weight = codes.pattern(n)[view] / static_cast<float>(shape.num_views());
-      // Learned patterns are mostly closed: views that no pattern lets through are never read.
+      // Learned patterns are mostly closed, so that views blocked by all patterns are never read.
       if (weight != 0) add_scaled(values, weight, sums + n * stride, count);
     }
   }

@@ -6,9 +6,9 @@
 
 namespace e2lf::sensor {
 
-/// The light field in colour as the pixels of a sensor with colour filters see it: grey, twice as high and as wide,
-/// each pixel of a block of 2x2 with the channel of its filter. All four look at the same point: the parallax inside of
-/// a block is left out. A grey light field breaks the contract.
+/// Returns the light on the pixels of a sensor with colour filters: a grey light field of twice the height and width,
+/// in which each pixel of a 2x2 block takes the channel of its filter. All four see the same point; the parallax within
+/// a block is neglected. A grey light field breaks the contract.
 [[nodiscard]] lightfield::LightField light_behind(const capture::ColourFilter& filter,
                                                   const lightfield::LightField& colour);
 

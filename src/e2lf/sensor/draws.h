@@ -10,35 +10,35 @@
 
 namespace e2lf::sensor {
 
-/// Of the generator, for what stays with a pixel.
+/// The streams of the generator for constant properties of a pixel.
 inline constexpr uint64_t kThresholdStream = uint64_t{1} << 33;
 inline constexpr uint64_t kHotStream = kThresholdStream + 1;
 inline constexpr uint64_t kLeakStream = kThresholdStream + 2;
-/// For what changes; the number of a pattern or segment is added.
+/// The streams for varying quantities. The number of the pattern or segment is added.
 inline constexpr uint64_t kDefectStream = uint64_t{1} << 34;
 inline constexpr uint64_t kSegmentStream = uint64_t{1} << 35;
 inline constexpr uint64_t kImageStream = uint64_t{1} << 36;
 
-/// In (0, 1), 24 bits.
+/// Converts a word to a uniform number in (0, 1) with 24 bits.
 inline float uniform_of(uint32_t word) {
   return (static_cast<float>(word >> 8) + 0.5F) * 0x1p-24F;
 }
 
-/// Two independent standard normal draws from two words.
+/// Returns two independent standard normal draws made from two words.
 inline std::array<float, 2> normals_of(uint32_t word0, uint32_t word1) {
   const float radius = std::sqrt(-2.0F * std::log(uniform_of(word0)));
   const float angle = uniform_of(word1) * (2.0F * std::numbers::pi_v<float>);
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// Draws one after the other, of one pixel and one moment.
+/// A sequence of draws for one pixel and one moment.
 class DrawSequence {
  public:
   DrawSequence(uint64_t seed, uint64_t stream, uint64_t pixel) : rng_(seed, stream), index_(pixel) {}
 
   [[nodiscard]] double uniform() {
     if (next_ == words_.size()) {
-      // Pixel numbers have 32 bits; what lies above counts the draws.
+      // Pixel numbers have 32 bits; the bits above count the draws.
       words_ = rng_.bits(index_);
       index_ += uint64_t{1} << 32;
       next_ = 0;
@@ -46,7 +46,7 @@ class DrawSequence {
     return (static_cast<double>(words_[next_++]) + 0.5) * 0x1p-32;
   }
 
-  /// The time to the next of events that come by chance, `rate` of them in a unit of time.
+  /// Returns the waiting time to the next event of a Poisson process with this rate.
   [[nodiscard]] double wait(double rate) { return -std::log(uniform()) / rate; }
 
  private:

@@ -30,7 +30,8 @@ Result<void> check_size(const ImageSize& size) {
   return {};
 }
 
-/// Event images of an image whose coded intensities load(first, count, sums) puts into sums[n * kBlockPixels + i].
+/// Simulates event images block by block. load(first, count, sums) must write the coded intensities of the pixels to
+/// sums[n * kBlockPixels + i].
 template <typename Load>
 capture::EventImages simulate_blocks(const ImageSize& size, const EventModelOptions& options, const Load& load) {
   capture::EventImages images(size.num_patterns - 1, size.height, size.width);
@@ -69,7 +70,7 @@ const char* event_model_name(EventModel model) {
 
 Result<void> validate(const EventModelOptions& options) {
   const auto check = [](const char* name, float value, bool positive) -> Result<void> {
-    // Below the normal numbers a logarithm loses its meaning.
+    // The logarithm is inaccurate below the normal numbers.
     if (std::isfinite(value) && (positive ? value >= std::numeric_limits<float>::min() : value >= 0)) return {};
     return Error{ErrorCode::kInvalidValue,
                  cat(name, " is ", value, "; use a ", positive ? "positive number" : "number of at least 0"), ""};

@@ -14,54 +14,51 @@
 
 namespace e2lf::sensor {
 
-enum class EventModel {
-  kQuantised,       ///< Eq. 8: each transition is counted from the coded intensity before it
-  kReferenceAware,  ///< Eq. 9, 10: each pixel remembers the log intensity of its last event
-};
+using capture::EventModel;
 
-/// From "quantised" or "reference-aware". Fails with kInvalidValue.
+/// Parses "quantised" or "reference-aware". Fails with kInvalidValue for any other name.
 [[nodiscard]] Result<EventModel> event_model_from_name(const std::string& name);
 [[nodiscard]] const char* event_model_name(EventModel model);
 
 struct EventModelOptions {
   EventModel model = EventModel::kReferenceAware;
   capture::SensorConstants constants = {};
-  float gain = 1.0F;  ///< scene brightness: multiplies every intensity
-  /// Each pixel's reference starts up to this many thresholds, 0 to 1, above the first log intensity, where the last
-  /// event on the way down to it leaves it. The paper's model has none.
+  float gain = 1.0F;  ///< scene brightness, which multiplies every intensity
+  /// The largest residue: the reference of each pixel starts up to this many thresholds (0 to 1) above the first log
+  /// intensity, where the last event of the preceding decrease leaves it. It is 0 in the model of the paper.
   float residue = 0.0F;
-  uint64_t seed = 0;  ///< of the noise; give each cycle its own
+  uint64_t seed = 0;  ///< of the noise; use another one for each cycle
 };
 
-/// The smallest threshold that noise can lead to.
+/// The lower limit of noisy thresholds.
 inline constexpr float kMinThreshold = 0.01F;
-/// Of the generator, for the residue: beyond those of any transition.
+/// The stream of the generator for the residue, beyond those of any transition.
 inline constexpr uint64_t kResidueStream = uint64_t{1} << 32;
 
-/// Event images of one cycle, transition k = 1..N-1 leading from pattern k-1 to pattern k:
+/// Simulates the event images of one cycle. Transition k = 1..N-1 leads from pattern k-1 to pattern k:
 ///   E_k = trunc((ln(gain * I_k + eps) - V + sigma_w * w) / max(tau + sigma_z * z, kMinThreshold)), toward zero,
 /// then V += tau * E_k (reference-aware: the nominal threshold) or V = ln(gain * I_k + eps) (quantised). V starts at
-/// ln(gain * I_0 + eps) + tau * residue * u, the first of which is ln(eps) when the sequence begins with black; u is
-/// uniform over 0..1, from the first word of CounterRng(seed, kResidueStream).bits(p). Negative and NaN intensities
-/// count as 0.
+/// ln(gain * I_0 + eps) + tau * residue * u, whose first term is ln(eps) if the sequence begins with black; u is
+/// uniform in 0..1, from the first word of CounterRng(seed, kResidueStream).bits(p). Negative and NaN intensities count
+/// as 0.
 ///
-/// Noise of pixel p = width * y + x in transition k (from 1), t = k - 1: w, z = {r cos, r sin} as in
-/// CounterRng::normal2, from the words 2 (t % 2) and 2 (t % 2) + 1 of CounterRng(seed, t / 2).bits(p).
-/// The events are the same bit for bit for any thread count and any instruction set.
-/// Counts beyond int16 are saturated and reported as a warning.
+/// The noise of pixel p = width * y + x in transition k (from 1), with t = k - 1, is w, z = {r cos, r sin} as in
+/// CounterRng::normal2, from the words 2 (t % 2) and 2 (t % 2) + 1 of CounterRng(seed, t / 2).bits(p). The events are
+/// bit-identical for any number of threads and any instruction set. Counts beyond int16 are saturated, which is logged
+/// as a warning.
 ///
-/// Fails with kInvalidValue (a constant that is not finite, eps or tau not positive, a negative sigma or gain, a
-/// residue outside 0..1) and kShape (fewer than two patterns, 2^32 pixels or more, codes that do not fit the light
+/// Fails with kInvalidValue (a constant that is not finite, eps or tau not positive, a negative sigma or gain, or a
+/// residue outside 0..1) and kShape (fewer than two patterns, 2^32 pixels or more, or codes that do not fit the light
 /// field).
 [[nodiscard]] Result<capture::EventImages> simulate_events(const CodedIntensities& intensities,
                                                            const EventModelOptions& options);
 
-/// The same straight from a light field; the coded intensities never leave the cache.
+/// Simulates the events directly from a light field. The coded intensities never leave the cache.
 [[nodiscard]] Result<capture::EventImages> simulate_events(const capture::Codes& codes,
                                                            const lightfield::LightField& light_field,
                                                            const EventModelOptions& options);
 
-/// Success when the options are usable: the checks of simulate_events().
+/// Checks the options as simulate_events() does.
 [[nodiscard]] Result<void> validate(const EventModelOptions& options);
 
 }  // namespace e2lf::sensor

@@ -21,12 +21,12 @@ namespace {
 
 using enum capture::PixelConstant;
 
-constexpr size_t kRowPixels = 1024;  // a piece of work
+constexpr size_t kRowPixels = 1024;  // the size of a piece of work
 
 /// The patterns of a cycle that begins with black.
 struct ShownCycle {
   capture::Codes codes;   ///< a1 to aN
-  bool is_whole = false;  ///< followed by their inverses, and by black again
+  bool is_whole = false;  ///< they are followed by their inverses and by black again
   [[nodiscard]] size_t num_patterns() const { return is_whole ? 2 * codes.num_patterns + 1 : codes.num_patterns; }
   /// The black pattern and its inverse are shown longer than the others.
   [[nodiscard]] capture::PixelConstant time_of(size_t n) const {
@@ -41,13 +41,13 @@ ShownCycle shown_cycle(const capture::Codes& codes) {
   return {is_whole ? *std::move(shown) : codes, is_whole};
 }
 
-/// The light that a pixel gets in each pattern, J = (I + eps) / eps.
+/// The light on a pixel in each pattern, J = (I + eps) / eps.
 struct Exposure {
   std::vector<float> of_patterns;  ///< from black on
   std::vector<float> of_inverses;  ///< of the codes
 };
 
-/// One pixel from the inverse of the last pattern to the end of the cycle.
+/// The state of one pixel from the inverse of the last pattern to the end of the cycle.
 class Pixel {
  public:
   Pixel(const capture::PixelConstants& constants, PixelThresholds thresholds, float intensity)
@@ -60,15 +60,15 @@ class Pixel {
     level_ = log_intensity + (level_ - log_intensity) * std::exp(-constants_[kAmplifierRate] * seconds);
   }
 
-  /// The reference that the change to black leaves; `draw` is uniform over 0..1.
+  /// Sets the reference to where the change to black leaves it; `draw` is uniform in 0..1.
   void settle(float draw) {
     reference_ = level_ + thresholds_.off * constants_[kResetSpan] * draw - constants_[kResetOffset];
   }
 
-  /// The signed events of the change to black, which noise takes down with the level.
+  /// Returns the signed events of the change to black, in which noise lowers the reference along with the level.
   float count_events_to_black() { return compare(level_ - constants_[kResetOffset]); }
 
-  /// The signed events of one transition.
+  /// Returns the signed events of one transition.
   float count_events(float intensity, const std::array<uint32_t, 4>& words) {
     const float noise = std::sqrt(constants_[kNoise] * constants_[kNoise] +
                                   constants_[kShotNoise] * constants_[kShotNoise] / intensity);
@@ -99,10 +99,11 @@ class Pixel {
   float inverse_level_, level_, reference_ = 0.0F;
 };
 
-/// What the lit patterns pass at each place of the picture, a factor of its column times one of its row.
+/// The transmission of the active patterns at each place of the picture, as the product of a factor per column and one
+/// per row.
 class TransmissionMap {
  public:
-  TransmissionMap(const capture::Camera& camera, size_t num_lit, size_t height, size_t width) : width_(width) {
+  TransmissionMap(const capture::SensorProfile& camera, size_t num_lit, size_t height, size_t width) : width_(width) {
     const float middle_x = 0.5F * static_cast<float>(width), middle_y = 0.5F * static_cast<float>(height);
     for (size_t n = 0; n < num_lit; ++n) {
       const float middle = capture::transmission_at(camera, n, 0.0F, 0.0F);
@@ -127,12 +128,13 @@ class TransmissionMap {
   std::vector<std::vector<float>> columns_, rows_;
 };
 
-/// Light through the cells of each pattern: what its open cells pass, and what leaks through the others; through an
-/// inverse what its code holds back of the open aperture's light.
+/// Computes the light through each pattern: the light that its open cells transmit, plus the leak of the others; and
+/// through an inverse, the light of the open aperture that its code blocks.
 class ExposureOf {
  public:
-  /// `intensities` holds one more image than there are codes: that with all cells open.
-  ExposureOf(const capture::Camera& camera, const ShownCycle& cycle, const CodedIntensities& intensities, float gain)
+  /// `intensities` holds one more image than there are codes, which is the one with all cells open.
+  ExposureOf(const capture::SensorProfile& camera, const ShownCycle& cycle, const CodedIntensities& intensities,
+             float gain)
       : cycle_(cycle),
         intensities_(intensities),
         transmission_(camera, intensities.num_patterns - 2, intensities.height, intensities.width),
@@ -166,7 +168,8 @@ class ExposureOf {
   float gain_over_eps_, leak_;
 };
 
-Result<void> check(const capture::Codes& codes, const capture::Camera& camera, const PixelModelOptions& options) {
+Result<void> check(const capture::Codes& codes, const capture::SensorProfile& camera,
+                   const PixelModelOptions& options) {
   if (!camera.is_pixel()) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the camera \"", camera.name, "\" is of the event model ", camera.event_model,
@@ -182,7 +185,7 @@ Result<void> check(const capture::Codes& codes, const capture::Camera& camera, c
   return {};
 }
 
-/// The patterns, and behind them one with all cells open.
+/// Appends a pattern with all cells open.
 capture::Codes with_open_aperture(const capture::Codes& codes) {
   capture::Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
   std::fill(extended.values.begin(), extended.values.end(), 1.0F);
@@ -194,7 +197,8 @@ capture::Codes with_open_aperture(const capture::Codes& codes) {
 
 Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
                                                    const lightfield::LightField& light_field,
-                                                   const capture::Camera& camera, const PixelModelOptions& options) {
+                                                   const capture::SensorProfile& camera,
+                                                   const PixelModelOptions& options) {
   E2LF_RETURN_IF_ERROR(check(codes, camera, options));
   const ShownCycle cycle = shown_cycle(codes);
   E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities,

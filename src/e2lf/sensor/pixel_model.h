@@ -6,34 +6,36 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::sensor {
 
 struct PixelModelOptions {
-  float gain = 1.0F;      ///< scene brightness: multiplies every intensity
-  uint64_t seed = 0;      ///< of what changes from cycle to cycle: give each its own
-  uint64_t map_seed = 0;  ///< of the pixels' thresholds, which stay
+  float gain = 1.0F;      ///< scene brightness, which multiplies every intensity
+  uint64_t seed = 0;      ///< of what changes from cycle to cycle; use another one for each
+  uint64_t map_seed = 0;  ///< of the thresholds of the pixels, which are constant
 };
 
-/// Returns the event images of one cycle as physical pixels make them, in a closed form of the camera's cycle: the
+/// Simulates the event images of one cycle as physical pixels record them, in a closed form of the camera's cycle: the
 /// inverse of the last code, black, then codes 2..N, and for codes of capture::whole_cycle() their inverses and black
-/// again. An inverse lets through what its code holds back of the open aperture's light. The photoreceptor's log
-/// intensity u obeys du/dt = K (J - exp u), J = (I + eps) / eps: w = exp(-u) relaxes to 1 / J at the rate K J. The
-/// amplifier's level relaxes to u at its own rate. At the end of each pattern the level with its noise is compared with
-/// the reference: count = trunc((level - reference) / threshold), ON and OFF with thresholds of their own; the
-/// reference moves by threshold * count. Black leaves it somewhere within reset_span OFF thresholds above the level,
-/// less reset_offset; the change to black makes the OFF events that take the reference down there.
+/// again. An inverse transmits the light of the open aperture that its code blocks. The log intensity u of the
+/// photoreceptor obeys du/dt = K (J - exp u), J = (I + eps) / eps: w = exp(-u) relaxes to 1 / J at the rate K J. The
+/// level of the amplifier relaxes to u at its own rate. At the end of each pattern, the noisy level is compared with
+/// the reference: count = trunc((level - reference) / threshold), with separate ON and OFF thresholds, and the
+/// reference moves by threshold * count. The change to black leaves the reference uniformly distributed within
+/// reset_span OFF thresholds above the level, less reset_offset; it produces the OFF events that take the reference
+/// there.
 ///
-/// Pixel p draws from CounterRng: thresholds from (map_seed, 2^33), the reference after black from (seed, 0), noise and
-/// dark events of transition k from (seed, k). The same for any number of threads. Counts beyond int16 are saturated.
+/// Pixel p draws from CounterRng: the thresholds from (map_seed, 2^33), the reference after black from (seed, 0), and
+/// the noise and dark events of transition k from (seed, k). The result does not depend on the number of threads.
+/// Counts beyond int16 are saturated.
 ///
-/// Fails with kInvalidValue (a camera of another event model, a gain that is negative or not finite) and kShape (codes
-/// that do not fit the light field, or whose first pattern is not black).
+/// Fails with kInvalidValue (a camera of another event model, or a gain that is negative or not finite) and kShape
+/// (codes that do not fit the light field, or whose first pattern is not black).
 [[nodiscard]] Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
                                                                  const lightfield::LightField& light_field,
-                                                                 const capture::Camera& camera,
+                                                                 const capture::SensorProfile& camera,
                                                                  const PixelModelOptions& options);
 
 }  // namespace e2lf::sensor

@@ -15,8 +15,8 @@ namespace {
 using enum capture::PixelConstant;
 
 /// Follows the light at once; pixels are equal and start at black exactly.
-capture::Camera ideal_camera(float tau = 0.3F) {
-  capture::Camera camera;
+capture::SensorProfile ideal_camera(float tau = 0.3F) {
+  capture::SensorProfile camera;
   camera.event_model = "pixel";
   camera.pixel[kEps] = 0.01F;
   camera.pixel[kReceptorRate] = camera.pixel[kAmplifierRate] = 1e9F;

@@ -9,7 +9,7 @@ namespace e2lf::sensor {
 namespace {
 
 using enum capture::PixelConstant;
-constexpr float kLeastThreshold = 0.3F;  // of the mean one, however unequal pixels are
+constexpr float kLeastThreshold = 0.3F;  // lower limit, relative to the mean threshold
 
 }  // namespace
 

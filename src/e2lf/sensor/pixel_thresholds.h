@@ -3,16 +3,17 @@
 
 #include <cstdint>
 
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::sensor {
 
-/// The contrast thresholds of one pixel, natural logarithm.
+/// The contrast thresholds of one pixel, in natural logarithm.
 struct PixelThresholds {
   float on = 0.0F, off = 0.0F;
 };
 
-/// Those of a pixel of the camera whose unequal pixels `map_seed` stands for: from CounterRng(map_seed, 2^33).
+/// Draws the thresholds of a pixel from CounterRng(map_seed, 2^33), where `map_seed` identifies one camera with its
+/// mismatched pixels.
 [[nodiscard]] PixelThresholds draw_thresholds(const capture::PixelConstants& constants, uint64_t map_seed,
                                               uint64_t pixel);
 

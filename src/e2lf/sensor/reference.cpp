@@ -15,7 +15,7 @@ float uniform(uint32_t word) {
   return (static_cast<float>(word) + 0.5F) * 0x1p-32F;
 }
 
-/// As CounterRng::normal2, from any two words.
+/// Computes CounterRng::normal2 from any two words.
 std::array<float, 2> box_muller(uint32_t word0, uint32_t word1) {
   const float u0 = std::min(uniform(word0), 1.0F);
   const float radius = std::sqrt(-2.0F * std::log(u0));

@@ -5,9 +5,9 @@
 
 namespace e2lf::sensor {
 
-/// Plain scalar versions of coded_intensities() and simulate_events() on one thread, with the C library's logarithm and
-/// trigonometry: what the fast ones are tested against and compared with in benchmarks. Coded intensities are equal bit
-/// for bit. Event counts are equal but where a quotient falls within rounding of a whole number (about one in a
+/// Plain scalar versions of coded_intensities() and simulate_events() on one thread, with the logarithm and
+/// trigonometry of the C library. Tests and benchmarks compare the fast versions with them. Coded intensities are
+/// bit-identical. Event counts are equal unless a quotient lies within rounding of a whole number (about one in a
 /// million).
 [[nodiscard]] Result<CodedIntensities> reference_coded_intensities(const capture::Codes& codes,
                                                                    const lightfield::LightField& light_field);

@@ -3,7 +3,7 @@
 
 namespace e2lf::streams {
 
-StreamOptions camera_stream(const capture::Camera& camera, uint64_t seed) {
+StreamOptions camera_stream(const capture::SensorProfile& camera, uint64_t seed) {
   StreamOptions options;
   options.model = camera.is_pixel()                   ? StreamModel::kPixel
                   : camera.event_model == "quantised" ? StreamModel::kQuantised

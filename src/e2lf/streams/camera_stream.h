@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/streams/stream_options.h"
 
 namespace e2lf::streams {
 
-/// The stream of a camera file: its model with its constants. `seed` is of a capture; pixels get maps of their own.
-[[nodiscard]] StreamOptions camera_stream(const capture::Camera& camera, uint64_t seed);
+/// Returns the stream options for a camera file: its event model and constants. `seed` identifies a capture and also
+/// selects the map of pixel properties.
+[[nodiscard]] StreamOptions camera_stream(const capture::SensorProfile& camera, uint64_t seed);
 
 }  // namespace e2lf::streams

@@ -18,7 +18,7 @@ PixelSignal::Value PixelSignal::evaluate(size_t node, double time_s) const {
 }
 
 double PixelSignal::find(size_t node, double from_s, double to_s, double target, bool is_rising) const {
-  // Newton's steps where they stay between what is known, halves elsewhere.
+  // Uses Newton steps as long as they stay within the known interval, and bisection otherwise.
   constexpr double kClose = 1e-10;
   constexpr int kMostSteps = 100;
   double time_s = from_s;

@@ -5,10 +5,12 @@
 
 namespace e2lf::streams {
 
-/// What a pixel compares with its reference in one segment: its level, and a straight line for noise and leak.
+/// The signal that a pixel compares with its reference in one segment: its level, plus a straight line for noise and
+/// leak.
 class PixelSignal {
  public:
-  /// Of the pixel in `lane` of a block whose nodes are computed. The line is `offset` at the segment's begin.
+  /// Makes the signal of the pixel in `lane` of a block whose nodes are computed. The line has the value `offset` at
+  /// the beginning of the segment.
   PixelSignal(const ReceptorSegment& segment, const ReceptorBlock& block, size_t lane, double offset,
               double slope_per_s)
       : segment_(segment),
@@ -24,12 +26,12 @@ class PixelSignal {
     return level_[node * kReceptorBlock] + offset_ + slope_per_s_ * segment_.time_s[node];
   }
 
-  /// At a time between `node` and the next.
+  /// Returns the signal at a time between `node` and the next one.
   [[nodiscard]] double at(size_t node, double time_s) const { return evaluate(node, time_s).value; }
 
-  /// When the signal, which rises (or falls) from from_s to to_s, is `target`, within a ten-thousandth of a
-  /// microsecond; from_s where it is beyond already. Both times lie between `node` and the next, and at to_s it has
-  /// reached the target.
+  /// Returns the time at which the signal, which is rising (or falling) from from_s to to_s, reaches `target`, accurate
+  /// to 1e-4 us, or from_s if it is already beyond. Both times must lie between `node` and the next one, and the signal
+  /// must have reached the target at to_s.
   [[nodiscard]] double find(size_t node, double from_s, double to_s, double target, bool is_rising) const;
 
  private:

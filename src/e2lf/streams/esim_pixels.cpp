@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// ESIM (Rebecq et al., "ESIM: an open event camera simulator", CoRL 2018): between two samples the log intensity is a
-// straight line.
+// ESIM (Rebecq et al., "ESIM: an open event camera simulator", CoRL 2018): the log intensity is linear between two
+// samples.
 #include <algorithm>
 #include <cmath>
 
@@ -34,7 +34,7 @@ class EsimPixels : public SinglePixels {
     const auto duration_us = static_cast<double>(segment.end_us - segment.begin_us);
     for (size_t i = begin; i < end; ++i) {
       const double from = log_of(segment.from[i]), to = log_of(segment.to[i]);
-      // A jump, then the way to the segment's end: two pairs of samples, each with a threshold of its own.
+      // A segment is a jump followed by a ramp to its end: two pairs of samples, each with its own threshold.
       const auto normals = thresholds_of(i);
       pass(segment, i, from, 0.0, normals[0], events);
       pass(segment, i, to, duration_us, normals[1], events);
@@ -50,13 +50,13 @@ class EsimPixels : public SinglePixels {
             std::max(constants.tau + constants.sigma_z * second, sensor::kMinThreshold)};
   }
 
-  /// The log intensity goes from the pixel's to `to` in `duration_us`. Only crossings on this way count; an event in
-  /// the refractory period is lost, and moves the reference all the same.
+  /// Moves the log intensity of a pixel to `to` within `duration_us`. Only crossings on the way count. An event in the
+  /// refractory period is lost, but still moves the reference.
   void pass(const LightSegment& segment, size_t i, double to, double duration_us, double threshold,
             PixelEventSink& events) {
     EsimPixel& pixel = pixels_[i];
     const double from = std::exchange(pixel.level, to);
-    constexpr double kSmallest = 1e-6;  // ESIM's: smaller changes are none
+    constexpr double kSmallest = 1e-6;  // as in ESIM: smaller changes are ignored
     if (std::abs(to - from) <= kSmallest) return;
     const double sign = to > from ? 1.0 : -1.0;
     for (;;) {

@@ -10,29 +10,31 @@
 
 namespace e2lf::streams {
 
-/// The events of an event camera one by one, as light goes on: each at the microsecond in which the pixel's signal
-/// crosses its threshold. What pixels remember, their references, thresholds and noise, is carried from segment to
-/// segment and so from cycle to cycle. The same, event for event, for any number of threads.
+/// Simulates the individual events of an event camera from the light over time. Each event occurs at the microsecond in
+/// which the signal of the pixel crosses its threshold. The state of the pixels (references, thresholds and noise) is
+/// carried from segment to segment and thus from cycle to cycle. The result is identical, event for event, for any
+/// number of threads.
 ///
 ///   auto stream = EventStream::create(options, height, width);
 ///   while (...) stream->advance(segment, events);
 class EventStream {
  public:
-  /// Fails as validate(StreamOptions) and with kShape (no pixels, or more than 65,536 in a row or column).
+  /// Fails as validate(StreamOptions) does, and with kShape (no pixels, or more than 65,536 in a row or column).
   [[nodiscard]] static Result<EventStream> create(const StreamOptions& options, size_t height, size_t width);
 
-  /// Lets pixels have seen the segment's `from` for ever, without events; before the first segment, which begins with
-  /// it.
+  /// Sets the pixels to the steady state for the light `from` of the segment, without events. It may only be called
+  /// before the first segment, which begins with this light.
   void rest(const LightSegment& segment);
 
-  /// Appends the events of the next segment, in order of time. Without rest() pixels have seen the `from` of the
-  /// first for ever. Segments follow on each other without gaps, and are shorter than 35 minutes; else the contract is
-  /// broken. With a readout limit events may come after the segment's end, never after events of the next one.
+  /// Appends the events of the next segment, in order of time. Without rest(), the pixels begin in the steady state for
+  /// the light `from` of the first segment. Segments must be contiguous and shorter than 35 minutes, or the contract is
+  /// broken. With a readout limit, events may come after the end of the segment, but never after events of the next
+  /// one.
   void advance(const LightSegment& segment, recordings::EventColumns& events);
 
-  [[nodiscard]] uint64_t lost_events() const { return readout_.lost(); }  ///< to the readout limit
+  [[nodiscard]] uint64_t lost_events() const { return readout_.lost(); }  ///< by the readout limit
 
-  /// Uses the scalar reference where there is one; before the first segment.
+  /// Uses the scalar reference implementation if there is one. It must be called before the first segment.
   void use_reference() { uses_reference_ = true; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Photoreceptor, amplifier, unequal thresholds, noise, blind times, and events that nothing caused.
+// Pixels with a photoreceptor, an amplifier, mismatched thresholds, noise, refractory periods and spurious events.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -16,49 +16,49 @@ namespace {
 using enum capture::PixelConstant;
 constexpr double kUsPerS = 1e6;
 
-/// What a pixel remembers.
+/// The state of a pixel.
 struct PhysicalPixel {
   sensor::PixelThresholds thresholds;
   bool is_hot = false;
-  bool is_blind = false;    ///< until blind_until_us; then it starts from the level it has
+  bool is_blind = false;    ///< until blind_until_us; it then restarts from its level
   double inverse = 1.0;     ///< w of the photoreceptor
   double level = 0.0;       ///< of the amplifier
-  double start = 0.0;       ///< the same when the pattern began
-  double reference = 0.0;   ///< that the signal is compared with
-  double pending = 0.0;     ///< that will be added to the reference when the next pattern begins
-  double noise_from = 0.0;  ///< added to the level, when the pattern began
-  double noise_to = 0.0;    ///< and when it ends; a straight line in between
+  double start = 0.0;       ///< the amplifier's level when the pattern began
+  double reference = 0.0;   ///< with which the signal is compared
+  double pending = 0.0;     ///< added to the reference when the next pattern begins
+  double noise_from = 0.0;  ///< offset to the level when the pattern began
+  double noise_to = 0.0;    ///< offset when it ends; linear in between
   double blind_until_us = 0.0;
 };
 
-/// What an event that nothing caused does to the pixel.
+/// The effect of a spurious event on the pixel.
 enum class StrayEffect {
-  kNone,   ///< of a hot pixel
-  kReset,  ///< a shot event: the pixel starts anew from the signal it has
-  kLater,  ///< an event in the dark: the reference has moved by its threshold when the next pattern begins
+  kNone,   ///< event of a hot pixel
+  kReset,  ///< shot noise event: the reference is reset to the present signal
+  kLater,  ///< event in the dark: the reference moves by a threshold when the next pattern begins
 };
 
-/// An event that nothing caused.
+/// A spurious event, which no change of light caused.
 struct StrayEvent {
-  double time_s;  ///< since the segment's begin
+  double time_s;  ///< since the beginning of the segment
   bool is_on;
   StrayEffect effect;
 };
 
 using NodesFunction = void (*)(const ReceptorSegment&, const ReceptorBlock&, size_t);
 
-/// The arrays of a ReceptorBlock.
+/// The memory of the arrays of a ReceptorBlock.
 struct BlockStorage {
   std::vector<double> from = std::vector<double>(kReceptorBlock), to = from, start = from;
   std::vector<double> inverse = std::vector<double>(kReceptorBlock * kReceptorNodes), level = inverse;
   ReceptorBlock block() { return {from.data(), to.data(), start.data(), inverse.data(), level.data()}; }
 };
 
-/// What is the same for all pixels of a segment.
+/// The quantities of a segment that are common to all pixels.
 struct Stretch {
   const LightSegment& segment;
   ReceptorSegment receptor;
-  double noise_begin, noise_end;  ///< how far the pattern has gone at the segment's begin and end, 0 to 1
+  double noise_begin, noise_end;  ///< elapsed share of the pattern at the beginning and end of the segment, 0 to 1
 };
 
 class PhysicalPixels : public SinglePixels {
@@ -73,7 +73,7 @@ class PhysicalPixels : public SinglePixels {
       pixel.inverse = 1.0 / exposure(first.from[i]);
       pixel.level = pixel.start = -std::log(pixel.inverse);
       const float draw = sensor::uniform_of(CounterRng(options.seed, 0).bits(i)[0]);
-      // A pixel at rest has no event due: its reference is less than a threshold away, whatever span the fit found.
+      // No event is due for a pixel at rest: its reference is less than a threshold away, whatever span was fitted.
       const double above = pixel.thresholds.off * constants()[kResetSpan] * draw - constants()[kResetOffset];
       pixel.reference = pixel.level + std::min(above, 0.999 * pixel.thresholds.off);
       pixel.noise_to = 0.0;
@@ -132,7 +132,7 @@ class PhysicalPixels : public SinglePixels {
     pixel.noise_from = pixel.noise_to;
     if (was_black_ && !segment.is_black) draw_reference(segment, i);
     if (segment.is_black) {
-      // In the dark noise takes the reference down with it.
+      // In black, noise lowers the reference together with the level.
       pixel.noise_to = -constants()[kResetOffset];
       return;
     }
@@ -144,10 +144,10 @@ class PhysicalPixels : public SinglePixels {
     pixel.noise_to = deviation * sensor::normals_of(words[0], words[1])[0];
   }
 
-  /// Without noise in black, events leave the reference less than an OFF threshold above the signal, and a scene in the
-  /// dark leaves it where it was. Where a fit found it elsewhere (reset_span above 1) it is drawn as in the closed
-  /// form. The noise moves along, so that the difference comes in the course of the next pattern: a pixel whose light
-  /// comes back at once has no OFF event due.
+  /// Without noise in black, events leave the reference less than an OFF threshold above the signal, and a dark scene
+  /// leaves it unchanged. If a fit found another distribution (reset_span above 1), the reference is drawn as in the
+  /// closed form. The noise is shifted by the same amount, so that the difference appears gradually during the next
+  /// pattern and a pixel whose light returns at once has no OFF event due.
   void draw_reference(const LightSegment& segment, size_t i) {
     const double span = constants()[kResetSpan];
     if (span <= 1.0) return;
@@ -158,7 +158,7 @@ class PhysicalPixels : public SinglePixels {
     pixel.reference = drawn;
   }
 
-  /// One pixel through a segment, from node to node and from stray event to stray event.
+  /// Follows one pixel through a segment, from node to node and from spurious event to spurious event.
   void walk(const Stretch& stretch, const ReceptorBlock& block, size_t lane, size_t i,
             const std::vector<StrayEvent>& strays, PixelEventSink& events) {
     PhysicalPixel& pixel = pixels_[i];
@@ -188,7 +188,7 @@ class PhysicalPixels : public SinglePixels {
     double last;  ///< the signal at to_s
   };
 
-  /// The events of the thresholds that the signal passes between two nodes.
+  /// Adds the events of the thresholds that the signal crosses between two nodes.
   void cross(const Bracket& bracket, size_t node, const PixelSignal& signal, const Stretch& stretch, size_t i,
              PixelEventSink& events) {
     PhysicalPixel& pixel = pixels_[i];
@@ -236,7 +236,7 @@ class PhysicalPixels : public SinglePixels {
     go_blind(stretch, pixel, stray.time_s);
   }
 
-  /// The events of this segment that nothing caused, in order of time.
+  /// Draws the spurious events of this segment, in order of time.
   void draw_strays(const Stretch& stretch, size_t i, double exposure, std::vector<StrayEvent>& strays) const {
     strays.clear();
     if (constants()[kDarkOff] > 0 || constants()[kDarkOn] > 0) draw_dark(stretch, i, exposure, strays);
@@ -257,7 +257,7 @@ class PhysicalPixels : public SinglePixels {
     }
   }
 
-  /// At most one of each sign in a pattern, anywhere in it; in black none, as in the closed form.
+  /// Draws at most one event of each sign per pattern, at any time in it, and none in black, as in the closed form.
   void draw_dark(const Stretch& stretch, size_t i, double exposure, std::vector<StrayEvent>& strays) const {
     if (stretch.segment.is_black) return;
     const auto words = CounterRng(options_.seed, stretch.segment.pattern).bits(i);
@@ -273,7 +273,7 @@ class PhysicalPixels : public SinglePixels {
   StreamOptions options_;
   NodesFunction nodes_;
   uint64_t segment_ = 0;
-  bool was_black_ = false;  ///< in the segment before
+  bool was_black_ = false;  ///< in the previous segment
   std::vector<PhysicalPixel> pixels_;
 };
 

@@ -6,10 +6,10 @@
 namespace e2lf::streams {
 namespace {
 
-/// Beyond so many microseconds a table of them is more than the events are worth.
+/// For segments longer than this, in us, a table with one entry per microsecond would be larger than it is worth.
 constexpr int64_t kLongestTable = int64_t{1} << 20;
 
-/// Where the first event of each microsecond goes.
+/// Returns the index of the first event of each microsecond.
 std::vector<size_t> first_places(const std::vector<std::vector<PixelEvent>>& parts, size_t duration_us, size_t begin) {
   std::vector<size_t> places(duration_us);
   for (const auto& part : parts) {

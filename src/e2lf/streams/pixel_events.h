@@ -10,7 +10,8 @@
 
 namespace e2lf::streams {
 
-/// An event of one segment in eight bytes: microseconds since its begin (31 bits), pixel number (32), sign (1).
+/// An event of a segment in eight bytes: microseconds since the beginning of the segment (31 bits), pixel number (32)
+/// and sign (1).
 class PixelEvent {
  public:
   PixelEvent() = default;
@@ -25,13 +26,13 @@ class PixelEvent {
   uint64_t bits_ = 0;
 };
 
-/// Takes the events of one pixel after the other.
+/// Collects the events of one pixel after another.
 class PixelEventSink {
  public:
   PixelEventSink(std::vector<PixelEvent>& events, int64_t duration_us)
       : events_(&events), last_us_(static_cast<double>(duration_us - 1)) {}
 
-  /// An event `offset_us` after the segment's begin, rounded down into it.
+  /// Adds an event `offset_us` after the beginning of the segment. The time is rounded down and clamped to the segment.
   void add(double offset_us, size_t pixel, bool is_on) {
     const double clamped = offset_us > 0 ? (offset_us < last_us_ ? offset_us : last_us_) : 0;
     events_->emplace_back(static_cast<uint32_t>(clamped), static_cast<uint32_t>(pixel), is_on);
@@ -42,8 +43,8 @@ class PixelEventSink {
   double last_us_;
 };
 
-/// Appends the events of one segment, the parts one after the other, to `columns` in order of time; events of one time
-/// keep their order.
+/// Appends the events of one segment, given as consecutive parts, to `columns` in order of time. Events of the same
+/// time keep their order.
 void append_in_time(const std::vector<std::vector<PixelEvent>>& parts, const LightSegment& segment, size_t width,
                     recordings::EventColumns& columns);
 

@@ -17,7 +17,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<double>;
 using V = hn::Vec<D>;
 
-/// follow_light() in vectors.
+/// The vector version of follow_light().
 HWY_INLINE V FollowLight(D d, V inverse, V from, V to, V rate, V time) {
   const V one = hn::Set(d, 1.0), two = hn::Set(d, 2.0);
   const V half_distance = hn::Mul(hn::Mul(rate, hn::Set(d, 0.5)), time);

@@ -9,9 +9,9 @@
 namespace e2lf::streams {
 namespace {
 
-constexpr size_t kLeastPixels = 4096;  // of a thread
+constexpr size_t kLeastPixels = 4096;  // the fewest per thread
 
-/// The patterns, and behind them one with all cells open.
+/// Appends a pattern with all cells open.
 capture::Codes with_open_aperture(const capture::Codes& codes) {
   capture::Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
   std::fill(extended.values.begin(), extended.values.end(), 1.0F);
@@ -21,7 +21,7 @@ capture::Codes with_open_aperture(const capture::Codes& codes) {
 
 }  // namespace
 
-ShownLight::ShownLight(const capture::Codes& codes, const capture::Camera& camera, float gain, size_t height,
+ShownLight::ShownLight(const capture::Codes& codes, const capture::SensorProfile& camera, float gain, size_t height,
                        size_t width)
     : codes_(with_open_aperture(codes)),
       transmission_(codes.num_patterns - 1),

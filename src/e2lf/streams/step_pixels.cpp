@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The paper's models, Eq. 8 to 10, with the time of each event.
+// The models of the paper, Eq. 8 to 10, with the time of each event.
 #include <algorithm>
 #include <cmath>
 
@@ -10,13 +10,14 @@
 namespace e2lf::streams {
 namespace {
 
-/// What a pixel remembers. In a pattern it counts thresholds from its reference; the next one moves the reference.
+/// The state of a pixel. Within a pattern, it counts thresholds from its reference; the next pattern moves the
+/// reference.
 struct StepPixel {
   double reference = 0.0;  ///< log intensity
-  double level = 0.0;      ///< without noise, at the end of the last segment
+  double level = 0.0;      ///< without noise, at the end of the previous segment
   double noise = 0.0;      ///< of the log intensity, in this pattern
   double threshold = 0.0;  ///< in this pattern
-  int count = 0;           ///< of thresholds that the events of this pattern went through
+  int count = 0;           ///< of thresholds crossed by the events of this pattern
 };
 
 class StepPixels : public SinglePixels {
@@ -45,7 +46,7 @@ class StepPixels : public SinglePixels {
     pixel.count = 0;
     pixel.noise = 0.0;
     pixel.threshold = std::max(tau, static_cast<double>(sensor::kMinThreshold));
-    // Before the first pattern nothing was counted, so it has no noise, as in simulate_events().
+    // Nothing was counted before the first pattern, so it has no noise, as in simulate_events().
     if (pattern == 0 || (options_.constants.sigma_w == 0 && options_.constants.sigma_z == 0)) return;
     const uint64_t k = pattern - 1;
     const auto words = CounterRng(options_.seed, k / 2).bits(i);
@@ -55,14 +56,14 @@ class StepPixels : public SinglePixels {
         std::max(options_.constants.tau + options_.constants.sigma_z * z, static_cast<double>(sensor::kMinThreshold));
   }
 
-  /// As CounterRng::normal2, from any two words.
+  /// Computes CounterRng::normal2 from any two words.
   static std::array<double, 2> normals(uint32_t word0, uint32_t word1) {
     const double radius = std::sqrt(-2.0 * std::log((word0 + 0.5) * 0x1p-32));
     const double angle = word1 * (2.0 * std::numbers::pi * 0x1p-32);
     return {radius * std::cos(angle), radius * std::sin(angle)};
   }
 
-  /// The light is at `level` at once.
+  /// Adds the events of an immediate change of light to `level`.
   static void jump(size_t i, double level, StepPixel& pixel, PixelEventSink& events) {
     const double steps = std::trunc((level + pixel.noise - pixel.reference) / pixel.threshold - pixel.count);
     const int change = static_cast<int>(std::clamp(steps, -32768.0, 32767.0));
@@ -70,7 +71,7 @@ class StepPixels : public SinglePixels {
     pixel.count += change;
   }
 
-  /// The light goes from `from` to `to`: an event where it passes the next threshold.
+  /// Adds the events of a linear change of light from `from` to `to`, each where it crosses the next threshold.
   void ramp(const LightSegment& segment, size_t i, double from, double to, StepPixel& pixel,
             PixelEventSink& events) const {
     const int sign = to > from ? 1 : -1;

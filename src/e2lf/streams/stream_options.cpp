@@ -13,7 +13,7 @@ namespace {
 constexpr StreamModel kModels[] = {StreamModel::kQuantised, StreamModel::kReferenceAware, StreamModel::kEsim,
                                    StreamModel::kV2e, StreamModel::kPixel};
 
-/// Collects the first of many checks that fails.
+/// Returns the first of several checks that fails.
 class Checks {
  public:
   Checks& in(const char* name, double value, double low, double high) {

@@ -5,50 +5,50 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/profile/camera.h"
 #include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::streams {
 
-/// How a pixel turns light into events one by one.
+/// The models that turn light into individual events.
 enum class StreamModel {
-  kQuantised,       ///< Eq. 8: in each pattern counted from the light at the end of the one before
+  kQuantised,       ///< Eq. 8: events of a pattern count from the light at the end of the previous one
   kReferenceAware,  ///< Eq. 9, 10: a pixel remembers the log intensity of its last event
   kEsim,            ///< crossings found by linear interpolation of the log intensity
-  kV2e,             ///< frame by frame: lin-log, low pass, unequal thresholds, leak, shot noise
-  kPixel,           ///< photoreceptor, amplifier, unequal thresholds, noise: capture::PixelConstants
+  kV2e,             ///< frame by frame: lin-log, low pass, mismatched thresholds, leak, shot noise
+  kPixel,           ///< photoreceptor, amplifier, mismatched thresholds, noise: capture::PixelConstants
 };
 
-/// From "quantised", "reference-aware", "esim", "v2e" or "pixel". Fails with kInvalidValue.
+/// Parses "quantised", "reference-aware", "esim", "v2e" or "pixel". Fails with kInvalidValue for any other name.
 [[nodiscard]] Result<StreamModel> stream_model_from_name(const std::string& name);
 [[nodiscard]] const char* stream_model_name(StreamModel model);
 
-/// The parameters of v2e under the names and with the defaults of its command line.
+/// The parameters of v2e, with the names and defaults of its command line.
 struct V2eOptions {
-  float pos_thres = 0.2F, neg_thres = 0.2F;  ///< mean thresholds, natural logarithm
+  float pos_thres = 0.2F, neg_thres = 0.2F;  ///< mean thresholds, in natural logarithm
   float sigma_thres = 0.03F;                 ///< their standard deviation from pixel to pixel
-  float cutoff_hz = 300.0F;                  ///< of the low pass in white light; 0 = none
-  float leak_rate_hz = 0.01F;                ///< ON events of a pixel in constant light
+  float cutoff_hz = 300.0F;                  ///< of the low pass in white light; 0 = no low pass
+  float leak_rate_hz = 0.01F;                ///< ON events per pixel in constant light
   float leak_jitter_fraction = 0.1F;         ///< of the leak from frame to frame
   float noise_rate_cov_decades = 0.1F;       ///< spread of the leak from pixel to pixel
-  float shot_noise_rate_hz = 0.001F;         ///< of both signs together in the dark
+  float shot_noise_rate_hz = 0.001F;         ///< for both signs together, in the dark
   float refractory_period_s = 0.0005F;
-  int64_t frame_us = 500;  ///< from frame to frame; v2e calls it timestamp_resolution
+  int64_t frame_us = 500;  ///< frame interval; v2e calls it timestamp_resolution
 };
 
-/// v2e's presets "noisy" and "clean", and "default". Fails with kInvalidValue.
+/// Returns the preset "noisy", "clean" or "default" of v2e. Fails with kInvalidValue for any other name.
 [[nodiscard]] Result<V2eOptions> v2e_preset(const std::string& name);
 
-/// What a pixel of the model kPixel does beside capture::PixelConstants. Nothing of it by default.
+/// Properties of a pixel of the model kPixel in addition to capture::PixelConstants. By default, there are none.
 struct PixelDefects {
-  double refractory_us = 0;  ///< after an event a pixel is blind for so long, then starts from the level it has
-  double leak_rate_hz = 0;   ///< ON events of a pixel in constant light: its reference sinks
-  double shot_rate_hz = 0;   ///< events of either sign that nothing caused, in the dark; falls as eps / (I + eps)
-  double hot_share = 0;      ///< of the pixels, that fire all the time
+  double refractory_us = 0;  ///< blind time after an event, after which the pixel restarts from its level
+  double leak_rate_hz = 0;   ///< ON events per pixel in constant light, due to a sinking reference
+  double shot_rate_hz = 0;   ///< spurious events of either sign in the dark; decreases as eps / (I + eps)
+  double hot_share = 0;      ///< share of pixels that fire permanently
   double hot_rate_hz = 1000;
 };
 
-/// The sensor hands out so many events per second; others wait, and are lost when they wait too long.
+/// The limited event rate of the readout. Events wait, and are lost if they would wait too long.
 struct ReadoutLimit {
   double events_per_s = 0;   ///< 0 = no limit; 1.066e9 for a Prophesee EVK4
   double longest_us = 1000;  ///< an event that would wait longer is lost
@@ -56,7 +56,8 @@ struct ReadoutLimit {
 
 struct StreamOptions {
   StreamModel model = StreamModel::kReferenceAware;
-  /// Of the paper's models. For kEsim eps, both thresholds (tau) and their spread from segment to segment (sigma_z).
+  /// For the models of the paper. kEsim uses eps, tau for both thresholds, and sigma_z for their spread from segment to
+  /// segment.
   capture::SensorConstants constants = {};
   double esim_refractory_us = 0;
   V2eOptions v2e = {};
@@ -64,10 +65,10 @@ struct StreamOptions {
   PixelDefects defects = {};
   ReadoutLimit readout = {};
   uint64_t seed = 0;      ///< of noise
-  uint64_t map_seed = 0;  ///< of what stays with a pixel: its thresholds, whether it is hot
+  uint64_t map_seed = 0;  ///< of the constant properties of a pixel: its thresholds and whether it is hot
 };
 
-/// Success when the options are usable. Fails with kInvalidValue, naming the one that is not finite or out of range.
+/// Checks the options. Fails with kInvalidValue, naming the one that is not finite or out of range.
 [[nodiscard]] Result<void> validate(const StreamOptions& options);
 
 }  // namespace e2lf::streams

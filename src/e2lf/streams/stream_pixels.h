@@ -10,20 +10,20 @@
 
 namespace e2lf::streams {
 
-/// Pixels that are followed together.
+/// The number of pixels that are processed together.
 inline constexpr size_t kPartPixels = 4096;
 
-/// The pixels of a sensor with all that they remember from segment to segment.
+/// The pixels of a sensor with their state, which is carried from segment to segment.
 class StreamPixels {
  public:
   virtual ~StreamPixels() = default;
 
-  /// Follows every pixel through a segment. parts[i] gets the events of pixels [i, i + 1) * kPartPixels: pixel after
-  /// pixel or moment after moment, those of one pixel in order of time.
+  /// Follows every pixel through a segment. parts[i] receives the events of pixels [i, i + 1) * kPartPixels, ordered by
+  /// pixel or by time; those of one pixel are in order of time.
   virtual void advance(const LightSegment& segment, std::vector<std::vector<PixelEvent>>& parts) = 0;
 };
 
-/// Pixels that do not depend on each other: each goes through the whole segment by itself.
+/// Pixels that are independent of each other: each is followed through the whole segment by itself.
 class SinglePixels : public StreamPixels {
  public:
   void advance(const LightSegment& segment, std::vector<std::vector<PixelEvent>>& parts) override;
@@ -32,20 +32,20 @@ class SinglePixels : public StreamPixels {
   explicit SinglePixels(size_t count) : count_(count) {}
   [[nodiscard]] size_t count() const { return count_; }
 
-  /// The pixels [begin, end) of one part.
+  /// Follows the pixels [begin, end) of one part.
   virtual void follow(const LightSegment& segment, size_t begin, size_t end, PixelEventSink events) = 0;
 
  private:
   size_t count_;
 };
 
-/// Pixels that have seen the light of `first` for ever.
+/// Make pixels in the steady state for the light of `first`.
 [[nodiscard]] std::unique_ptr<StreamPixels> make_step_pixels(const StreamOptions& options, const LightSegment& first);
 [[nodiscard]] std::unique_ptr<StreamPixels> make_esim_pixels(const StreamOptions& options, const LightSegment& first);
 [[nodiscard]] std::unique_ptr<StreamPixels> make_v2e_pixels(const StreamOptions& options, const LightSegment& first);
 [[nodiscard]] std::unique_ptr<StreamPixels> make_physical_pixels(const StreamOptions& options,
                                                                  const LightSegment& first);
-/// The same in plain scalar arithmetic of the C library: what the fast ones are tested against and compared with.
+/// Makes the same pixels with plain scalar arithmetic of the C library, as the reference for the fast ones.
 [[nodiscard]] std::unique_ptr<StreamPixels> make_reference_physical_pixels(const StreamOptions& options,
                                                                            const LightSegment& first);
 

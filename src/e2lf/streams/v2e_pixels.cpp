@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // v2e (Hu, Liu, Delbruck, "v2e: From Video Frames to Realistic DVS Events", CVPR Workshops 2021), frame by frame.
-// Frames are not rounded to 8 bits, times are not rounded to float32, events of one time are in the order of pixels.
+// Unlike in v2e, frames are not rounded to 8 bits, times are not rounded to float32, and events of the same time are in
+// the order of pixels.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,20 +15,20 @@ namespace e2lf::streams {
 namespace {
 
 constexpr double kWhite = 255.0;     // of its input
-constexpr double kLinear = 20.0;     // up to here its logarithm is a straight line, and so much light is added in rates
-constexpr double kDarkShare = 0.75;  // of its shot noise, that light takes away
+constexpr double kLinear = 20.0;     // end of the linear part of its logarithm; also added to the light in rates
+constexpr double kDarkShare = 0.75;  // share of its shot noise that light suppresses
 
 struct V2ePixel {
-  double base = 0.0, low_pass = 0.0;  ///< lin-log
+  double base = 0.0, low_pass = 0.0;  ///< after lin-log
   float theta_on = 0.0F, theta_off = 0.0F, leak_factor = 1.0F;
-  int32_t steps = 0;                      ///< of this frame: thresholds up or down
+  int32_t steps = 0;                      ///< in this frame: thresholds up or down
   double inten01 = 0.0, last_s = -1e300;  ///< of its last event
 };
 
-/// One frame: the end of a stretch of the segment.
+/// One frame, which is the end of a part of the segment.
 struct Frame {
-  double begin_us, end_us;  ///< since the segment's begin
-  double share;             ///< of the segment, at its end
+  double begin_us, end_us;  ///< since the beginning of the segment
+  double share;             ///< share of the segment that has elapsed at its end
   uint64_t number;
   [[nodiscard]] double seconds() const { return (end_us - begin_us) * 1e-6; }
 };
@@ -66,7 +67,7 @@ class V2ePixels : public StreamPixels {
 
  private:
   void add_frame(const LightSegment& segment, const Frame& frame, std::vector<std::vector<PixelEvent>>& parts) {
-    // How finely a frame is cut depends on the pixel with most events.
+    // The subdivision of a frame depends on the pixel with the most events.
     std::vector<int32_t> most(parts.size());
     const auto for_parts = [&](const auto& body) {
       parallel_for(parts.size(), 1, [&](size_t begin, size_t end) {
@@ -87,7 +88,7 @@ class V2ePixels : public StreamPixels {
     });
   }
 
-  /// Low pass, leak, and how many thresholds each pixel goes. Returns the most of them.
+  /// Applies low pass and leak, and computes the number of thresholds of each pixel. Returns the largest one.
   int32_t see_light(const LightSegment& segment, const Frame& frame, size_t begin, size_t end) {
     int32_t most = 0;
     for (size_t i = begin; i < end; ++i) {
@@ -117,8 +118,8 @@ class V2ePixels : public StreamPixels {
     return frame.seconds() * rate * static_cast<double>(pixel.theta_on);
   }
 
-  /// A pixel with n events has them in the first n of the frame's slots. One in the refractory period does not move
-  /// the base, so that it may come in a later frame.
+  /// Adds the n events of a pixel in the first n slots of the frame. An event in the refractory period does not move
+  /// the base, so that it may occur in a later frame.
   void fire(const LightSegment& segment, const Frame& frame, int32_t slots, size_t i, PixelEventSink& events) {
     V2ePixel& pixel = pixels_[i];
     const bool is_on = pixel.steps > 0;

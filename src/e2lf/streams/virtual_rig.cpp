@@ -11,7 +11,7 @@
 namespace e2lf::streams {
 namespace {
 
-/// values = (1 - share) * values + share * others
+/// Computes values = (1 - share) * values + share * others.
 void blend(std::vector<float>& values, const std::vector<float>& others, float share) {
   parallel_for(values.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) values[i] += share * (others[i] - values[i]);
@@ -39,7 +39,7 @@ Result<void> check(const RigOptions& options) {
 
 }  // namespace
 
-Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture::Camera& camera,
+Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture::SensorProfile& camera,
                                       const StreamOptions& stream, const RigOptions& options, MovingScene scene,
                                       size_t height, size_t width) {
   E2LF_RETURN_IF_ERROR(check(options));
@@ -50,7 +50,7 @@ Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture
   return rig;
 }
 
-VirtualRig::VirtualRig(const capture::Codes& codes, const capture::Camera& camera, EventStream stream,
+VirtualRig::VirtualRig(const capture::Codes& codes, const capture::SensorProfile& camera, EventStream stream,
                        const RigOptions& options, MovingScene scene, size_t height, size_t width)
     : options_(options),
       aperture_(codes, camera, options.gain, height, width),
@@ -110,7 +110,7 @@ void VirtualRig::add_trigger(recordings::EventBatch& batch) const {
   }
 }
 
-/// One pattern: from each stop, a knot of the scene or the end of the rise, to the next.
+/// Shows one pattern, from stop to stop; a stop is a knot of the scene or the end of the rise.
 Result<void> VirtualRig::show(ShownPattern shown, int64_t end_us, recordings::EventColumns& events) {
   const int64_t begin_us = now_us_;
   LightSegment segment;
@@ -136,7 +136,8 @@ Result<void> VirtualRig::show(ShownPattern shown, int64_t end_us, recordings::Ev
   return {};
 }
 
-/// Before the first cycle the display showed its last pattern for long; black where the cycle begins with that.
+/// Sets the pixels to rest: before the first cycle, the display has shown its last pattern for a long time, or black if
+/// the cycle begins with black.
 Result<void> VirtualRig::rest_before(ShownPattern first) {
   before_ = aperture_.is_black(first) ? first : shown_.back();
   E2LF_RETURN_IF_ERROR(reach_knot(now_us_));
@@ -162,7 +163,7 @@ int64_t VirtualRig::next_stop(int64_t pattern_begin_us, int64_t end_us) const {
   return stop_us;
 }
 
-/// Asks the scene for its knots until one lies behind this time.
+/// Requests knots from the scene until one lies after this time.
 Result<void> VirtualRig::reach_knot(int64_t t_us) {
   const auto is_enough = [&] {
     if (scene_.knot_us == 0) return num_knots_ >= 1;
@@ -183,7 +184,7 @@ Result<void> VirtualRig::reach_knot(int64_t t_us) {
   return {};
 }
 
-/// The light of a pattern that has been shown for long.
+/// Computes the light through a pattern without the transition of the display.
 void VirtualRig::light_at(int64_t t_us, ShownPattern shown, std::vector<float>& light) {
   if (scene_.knot_us == 0) return aperture_.image(next_, shown, light);
   const int64_t last_us = options_.begin_us + static_cast<int64_t>(num_knots_ - 1) * scene_.knot_us;
@@ -194,7 +195,7 @@ void VirtualRig::light_at(int64_t t_us, ShownPattern shown, std::vector<float>& 
   blend(light, next, share);
 }
 
-/// The light while the display goes over from what was shown before, and after that.
+/// Computes the light during and after the transition of the display from the previous pattern.
 void VirtualRig::light_of_rise(int64_t t_us, int64_t pattern_begin_us, ShownPattern shown, std::vector<float>& light) {
   light_at(t_us, shown, light);
   const int64_t left_us = pattern_begin_us + options_.rise_us - t_us;

@@ -11,46 +11,46 @@
 
 namespace e2lf::streams {
 
-/// The scene before the camera.
+/// The scene in front of the camera.
 struct MovingScene {
-  /// The light field of knot 0, 1, ...; asked for once each, in this order.
+  /// Returns the light field of knot 0, 1, ... It is called once for each, in this order.
   std::function<Result<lightfield::LightField>(uint64_t knot)> at;
-  int64_t knot_us = 0;  ///< from knot to knot; between them light changes linearly. 0 = knot 0 stands still
+  int64_t knot_us = 0;  ///< interval of knots, between which light changes linearly; 0 = knot 0 is static
 };
 
 struct RigOptions {
   cycles::Schedule schedule = cycles::paper_schedule();
-  float gain = 1.0F;          ///< scene brightness: multiplies every intensity
-  int64_t rise_us = 0;        ///< of the display: light goes over from pattern to pattern in a straight line
-  int64_t begin_us = 100000;  ///< of the first cycle, and of knot 0
-  std::optional<uint16_t> trigger_channel = 0;  ///< a rising edge at the start of each pattern; nothing = no triggers
+  float gain = 1.0F;                            ///< scene brightness, which multiplies every intensity
+  int64_t rise_us = 0;                          ///< of the display: light changes linearly from pattern to pattern
+  int64_t begin_us = 100000;                    ///< of the first cycle, and of knot 0
+  std::optional<uint16_t> trigger_channel = 0;  ///< of a rising edge at the start of each pattern; absent = no triggers
   int64_t trigger_width_us = 500;               ///< to the falling edge; 0 = none
 };
 
-/// A display behind a lens and an event camera, made of numbers: shows the patterns of a schedule again and again, and
-/// gives the events and triggers of each cycle. Pixels remember everything from cycle to cycle.
+/// A display behind a lens and an event camera, in software. It shows the patterns of a schedule repeatedly and returns
+/// the events and triggers of each cycle. The state of the pixels is carried from cycle to cycle.
 class VirtualRig {
  public:
-  /// Fails as shown_patterns(), EventStream::create() and with kInvalidValue (a rise that is longer than a pattern, a
-  /// time that is negative). `codes` are a1 to aN, or capture::whole_cycle() of them. The camera gives transmission and
-  /// leak; `stream` everything else.
-  [[nodiscard]] static Result<VirtualRig> create(const capture::Codes& codes, const capture::Camera& camera,
+  /// Creates the rig. `codes` are a1 to aN, or capture::whole_cycle() of them. `camera` provides transmission and leak,
+  /// and `stream` everything else. Fails as shown_patterns() and EventStream::create() do, and with kInvalidValue (a
+  /// rise that is longer than a pattern, or a negative time).
+  [[nodiscard]] static Result<VirtualRig> create(const capture::Codes& codes, const capture::SensorProfile& camera,
                                                  const StreamOptions& stream, const RigOptions& options,
                                                  MovingScene scene, size_t height, size_t width);
 
-  /// The events and triggers of the next cycle; before the first, those of the patterns before
-  /// schedule.first_of_cycle(). Events that a readout limit holds back beyond its end come with the
-  /// next. Fails as the scene does, and with kShape when it changes its size.
+  /// Returns the events and triggers of the next cycle; the first call also returns those of the patterns before
+  /// schedule.first_of_cycle(). Events that a readout limit delays beyond its end are returned with the next cycle.
+  /// Fails as the scene does, and with kShape if its size changes.
   [[nodiscard]] Result<recordings::EventBatch> play_cycle();
 
-  /// The event images of the cycle that was played last, summed from its events.
+  /// Returns the event images of the last cycle that was played, summed from its events.
   [[nodiscard]] capture::EventImages sum_windows(const recordings::EventBatch& batch) const;
 
   [[nodiscard]] uint64_t lost_events() const { return stream_.lost_events(); }
 
  private:
-  VirtualRig(const capture::Codes& codes, const capture::Camera& camera, EventStream stream, const RigOptions& options,
-             MovingScene scene, size_t height, size_t width);
+  VirtualRig(const capture::Codes& codes, const capture::SensorProfile& camera, EventStream stream,
+             const RigOptions& options, MovingScene scene, size_t height, size_t width);
   [[nodiscard]] Result<void> show(ShownPattern shown, int64_t end_us, recordings::EventColumns& events);
   [[nodiscard]] Result<void> rest_before(ShownPattern first);
   [[nodiscard]] Result<void> reach_knot(int64_t t_us);
@@ -68,13 +68,13 @@ class VirtualRig {
   size_t height_, width_;
 
   int64_t now_us_;
-  int64_t cycle_begin_us_;                 ///< of the cycle that was played last
+  int64_t cycle_begin_us_;                 ///< of the cycle played last
   uint64_t pattern_ = 0;                   ///< counted from the first
-  std::optional<ShownPattern> before_;     ///< what was shown before this pattern
-  uint64_t num_knots_ = 0;                 ///< that were asked for
-  capture::CodedIntensities knot_, next_;  ///< of the last two of them
+  std::optional<ShownPattern> before_;     ///< shown before this pattern
+  uint64_t num_knots_ = 0;                 ///< requested so far
+  capture::CodedIntensities knot_, next_;  ///< coded intensities of the last two knots
   std::vector<float> from_, to_, other_;
-  recordings::EventColumns late_;  ///< events of the cycles before that come in the next
+  recordings::EventColumns late_;  ///< delayed events, returned with the next cycle
 };
 
 }  // namespace e2lf::streams

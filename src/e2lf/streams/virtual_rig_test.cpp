@@ -43,7 +43,7 @@ MovingScene still(LightField field) {
   return {[field = std::move(field)](uint64_t) { return Result<LightField>(field); }, 0};
 }
 
-VirtualRig make_rig(const StreamOptions& stream, MovingScene scene, const capture::Camera& camera = {},
+VirtualRig make_rig(const StreamOptions& stream, MovingScene scene, const capture::SensorProfile& camera = {},
                     const RigOptions& options = {}) {
   return VirtualRig::create(test_codes(), camera, stream, options, std::move(scene), kLevels * kRows, kWidth).value();
 }
@@ -133,8 +133,8 @@ TEST(VirtualRig, ASceneThatGetsBrighterIsCrossedBetweenItsLightFields) {
 }
 
 /// The constants that were fitted to a capture; docs/experiments/camera-fit.md.
-capture::Camera fitted_camera() {
-  capture::Camera camera;
+capture::SensorProfile fitted_camera() {
+  capture::SensorProfile camera;
   camera.event_model = "pixel";
   const std::pair<capture::PixelConstant, float> values[] = {
       {kEps, 0.01F},         {kReceptorRate, 26.5F},  {kAmplifierRate, 279.0F}, {kLeak, 0.0011F},
@@ -166,7 +166,7 @@ BandCounts counts_of(const capture::EventImages& images, size_t transition, size
 }
 
 /// The same with references held further above black, and thresholds as such a fit finds them.
-capture::Camera camera_that_stretches() {
+capture::SensorProfile camera_that_stretches() {
   auto camera = fitted_camera();
   const std::pair<capture::PixelConstant, float> values[] = {
       {kThresholdOn, 0.405F}, {kThresholdOff, 0.312F}, {kMismatch, 0.108F},     {kNoise, 0.0427F},
@@ -175,10 +175,10 @@ capture::Camera camera_that_stretches() {
   return camera;
 }
 
-class CountsOfTheRig : public testing::TestWithParam<capture::Camera> {};
+class CountsOfTheRig : public testing::TestWithParam<capture::SensorProfile> {};
 
 /// Compares the counts of a rig's second cycle with those of the closed form, band by band.
-void expect_counts_of_closed_form(const capture::Camera& camera, const capture::Codes& codes,
+void expect_counts_of_closed_form(const capture::SensorProfile& camera, const capture::Codes& codes,
                                   const cycles::Schedule& schedule) {
   const auto field = bands(0.8F);
   RigOptions options;

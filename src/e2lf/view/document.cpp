@@ -36,7 +36,7 @@ std::vector<int16_t> thousandths(const lightfield::Image& map) {
   return numbers;
 }
 
-/// What all but a hundredth at either end lies between, of all maps.
+/// Returns the range of the values of all maps, without a hundredth at either end.
 std::pair<double, double> usual_range(const std::vector<std::vector<int16_t>>& maps) {
   std::vector<int16_t> known;
   for (const auto& map : maps) {
@@ -122,7 +122,8 @@ std::string Document::description() const {
   Json json = {{"format", "e2lf-view"}, {"version", 1}, {"items", items_}, {"comparisons", comparisons_}};
   if (is_growing_) json["is_growing"] = true;
   std::string text;
-  // File names may hold anything; bytes that are no UTF-8 are replaced. No "</script>" may end the element.
+  // File names may contain any bytes; those that are not valid UTF-8 are replaced. The text must not contain
+  // "</script>", which would end the element.
   for (const char letter : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
     if (letter == '<') {
       text += "\\u003c";

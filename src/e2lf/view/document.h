@@ -18,37 +18,38 @@
 
 namespace e2lf::view {
 
-/// Makes the bytes of a part: a PNG, or deflated int16. Called from any thread.
+/// Makes the bytes of a part, which is a PNG or deflated int16. It may be called from any thread.
 using Part = std::function<Result<std::vector<uint8_t>>()>;
 
-/// What a page of the viewer shows: a description in JSON, and parts (pictures, counts) that it names by their number.
-/// viewer/src/document.ts reads it.
+/// The content of a viewer page: a description in JSON, and numbered parts (pictures, counts) that it refers to. It is
+/// read by viewer/src/document.ts.
 class Document {
  public:
-  /// A light field of one or more cycles. Each view becomes an 8-bit PNG: round(255 * clamp(value)). `notes` are shown
-  /// beside the labels of the cycles: one for each, or none.
+  /// Adds a light field of one or more cycles. Each view becomes an 8-bit PNG: round(255 * clamp(value)). `notes` are
+  /// shown beside the labels of the cycles; there is one for each, or none.
   void add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles,
                        const std::vector<std::string>& notes = {});
 
-  /// More will come: the page asks for the description again and again.
+  /// Marks the document as growing, so that the page requests the description repeatedly.
   void set_growing() { is_growing_ = true; }
 
-  /// The disparity maps of a light field that was added, its number among the items: one map, or one for each cycle, px
-  /// per view step of the pixels of view (view_y, view_x). Maps of another size than the views break the contract.
-  /// Numbers are kept in thousandths, those beyond +-32 px are cut off; what is not finite is not known.
+  /// Adds disparity maps to a light field, given by its number among the items: one map, or one per cycle, in px per
+  /// view step, for the pixels of view (view_y, view_x). Maps of another size than the views break the contract. Values
+  /// are stored in thousandths and clamped to +-32 px; values that are not finite are stored as unknown.
   void add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x);
 
-  /// Event images of one or more cycles, all of one shape; `codes` may be null.
+  /// Adds event images of one or more cycles, all of one shape. `codes` may be null.
   void add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,
                         const capture::Codes* codes);
 
   void add_model(const model::Model& model);
 
-  /// PSNR of each view of the second light field, clamped, for each cycle that both have; a first one of a single cycle
-  /// is the truth of all. `first` and `second` are numbers of items, `psnr_db` is [cycle][view].
+  /// Adds the PSNR of each view of the second light field, clamped, for each cycle that both have. If the first one has
+  /// a single cycle, it is the truth for all. `first` and `second` are numbers of items, and `psnr_db` is
+  /// [cycle][view].
   void add_comparison(size_t first, size_t second, const std::vector<std::vector<double>>& psnr_db);
 
-  /// Adds any item as viewer/src/document.ts describes it.
+  /// Adds any item in the form described in viewer/src/document.ts.
   void add_item(Json item) { items_.push_back(std::move(item)); }
   /// Adds a part and returns its number.
   size_t add_part(Part part);
@@ -56,7 +57,7 @@ class Document {
   [[nodiscard]] size_t num_items() const { return items_.size(); }
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
 
-  /// The description as JSON text that may stand in an HTML page.
+  /// Returns the description as JSON text that can be embedded in an HTML page.
   [[nodiscard]] std::string description() const;
 
  private:
@@ -65,10 +66,11 @@ class Document {
   bool is_growing_ = false;
 };
 
-/// A part that holds these counts: int16, little-endian, deflated (zlib).
+/// Returns a part that holds these counts as int16, little-endian, deflated (zlib).
 [[nodiscard]] Part counts_part(std::span<const int16_t> counts);
 
-/// PSNR of each view, in view order; infinity where equal. Light fields of different shapes break the contract.
+/// Computes the PSNR of each view, in view order, which is infinite for equal views. Different shapes break the
+/// contract.
 [[nodiscard]] std::vector<double> psnr_of_views(const lightfield::LightField& truth,
                                                 const lightfield::LightField& reconstruction);
 

@@ -10,7 +10,7 @@ namespace e2lf::view {
 namespace fs = std::filesystem;
 namespace {
 
-/// What the browser's graphics memory takes: a byte for grey, four for colour.
+/// Returns the size of the views in graphics memory: one byte per grey pixel, and four per colour pixel.
 uint64_t browser_bytes(const lightfield::Shape& shape) {
   return uint64_t{shape.num_views()} * shape.height * shape.width * (shape.channels == 1 ? 1 : 4);
 }
@@ -40,7 +40,7 @@ void LightFieldCycles::add(const std::string& name, lightfield::LightField light
   const std::lock_guard lock(mutex_);
   E2LF_REQUIRE(paths_.empty() || light_field.shape() == shape_, "the cycles of a recording have one shape");
   shape_ = light_field.shape();
-  // It is read back as it was made: all views, in colour, with values outside [0, 1].
+  // It is read back unchanged: all views, in colour, with values outside of [0, 1].
   options_.views_y.count = options_.views_x.count = 0;
   options_.colour = true;
   options_.range = lightfield::RangePolicy::kKeep;

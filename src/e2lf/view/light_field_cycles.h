@@ -13,34 +13,35 @@
 
 namespace e2lf::view {
 
-/// One light field, or those of the cycles of a recording, read when they are looked at; the last one is kept in
-/// memory. A reconstruction that is going on adds to them. All but label() may be called from any thread.
+/// One light field, or the light fields of the cycles of a recording. They are read when they are viewed, and the last
+/// one is kept in memory. A running reconstruction can add to them. All functions except label() may be called from any
+/// thread.
 class LightFieldCycles {
  public:
-  /// No cycle yet: add() brings them.
+  /// Begins without cycles; add() adds them.
   LightFieldCycles() = default;
 
-  /// `path` is a light field of any format, a folder that holds `lightfield.npy`, or a folder of such (cycle_00000
-  /// ...). Reads the first one. Fails as read_light_field does, and with kUnsupported where the views need more than
-  /// kMostBytes of a browser's memory.
+  /// Opens a light field of any format, a folder that contains `lightfield.npy`, or a folder of such folders
+  /// (cycle_00000 ...), and reads the first one. Fails as read_light_field does, and with kUnsupported if the views
+  /// need more than kMostBytes of browser memory.
   [[nodiscard]] static Result<std::shared_ptr<LightFieldCycles>> open(const std::filesystem::path& path,
                                                                       const lightfield::ReadOptions& options);
   static constexpr uint64_t kMostBytes = uint64_t{1} << 30;
 
-  /// A cycle that has just been made, and will lie in folder()/name; the newest one is kept in memory. Another shape
-  /// than that of the first breaks the contract.
+  /// Adds a cycle that has just been made and that will be stored in folder()/name. The newest one is kept in memory.
+  /// Another shape than that of the first one breaks the contract.
   void add(const std::string& name, lightfield::LightField light_field);
-  /// Where the cycles that were added lie from now on.
+  /// Sets the folder in which the added cycles are stored from now on.
   void set_folder(const std::filesystem::path& folder);
 
   [[nodiscard]] size_t size() const;
   [[nodiscard]] lightfield::Shape shape() const;
   [[nodiscard]] std::string label(size_t cycle) const;
 
-  /// A whole cycle. Fails as read_light_field does, and with kShape where it is not like the first one.
+  /// Reads a whole cycle. Fails as read_light_field does, and with kShape if it has another shape than the first one.
   [[nodiscard]] Result<std::shared_ptr<const lightfield::LightField>> read(size_t cycle);
 
-  /// A view (its number) as an 8-bit PNG. Fails as read() does.
+  /// Returns a view, given by its number, as an 8-bit PNG. Fails as read() does.
   [[nodiscard]] Result<std::vector<uint8_t>> png(size_t cycle, size_t view);
 
  private:
@@ -49,16 +50,16 @@ class LightFieldCycles {
 
   using Kept = std::shared_ptr<const lightfield::LightField>;
 
-  std::vector<std::filesystem::path> paths_;  ///< of cycles that were added: relative to folder_
+  std::vector<std::filesystem::path> paths_;  ///< relative to folder_ for added cycles
   std::filesystem::path folder_;
   lightfield::ReadOptions options_;
   lightfield::Shape shape_;
   mutable std::mutex mutex_;
-  Kept kept_, newest_;  ///< the one that was read last, the one that was added last
+  Kept kept_, newest_;  ///< the one read last, and the one added last
   size_t kept_cycle_ = 0;
 };
 
-/// Whether the views are few enough for a browser: see LightFieldCycles::kMostBytes. Fails with kUnsupported.
+/// Fails with kUnsupported if the views need too much browser memory; see LightFieldCycles::kMostBytes.
 [[nodiscard]] Result<void> check_browser_memory(const lightfield::Shape& shape, const std::filesystem::path& path);
 
 }  // namespace e2lf::view

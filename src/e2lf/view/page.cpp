@@ -6,7 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/report/base64.h"
 
-// In page_bytes.S.
+// These symbols are defined in page_bytes.S.
 extern "C" {
 extern const char kPageBegin[] asm("e2lf_view_page_begin");
 extern const char kPageEnd[] asm("e2lf_view_page_end");

@@ -11,11 +11,11 @@
 
 namespace e2lf::view {
 
-/// The page of the viewer, one HTML file without data, as built from viewer/.
+/// Returns the viewer page, a single HTML file without data, as built from viewer/.
 [[nodiscard]] std::string_view empty_page();
 
-/// Writes the page with the document in it: one file that opens without a server. Parts are base64, a third larger than
-/// they are. Fails as the parts do, and with kIo.
+/// Writes the page with the document embedded, as one file that opens without a server. The parts are stored in base64,
+/// which adds a third to their size. Fails as the parts do, and with kIo.
 [[nodiscard]] Result<void> write_page(const std::filesystem::path& path, const Document& document,
                                       const ProgressFn& progress = {});
 

@@ -9,9 +9,9 @@ namespace e2lf::view {
 namespace {
 
 constexpr size_t kRateBins = 2000;
-constexpr size_t kMostTriggers = 20000;  // that are drawn
+constexpr size_t kMostTriggers = 20000;  // the most that are drawn
 
-/// What a first pass over a recording tells.
+/// The results of a first pass over a recording.
 struct Overview {
   recordings::RecordingInfo info = {};
   size_t width = 0, height = 0;
@@ -52,7 +52,7 @@ Result<Overview> survey(const RecordingSource& source, const std::string& name) 
   return overview;
 }
 
-/// Images of accumulated events, one after the other, as events come.
+/// Accumulates events into consecutive images.
 class Frames {
  public:
   Frames(Document& document, const Overview& overview, size_t num_frames)
@@ -108,7 +108,7 @@ Result<Json> add_frames(Document& document, const RecordingSource& source, const
   }
 }
 
-/// The cycles that can be found; none where the recording does not let them be told, which is no error of a viewer's.
+/// Returns the cycles that can be found. Their absence is not an error for a viewer.
 Json found_cycles(const RecordingSource& source, int64_t origin_us) {
   Json cycles = Json::array();
   if (!source.open_cycles) return cycles;

@@ -12,17 +12,16 @@
 
 namespace e2lf::view {
 
-/// How a recording is opened, each time from its beginning.
+/// Opens a recording from its beginning, several times.
 struct RecordingSource {
-  /// For a sensor of that size where the recording does not say; 0 = as it says.
+  /// opens it for a sensor of this size if the recording does not state one; 0 = as stated
   std::function<Result<std::unique_ptr<recordings::RecordingReader>>(size_t width, size_t height)> open;
-  std::function<Result<cycles::CycleReader>()> open_cycles;  ///< may be empty: cycles are not looked for
+  std::function<Result<cycles::CycleReader>()> open_cycles;  ///< if empty, no cycles are searched
 };
 
-/// Adds a recording as at most `num_frames` (>= 1) images of accumulated events over equal stretches of time, with its
-/// event rate, its triggers and the cycles that are found in it (none where they cannot be told). It is read three
-/// times. Times are shifted to 0 = the first event or trigger. Fails as the reader does, with kInvalidValue where it
-/// holds no events.
+/// Adds a recording as at most `num_frames` (>= 1) images of events accumulated over equal intervals, with its event
+/// rate, its triggers and the cycles found in it (none if they cannot be determined). It is read three times. Times are
+/// relative to the first event or trigger. Fails as the reader does, and with kInvalidValue if there are no events.
 [[nodiscard]] Result<void> add_recording(Document& document, const std::string& name, const RecordingSource& source,
                                          size_t num_frames);
 

@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kHost = "127.0.0.1";
 constexpr std::chrono::milliseconds kStopPoll{100};
 
-/// 32 hexadecimal digits from the system's random device.
+/// Returns 32 hexadecimal digits from the random device of the system.
 std::string random_secret() {
   std::random_device device;
   std::string text;
@@ -26,7 +26,7 @@ std::string random_secret() {
   return text;
 }
 
-/// Takes the same time wherever the first difference is.
+/// Compares in constant time, regardless of where the first difference is.
 bool is_equal_secretly(const std::string& text, const std::string& secret) {
   if (text.size() != secret.size()) return false;
   unsigned difference = 0;
@@ -34,7 +34,8 @@ bool is_equal_secretly(const std::string& text, const std::string& secret) {
   return difference == 0;
 }
 
-/// Scripts, styles and pictures are the page's own; nothing may frame it, and it talks to nobody else.
+/// Allows only the page's own scripts, styles and pictures; the page must not be framed and connects to this server
+/// only.
 void set_headers(httplib::Response& response) {
   response.set_header("Content-Security-Policy",
                       "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -61,13 +62,13 @@ class Server::Impl {
       answer(request, response);
       return httplib::Server::HandlerResponse::Handled;
     });
-    // The default lets a second server take the same port.
+    // The default options would let a second server take the same port.
     server_.set_socket_options([](socket_t socket) {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
     server_.set_payload_max_length(0);
-    server_.set_keep_alive_timeout(1);  // s; how long a stop may wait
+    server_.set_keep_alive_timeout(1);  // in s; limits how long a stop waits
   }
 
   Result<void> bind(uint16_t port) {
@@ -104,7 +105,7 @@ class Server::Impl {
   }
 
  private:
-  /// Whether a Host or an Origin without its scheme is this server.
+  /// Returns true if a Host, or an Origin without its scheme, is this server.
   [[nodiscard]] bool is_own(const std::string& host) const {
     return host == cat(kHost, ":", port_) || host == cat("localhost:", port_);
   }

@@ -10,30 +10,30 @@
 
 namespace e2lf::view {
 
-/// Serves a document and its page to browsers of this computer, and nothing else: it never opens a file that a request
-/// names. It listens on 127.0.0.1 alone. Every address holds a secret of 128 random bits. A request is refused (403)
-/// unless its Host is this server's own (a page of another site that points its name at 127.0.0.1 has another one), and
-/// when its Origin or Sec-Fetch-Site says that another site made it.
+/// Serves a document and its page to browsers on this computer, and nothing else: it never opens a file named by a
+/// request. It listens on 127.0.0.1 only. Every address contains a secret of 128 random bits. A request is refused
+/// (403) unless its Host is this server's own, since a page of another site that resolves its name to 127.0.0.1 has
+/// another Host, and if its Origin or Sec-Fetch-Site shows that it comes from another site.
 class Server {
  public:
-  /// Binds the port; 0 = any free one. Fails with kIo where it is taken.
+  /// Binds the port; 0 selects any free one. Fails with kIo if it is in use.
   [[nodiscard]] static Result<Server> create(Document document, uint16_t port);
 
   Server(Server&&) noexcept;
   Server& operator=(Server&&) noexcept;
   ~Server();
 
-  /// Shows another document from now on. Parts of the one before that are being made are finished. May be called from
-  /// any thread.
+  /// Shows another document from now on. Parts of the previous one that are being made are finished. It may be called
+  /// from any thread.
   void replace(Document document);
 
-  /// Where the page is: http://127.0.0.1:<port>/<secret>/
+  /// Returns the address of the page: http://127.0.0.1:<port>/<secret>/
   [[nodiscard]] std::string url() const;
 
-  /// Answers until stop_requested() or end(). Fails with kIo.
+  /// Answers requests until stop_requested() or end(). Fails with kIo.
   [[nodiscard]] Result<void> run();
 
-  /// Ends run(), soon. May be called from any thread.
+  /// Ends run() soon afterwards. It may be called from any thread.
   void end();
 
  private:

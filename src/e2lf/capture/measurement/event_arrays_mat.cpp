@@ -12,7 +12,7 @@ namespace e2lf::capture {
 namespace {
 
 // What a compressed variable may unpack to.
-constexpr uint64_t kMostBytes = uint64_t{2} << 30;
+constexpr uint64_t kMostMatBytes = uint64_t{2} << 30;
 
 struct TypePair {
   const char* numpy;
@@ -86,7 +86,7 @@ Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
   NpzArrays arrays;
   for (const char* name : {"events", "codes", "camera", "views"}) {
     const std::string location = cat(path.string(), ": ", name);
-    const auto found = find_mat_array(bytes, name, kMostBytes, location);
+    const auto found = find_mat_array(bytes, name, kMostMatBytes, location);
     if (!found && found.error().code == ErrorCode::kNotFound) continue;
     if (!found) return found.error();
     E2LF_ASSIGN_OR_RETURN(arrays[name], to_numpy(*found, location));

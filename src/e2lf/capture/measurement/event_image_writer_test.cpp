@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/rng.h"
-#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/capture/profile/profile_record.h"
 
 namespace e2lf::capture {
 namespace {

@@ -43,7 +43,7 @@ Result<void> check_hybrid(const EventImages& events, const CodedIntensities& ima
       location};
 }
 
-Result<MeasurementFile> from_arrays(NpzArrays arrays, const fs::path& path) {
+Result<MeasurementFile> measurement_of_arrays(NpzArrays arrays, const fs::path& path) {
   const bool is_lens_array = arrays.contains(kLensArray);
   const char* name = is_lens_array ? kLensArray : kImages;
   const std::string location = cat(path.string(), ": ", name);
@@ -87,7 +87,7 @@ Result<MeasurementFile> read_measurements(const fs::path& path) {
     E2LF_ASSIGN_OR_RETURN(const NpzArrays names, peek_npz(path));
     if (holds_images(names)) {
       E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_npz(path));
-      return from_arrays(std::move(arrays), path);
+      return measurement_of_arrays(std::move(arrays), path);
     }
   }
   E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));

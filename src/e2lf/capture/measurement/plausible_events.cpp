@@ -29,13 +29,39 @@ Counts counts_of(std::span<const int16_t> image) {
   return counts;
 }
 
+/// 1 where the change from one pattern to the next opens cells alone, -1 where it closes cells alone, 0 otherwise.
+int sign_of_change(const Codes& codes, size_t transition) {
+  bool opens = false, closes = false;
+  for (size_t cell = 0; cell < codes.pattern_size(); ++cell) {
+    const float change = codes.pattern(transition + 1)[cell] - codes.pattern(transition)[cell];
+    opens |= change > 0;
+    closes |= change < 0;
+  }
+  return opens == closes ? 0 : opens ? 1 : -1;
+}
+
 }  // namespace
 
 bool is_without_events(const EventImages& images) {
   return std::all_of(images.counts.begin(), images.counts.end(), [](int16_t count) { return count == 0; });
 }
 
-std::vector<std::string> event_doubts(const EventImages& images) {
+bool is_polarity_inverted(const EventImages& images, const Codes& codes) {
+  constexpr uint64_t kEnoughEvents = 1000;
+  if (codes.num_patterns != images.transitions + 1) return false;
+  uint64_t right = 0, wrong = 0;
+  for (size_t transition = 0; transition < images.transitions; ++transition) {
+    const int sign = sign_of_change(codes, transition);
+    if (sign == 0) continue;
+    const Counts counts = counts_of(images.image(transition));
+    right += sign > 0 ? counts.on : counts.off;
+    wrong += sign > 0 ? counts.off : counts.on;
+  }
+  const uint64_t all = right + wrong;
+  return all >= kEnoughEvents && static_cast<double>(wrong) >= kClearlyWrong * static_cast<double>(all);
+}
+
+std::vector<std::string> event_doubts(const EventImages& images, const Codes* codes) {
   constexpr double kFewPerPixel = 0.02;
   constexpr uint64_t kEnough = 1000;
   std::vector<std::string> doubts, empty, beyond;
@@ -61,6 +87,11 @@ std::vector<std::string> event_doubts(const EventImages& images) {
         cat("most pixels of event image", beyond.size() == 1 ? " " : "s ", join(beyond),
             " count 100 events or more, which no change of a pattern makes: are these counts of events, or "
             "did they saturate?"));
+  }
+  if (codes != nullptr && is_polarity_inverted(images, *codes)) {
+    doubts.emplace_back(
+        "the polarity is inverted: a pattern that opens cells, as the first one after black, makes OFF events; give "
+        "--invert-polarity, or leave it out if it was given");
   }
   // The change from black to the first pattern alone makes ON events only.
   if (images.transitions > 1 && sum.all() >= kEnough && (sum.on == 0 || sum.off == 0)) {

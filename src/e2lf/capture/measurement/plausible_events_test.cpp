@@ -48,5 +48,22 @@ TEST(EventDoubts, A14SaturatedPixelsAndALostSignAreNamed) {
   EXPECT_THAT(event_doubts(images), ElementsAre(HasSubstr("no ON events")));
 }
 
+TEST(EventDoubts, B3InvertedPolarityAfterBlackIsNamed) {
+  Codes codes(4, 1, 2);  // black, one cell, the other, both
+  codes.pattern(1)[0] = codes.pattern(2)[1] = 1.0F;
+  std::ranges::fill(codes.pattern(3), 1.0F);
+  EventImages images = usual_images();
+  for (int16_t& count : images.image(0)) count = static_cast<int16_t>(count + 2);  // mostly ON
+  for (int16_t& count : images.image(2)) count = static_cast<int16_t>(count + 2);
+  EXPECT_FALSE(is_polarity_inverted(images, codes));
+  EXPECT_TRUE(event_doubts(images, &codes).empty());
+  for (int16_t& count : images.counts) count = static_cast<int16_t>(-count);
+  EXPECT_TRUE(is_polarity_inverted(images, codes));
+  EXPECT_THAT(event_doubts(images, &codes), ElementsAre(HasSubstr("polarity is inverted")));
+  // Without the patterns, and with those of another cycle, nothing tells.
+  EXPECT_TRUE(event_doubts(images).empty());
+  EXPECT_FALSE(is_polarity_inverted(images, Codes(3, 1, 2)));
+}
+
 }  // namespace
 }  // namespace e2lf::capture

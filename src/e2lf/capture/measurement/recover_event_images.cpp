@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr uint64_t kMostKnownBytes = uint64_t{1} << 24;
-constexpr uint64_t kMostBytes = uint64_t{1} << 32;  ///< of a cycle; more is damage
+constexpr uint64_t kMostCycleBytes = uint64_t{1} << 32;  ///< of a cycle; more is damage
 
 /// Reads a file of event images from its front, without its directory.
 class UnfinishedFile {
@@ -45,7 +45,7 @@ class UnfinishedFile {
     if (!header || header->array.shape.size() != 4) return false;
     const auto& shape = header->array.shape;
     if (shape[1] == 0 || shape[2] == 0 || shape[3] == 0 || shape[1] > 64 || shape[2] > 65535 || shape[3] > 65535 ||
-        2 * shape[1] * shape[2] * shape[3] > kMostBytes) {
+        2 * shape[1] * shape[2] * shape[3] > kMostCycleBytes) {
       return false;
     }
     images_ = EventImages(shape[1], shape[2], shape[3]);

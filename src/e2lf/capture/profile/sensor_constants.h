@@ -15,4 +15,10 @@ struct SensorConstants {
   bool operator==(const SensorConstants&) const = default;
 };
 
+/// What the events of the paper's sensor are counted from.
+enum class EventModel {
+  kQuantised,       ///< Eq. 8: events count from the coded intensity before the transition
+  kReferenceAware,  ///< Eq. 9, 10: each pixel remembers the log intensity of its last event
+};
+
 }  // namespace e2lf::capture

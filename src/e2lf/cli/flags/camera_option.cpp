@@ -2,8 +2,8 @@
 #include "e2lf/cli/flags/camera_option.h"
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/option_types.h"
+#include "e2lf/files/bundled_files.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -18,10 +18,10 @@ void add_camera_option(CLI::App& app, std::string& camera, const std::string& he
       ->type_name(kCameraType);
 }
 
-Result<capture::Camera> load_camera(const std::string& name, RunRecord& record) {
+Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(const fs::path path, find_camera(name));
   record.add_input(path);
-  E2LF_ASSIGN_OR_RETURN(capture::Camera camera, capture::read_camera(path));
+  E2LF_ASSIGN_OR_RETURN(capture::SensorProfile camera, capture::read_camera(path));
   record.note("camera", capture::to_json(camera));
   return camera;
 }

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cli/output/run_record.h"
 
 namespace e2lf::cli {
@@ -18,6 +18,6 @@ void add_camera_option(CLI::App& app, std::string& camera, const std::string& he
 
 /// Reads what --camera names, and keeps it in the record. Fails with kNotFound, naming the bundled ones, and as
 /// capture::read_camera().
-[[nodiscard]] Result<capture::Camera> load_camera(const std::string& name, RunRecord& record);
+[[nodiscard]] Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& record);
 
 }  // namespace e2lf::cli

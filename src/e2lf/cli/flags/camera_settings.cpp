@@ -7,25 +7,25 @@
 namespace e2lf::cli {
 namespace {
 
-using capture::Camera;
+using capture::SensorProfile;
 using enum capture::PixelConstant;
 
 constexpr float kAtOnceHz = 1e9F;
 constexpr double kEvk4EventsPerS = 1.066e9;
 
-void make_fast(Camera& camera) {
+void make_fast(SensorProfile& camera) {
   camera.pixel[kReceptorRate] = camera.pixel[kAmplifierRate] = kAtOnceHz;
 }
 
-void make_equal(Camera& camera) {
+void make_equal(SensorProfile& camera) {
   camera.pixel[kMismatch] = camera.pixel[kMismatchEach] = 0.0F;
 }
 
-void make_silent(Camera& camera) {
+void make_silent(SensorProfile& camera) {
   camera = without_noise(std::move(camera));
 }
 
-void make_even(Camera& camera) {
+void make_even(SensorProfile& camera) {
   camera.transmission.clear();
   camera.transmission_slope_x.clear();
   camera.transmission_slope_y.clear();
@@ -34,7 +34,7 @@ void make_even(Camera& camera) {
 
 }  // namespace
 
-std::vector<CameraSetting> camera_settings(const Camera& camera) {
+std::vector<CameraSetting> camera_settings(const SensorProfile& camera) {
   E2LF_REQUIRE(camera.is_pixel(), "the camera has physical pixels");
   std::vector<CameraSetting> settings;
   const auto add = [&](std::string name, const auto& change) {

@@ -23,6 +23,10 @@ uint64_t add(const capture::EventImages& more, capture::EventImages& sum) {
   return saturated;
 }
 
+void invert(capture::EventImages& images) {
+  for (int16_t& count : images.counts) count = static_cast<int16_t>(std::min(-count, INT16_MAX));
+}
+
 }  // namespace
 
 Result<std::optional<CycleImages>> CycleInput::next_cycle() {
@@ -100,6 +104,13 @@ Result<CycleInput> open_cycle_input(const std::filesystem::path& input, const Cy
                  cat("there are ", file.cycles.size(), " cycles, fewer than the ", cycles_per_field,
                      " of --cycles-per-field; ask for fewer"),
                  input.string()};
+  }
+  if (flags.invert_polarity) {
+    if (!capture::has_events(measured)) {
+      return Error{ErrorCode::kInvalidValue, "this measurement has no events; leave the option out",
+                   "--invert-polarity"};
+    }
+    for (capture::Measurement& cycle : file.cycles) invert(cycle.events);
   }
   return CycleInput(std::move(file), flags, cycles_per_field);
 }

@@ -94,7 +94,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
       ->group(group);
   app.add_option("--origin-us", flags.origin_us, "--source schedule: when the first pattern of any cycle began")
       ->group(group);
-  app.add_flag("--invert-polarity", flags.invert_polarity, "take ON events for OFF and OFF for ON")->group(group);
+  app.add_flag("--invert-polarity", flags.invert_polarity, "take ON events for OFF and OFF for ON");
   app.add_flag("--filter-pixels", flags.filter_pixels, "silence hot and flickering pixels")->group(group);
   app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
       ->capture_default_str();
@@ -172,8 +172,10 @@ namespace {
 /// Cycles whose signs contradict the schedule, with the option that mends it.
 void warn_of_signs(const fs::path& input, const cycles::CycleReport& report) {
   if (report.inverted > 0) {
-    log_warning(cat(input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
-                    " cycles: the change from black to the first pattern makes OFF events; give --invert-polarity"));
+    log_warning(
+        cat(input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
+            " cycles: the change from black to the first pattern makes OFF events; give --invert-polarity, or leave it "
+            "out if it was given"));
   }
   if (report.half_cycle_off > 0) {
     log_warning(cat(input.string(), ": the patterns of ", report.half_cycle_off, " of ", report.complete,
@@ -197,12 +199,27 @@ void warn_of_late_edges(const fs::path& input, const cycles::CycleReport& report
                   report.late_edges.size() > kNamed ? "; ..." : "", "); the confidence of these cycles is 0"));
 }
 
+/// Triggers that are all late or early by the same time, as those of the other edge are.
+void warn_of_onset(const fs::path& input, const cycles::CycleReport& report) {
+  // Pixels answer within a millisecond in light; triggers and displays differ by some ten microseconds.
+  constexpr int64_t kEarliestUs = -250, kLatestUs = 2'000;
+  if (!report.onset_us || (*report.onset_us >= kEarliestUs && *report.onset_us <= kLatestUs)) return;
+  const bool is_late = *report.onset_us < 0;
+  log_warning(
+      cat(input.string(), ": the events change ", std::abs(*report.onset_us), " us ", is_late ? "before" : "after",
+          " the trigger of each pattern, so that some of them are counted for the pattern ",
+          is_late ? "before" : "behind", "; is the other edge of the trigger the right one (--edge), or does the ",
+          "trigger come ", is_late ? "late" : "early", "?"));
+}
+
 }  // namespace
 
 void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& report,
                            const cycles::Schedule& schedule) const {
-  warn_of_signs(input, report);
+  // Patterns that are taken for others have other signs.
+  if (report.advice.empty()) warn_of_signs(input, report);
   warn_of_late_edges(input, report, schedule);
+  warn_of_onset(input, report);
   if (report.complete > 0 && !report.advice.empty()) {
     log_warning(cat(input.string(), ": ", report.advice));
   }
@@ -259,6 +276,7 @@ Json report_json(const cycles::CycleReport& report) {
           {"triggers", report.triggers},
           {"inverted", report.inverted},
           {"half_cycle_off", report.half_cycle_off},
+          {"onset_us", report.onset_us ? Json(*report.onset_us) : Json()},
           {"late_edges", late_edges},
           {"events_given_up", report.events_given_up},
           {"silenced_pixels", report.hot_pixels}};

@@ -5,8 +5,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/options.h"

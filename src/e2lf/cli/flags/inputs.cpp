@@ -5,9 +5,9 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/flags/option_types.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/lightfield/light_field_io.h"
 

@@ -2,8 +2,8 @@
 #include "e2lf/cli/flags/model_option.h"
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/option_types.h"
+#include "e2lf/files/bundled_files.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -15,8 +15,6 @@ fs::path find(const BundledKind& kind, const std::string& name) {
   if (!path) throw CLI::FileError(path.error().text());
   return *std::move(path);
 }
-
-constexpr BundledKind kPatterns{kBundledModels.folder, kBundledModels.extension, "model", "file of patterns, or model"};
 
 }  // namespace
 
@@ -40,7 +38,7 @@ CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::vect
 
 CLI::Option* add_codes_option(CLI::App& app, fs::path& codes, const std::string& help) {
   const auto take = [&codes](const CLI::results_t& names) {
-    codes = find(kPatterns, names.back());
+    codes = find(kBundledCodes, names.back());
     return true;
   };
   return app.add_option("--codes", take, help)->type_name(kCodesType);

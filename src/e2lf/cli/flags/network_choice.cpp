@@ -5,14 +5,15 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/camera_option.h"
+#include "e2lf/files/bundled_files.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 
 Result<std::optional<model::Model>> bundled_network(const capture::Codes& codes,
-                                                    const std::optional<capture::Camera>& camera, RunRecord& record) {
+                                                    const std::optional<capture::SensorProfile>& camera,
+                                                    RunRecord& record) {
   const bool has_physical_pixels = camera && camera->is_pixel();
   const std::vector<const char*> names = has_physical_pixels ? std::vector{"e2lf-n4-camera", "e2lf-n4-cycle-camera"}
                                                              : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
@@ -55,10 +56,10 @@ void tell_patterns(const fs::path& events, const model::Model& model, const std:
                         "they are those of the events"));
 }
 
-Result<std::optional<capture::Camera>> camera_of_events(const std::string& named, const RecordedSetup& setup,
-                                                        RunRecord& record) {
+Result<std::optional<capture::SensorProfile>> camera_of_events(const std::string& named, const RecordedSetup& setup,
+                                                               RunRecord& record) {
   if (!named.empty()) {
-    E2LF_ASSIGN_OR_RETURN(capture::Camera camera, load_camera(named, record));
+    E2LF_ASSIGN_OR_RETURN(capture::SensorProfile camera, load_camera(named, record));
     record.note("camera_told_by", "--camera");
     return std::optional(std::move(camera));
   }
@@ -69,7 +70,7 @@ Result<std::optional<capture::Camera>> camera_of_events(const std::string& named
   return setup.camera;
 }
 
-void tell_camera(const std::optional<capture::Camera>& camera, model::Model& model, RunRecord& record) {
+void tell_camera(const std::optional<capture::SensorProfile>& camera, model::Model& model, RunRecord& record) {
   if (model::is_told_the_camera(model)) {
     if (camera) {
       model.camera = camera;

@@ -16,7 +16,7 @@ namespace e2lf::cli {
 /// e2lf-n8 otherwise. Says which was taken. Nothing where the patterns are not those that they were trained for, or no
 /// network is bundled. Fails as read_model does.
 [[nodiscard]] Result<std::optional<model::Model>> bundled_network(const capture::Codes& codes,
-                                                                  const std::optional<capture::Camera>& camera,
+                                                                  const std::optional<capture::SensorProfile>& camera,
                                                                   RunRecord& record);
 
 /// Whether anything but the model itself tells which patterns the camera showed.
@@ -32,11 +32,12 @@ void tell_patterns(const std::filesystem::path& events, const model::Model& mode
 
 /// The camera that recorded some events: that of --camera (`named`), else the one that their file names. Keeps it in
 /// the record. Fails as load_camera() does.
-[[nodiscard]] Result<std::optional<capture::Camera>> camera_of_events(const std::string& named,
-                                                                      const RecordedSetup& setup, RunRecord& record);
+[[nodiscard]] Result<std::optional<capture::SensorProfile>> camera_of_events(const std::string& named,
+                                                                             const RecordedSetup& setup,
+                                                                             RunRecord& record);
 
 /// Gives a network that is told the camera this one, or leaves it with the one that it was made for. Says where a
 /// network that is not told one has never seen such pixels.
-void tell_camera(const std::optional<capture::Camera>& camera, model::Model& model, RunRecord& record);
+void tell_camera(const std::optional<capture::SensorProfile>& camera, model::Model& model, RunRecord& record);
 
 }  // namespace e2lf::cli

@@ -9,6 +9,8 @@
 namespace e2lf::cli {
 
 inline constexpr char kPathType[] = "PATH", kModelType[] = "MODEL", kCodesType[] = "PATTERNS", kCameraType[] = "CAMERA";
+/// Of verbs that take any file or folder.
+inline constexpr char kThingType[] = "PATH|MODEL";
 
 }  // namespace e2lf::cli
 

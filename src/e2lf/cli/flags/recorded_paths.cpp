@@ -41,6 +41,7 @@ bool holds_path(const CLI::Option* option, const std::string& value, const fs::p
   const std::string type = option->get_type_name();
   std::error_code error;
   const bool may_be_name = type == kModelType || type == kCodesType || type == kCameraType;
+  if (type == kThingType) return fs::exists(folder / value, error);
   return type == kPathType || (may_be_name && fs::is_regular_file(folder / value, error));
 }
 

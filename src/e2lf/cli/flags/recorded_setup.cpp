@@ -2,7 +2,7 @@
 #include "e2lf/cli/flags/recorded_setup.h"
 
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/capture/profile/profile_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

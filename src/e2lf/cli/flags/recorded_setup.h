@@ -9,7 +9,7 @@
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/patterns/codes_header.h"
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/recordings/recording.h"
 
@@ -18,7 +18,7 @@ namespace e2lf::cli {
 /// What events were made with, as far as anything tells.
 struct RecordedSetup {
   std::optional<capture::Codes> codes;
-  std::optional<capture::Camera> camera;
+  std::optional<capture::SensorProfile> camera;
   std::optional<capture::Orientation> views = {};  ///< how they come out; by itself, or as the camera says
 
   /// The camera does not say it.

@@ -118,7 +118,18 @@ Json losses_json(const recordings::DecodeSummary& summary) {
   return json;
 }
 
+Json live_json(const recordings::DecodeSummary& summary) {
+  const recordings::LiveBacklog& live = summary.live;
+  if (live == recordings::LiveBacklog()) return nullptr;
+  return {{"most_behind_s", static_cast<double>(live.most_behind_us) * 1e-6},
+          {"pauses", live.pauses},
+          {"may_have_lost_events", live.loses_events}};
+}
+
 void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summary) {
+  if (const std::string live = recordings::live_text(summary); !live.empty()) {
+    (summary.live.loses_events ? log_warning : log_info)(cat(input.string(), ": ", live));
+  }
   if (const std::string restarts = recordings::restart_text(summary); !restarts.empty()) {
     const bool is_moved = summary.restarts.front().shift_us != 0;
     log_warning(cat(input.string(), ": ", restarts,

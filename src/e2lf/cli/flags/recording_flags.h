@@ -52,10 +52,15 @@ void say_assumptions(const recordings::RecordingReader& reader);
 /// What was left out of a recording, by reason: [{"reason", "count", "first_byte"}, ...].
 [[nodiscard]] Json losses_json(const recordings::DecodeSummary& summary);
 
+/// How far processing fell behind live input: {"most_behind_s", "pauses", "may_have_lost_events"}; null for what is not
+/// live.
+[[nodiscard]] Json live_json(const recordings::DecodeSummary& summary);
+
 /// The places where the clock starts again: [{"byte", "before_us", "after_us", "shift_us"}, ...].
 [[nodiscard]] Json restarts_json(const recordings::DecodeSummary& summary);
 
-/// Says on stderr, with --quiet too, what was left out and where the clock started again; nothing when nothing was. To
+/// Says on stderr, with --quiet too, what was left out, where the clock started again, and that processing fell
+/// behind live input; nothing when nothing was. To
 /// be called also before a verb fails for want of events.
 void warn_of_losses(const std::filesystem::path& input, const recordings::DecodeSummary& summary);
 

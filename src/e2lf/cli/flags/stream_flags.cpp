@@ -109,8 +109,8 @@ bool need_stream(const StreamFlags& flags) {
 
 Result<streams::StreamOptions> stream_options(const StreamFlags& flags, const std::string& event_model,
                                               const capture::SensorConstants& constants,
-                                              const std::optional<capture::Camera>& camera, uint64_t seed) {
-  streams::StreamOptions options = streams::camera_stream(camera.value_or(capture::Camera{}), seed);
+                                              const std::optional<capture::SensorProfile>& camera, uint64_t seed) {
+  streams::StreamOptions options = streams::camera_stream(camera.value_or(capture::SensorProfile{}), seed);
   const bool is_pixel = options.model == streams::StreamModel::kPixel;
   if (!is_pixel) {
     E2LF_ASSIGN_OR_RETURN(options.model, streams::stream_model_from_name(event_model));

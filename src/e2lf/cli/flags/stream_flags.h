@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cli/flags/scene_input.h"
 #include "e2lf/streams/virtual_rig.h"
 
@@ -37,7 +37,7 @@ void add_stream_options(CLI::App& app, StreamFlags& flags);
 /// (unknown names, flags that the model has no use for).
 [[nodiscard]] Result<streams::StreamOptions> stream_options(const StreamFlags& flags, const std::string& event_model,
                                                             const capture::SensorConstants& constants,
-                                                            const std::optional<capture::Camera>& camera,
+                                                            const std::optional<capture::SensorProfile>& camera,
                                                             uint64_t seed);
 
 /// What stands or moves before the camera, and its size.

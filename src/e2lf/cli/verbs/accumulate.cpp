@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
@@ -68,10 +69,6 @@ CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
     if (of_plot) of_plot(batch);
   };
   return both;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 /// Puts patterns and camera of the recording beside its event images; the patterns where they are those of the
@@ -205,6 +202,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.resolve("source", source_name(reader.source()));
   record.note("cycles", report_json(report));
   record.note("left_out", losses_json(summary));
+  record.note("live", live_json(summary));
   record.note("read_as", reading_json(reader.recording().info()));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);
@@ -216,6 +214,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   if (common.json) {
     Json json = report_json(report);
     json["left_out"] = losses_json(summary);
+    json["live"] = live_json(summary);
     json["least_confidence"] = confidence.least();
     json["each"] = std::move(cycles);
     std::printf("%s", json_text(json).c_str());

@@ -10,6 +10,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/calibrate/count_distribution.h"
 #include "e2lf/calibrate/report.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/cycle_input.h"
@@ -84,6 +85,26 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
   return std::move(known->codes);
 }
 
+/// Keeps the first transitions after black of longer sequences, such as whole cycles: the later ones do not affect
+/// them.
+void keep_first_transitions(capture::Codes& codes, std::vector<calibrate::StillScene>& scenes) {
+  constexpr size_t kKept = calibrate::kMostTransitions;
+  const auto is_longer = [&](const calibrate::StillScene& scene) {
+    return std::ranges::all_of(scene.cycles, [&](const capture::EventImages& cycle) {
+      return cycle.transitions > kKept && cycle.transitions + 1 == codes.num_patterns;
+    });
+  };
+  if (!std::ranges::all_of(scenes, is_longer)) return;
+  codes.values.resize((kKept + 1) * codes.pattern_size());
+  codes.num_patterns = kKept + 1;
+  for (calibrate::StillScene& scene : scenes) {
+    for (capture::EventImages& cycle : scene.cycles) {
+      cycle.counts.resize(kKept * cycle.image_size());
+      cycle.transitions = kKept;
+    }
+  }
+}
+
 /// Fails where two outputs, or an output and the record of the camera file, have one name.
 Result<void> check_distinct(const CalibrateArguments& arguments) {
   std::vector<fs::path> names;
@@ -129,7 +150,7 @@ Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<Out
 }
 
 /// How far the light field that a network makes of some events, told a camera, is from explaining them.
-Result<double> error_told(model::Model model, const capture::Camera& camera, const capture::Codes& codes,
+Result<double> error_told(model::Model model, const capture::SensorProfile& camera, const capture::Codes& codes,
                           const capture::EventImages& events) {
   model.camera = camera;
   E2LF_ASSIGN_OR_RETURN(const recon::Reconstructor reconstructor, recon::Reconstructor::create(std::move(model)));
@@ -142,7 +163,7 @@ Result<double> error_told(model::Model model, const capture::Camera& camera, con
 /// Compares both cameras with the events of the first cycle, by the named network or a bundled one: {"start", "found",
 /// "better"}. Null where no network is told the camera and fits these patterns.
 Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture::Codes& codes,
-                             const capture::Camera& start, const capture::Camera& found,
+                             const capture::SensorProfile& start, const capture::SensorProfile& found,
                              const capture::EventImages& events) {
   RunRecord unused("calibrate");
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, unused));
@@ -184,15 +205,16 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_ASSIGN_OR_RETURN(auto thresholds, open_optional(arguments.threshold_map, rules));
   E2LF_ASSIGN_OR_RETURN(auto bad, open_optional(arguments.bad_pixels, rules));
   RunRecord record("calibrate");
-  E2LF_ASSIGN_OR_RETURN(capture::Camera start, load_camera(arguments.camera, record));
+  E2LF_ASSIGN_OR_RETURN(capture::SensorProfile start, load_camera(arguments.camera, record));
   std::vector<Source> sources;
   for (const fs::path& path : arguments.inputs) {
     E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, verb, record));
     sources.push_back(std::move(source));
   }
-  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, common_codes(arguments, sources, record));
+  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, record));
   std::vector<calibrate::StillScene> scenes;
   for (Source& source : sources) scenes.push_back(std::move(source.scene));
+  keep_first_transitions(codes, scenes);
   start.name = arguments.name.empty() ? arguments.output.stem().string() : arguments.name;
   record.end_step("read");
 

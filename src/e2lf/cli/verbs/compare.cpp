@@ -10,7 +10,6 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/bundled_files.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
@@ -19,6 +18,7 @@
 #include "e2lf/compare/measure.h"
 #include "e2lf/compare/pictures.h"
 #include "e2lf/compare/result_page.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/image.h"
@@ -119,7 +119,7 @@ class Runner {
       const ProgressFn progress = [&](size_t part, size_t total) {
         if (total > 0) bar_.update(done * kParts + std::min(part, total) * kParts / total, jobs.size() * kParts);
       };
-      E2LF_ASSIGN_OR_RETURN(const compare::Measurement measurement, compare::measure(plan_, job, truth_, progress));
+      E2LF_ASSIGN_OR_RETURN(const compare::Outcome measurement, compare::measure(plan_, job, truth_, progress));
       std::vector<uint8_t> png;
       if (plan_.pictures && job.seed == plan_.jobs.front().seed) {
         E2LF_ASSIGN_OR_RETURN(png, picture(measurement.light_field, &truth_));

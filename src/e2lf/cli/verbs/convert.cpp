@@ -9,7 +9,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/recorded_setup.h"
@@ -97,6 +97,7 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
                           const recordings::RecordingReader& reader, const OutputFile& output, const Verb& verb) {
   record.add_input(input);
   record.note("left_out", losses_json(reader.summary()));
+  record.note("live", live_json(reader.summary()));
   record.note("read_as", reading_json(reader.info()));
   E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.info()));
   setup.views = given.after(setup.views);

@@ -6,15 +6,17 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/camera_record.h"
-#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/cli/flags/model_option.h"
+#include "e2lf/cli/output/comparison_page.h"
 #include "e2lf/cli/output/light_field_output.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/pictures.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/live_view.h"
 #include "e2lf/eval/report.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
@@ -78,6 +80,10 @@ Result<void> write_refocused(const fs::path& folder, const LightField& light_fie
 void print_result(const DemoArguments& arguments, const Camera& camera, const eval::EvalRow& row) {
   std::printf("method: %s\n%s\nin %s:\n", camera.method.c_str(),
               report::table_text(eval::quality_table({&row, 1})).c_str(), arguments.output.c_str());
+  if (has_viewer()) {
+    std::printf(
+        "  index.html         open it in a browser: the scene beside its reconstruction, parallax, refocusing, EPI\n");
+  }
   std::printf("  scene/             the true light field, 8x8 views\n");
   std::printf("  events.npz         what the camera records of it (look at events.png)\n");
   std::printf("  recon/             the reconstructed light field: views, contact_sheet.png, epi.png\n");
@@ -117,7 +123,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   std::error_code ignored;
   fs::create_directory(folder / "scene", ignored);
   E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
-  capture::Camera recorded;
+  capture::SensorProfile recorded;
   recorded.event_model = sensor::event_model_name(camera.event_model);
   recorded.constants = camera.constants;
   E2LF_RETURN_IF_ERROR(capture::write_event_images(
@@ -126,6 +132,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   fs::create_directory(folder / "recon", ignored);
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}, {}));
   E2LF_RETURN_IF_ERROR(write_refocused(folder, light_field));
+  if (has_viewer()) E2LF_RETURN_IF_ERROR(write_comparison_page(folder / "index.html", scene, light_field));
   record.end_step("write");
   record.note("quality", eval::to_json(row));
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));

@@ -4,6 +4,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/option_types.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/verb.h"
@@ -89,7 +90,10 @@ int run_info(const std::vector<std::string>& arguments) {
   Verb verb("info", "Say what a file or folder is: a recording, event images, a light field or a model.",
             "e2lf info recording.raw --plot rate.svg");
   InfoArguments info;
-  verb.app().add_option("path,-i,--input", info.path, "file or folder, or a bundled model")->required();
+  verb.app()
+      .add_option("path,-i,--input", info.path, "file or folder, or a bundled model")
+      ->required()
+      ->type_name(kThingType);
   verb.app()
       .add_option("--plot", info.plot, "recordings: write the event rate over time as a picture (.svg, .png)")
       ->check(chart_name());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // e2lf reconstruct: event images or a recording -> light field
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -58,7 +59,7 @@ double seconds(CycleClock::duration duration) {
 /// A bundled network that was trained for the patterns of the events.
 Result<std::optional<model::Model>> find_bundled_network(const ReconstructArguments& arguments,
                                                          const RecordedSetup& setup,
-                                                         const std::optional<capture::Camera>& camera,
+                                                         const std::optional<capture::SensorProfile>& camera,
                                                          RunRecord& record) {
   std::optional<capture::Codes> codes = setup.codes;
   if (!arguments.codes.codes.empty()) {
@@ -85,7 +86,7 @@ Result<CycleFlags> wanted_cycles(const ReconstructArguments& arguments, const st
   std::optional<capture::Codes> codes = model ? model->codes : std::nullopt;
   if (model) flags.num_wanted = model->num_patterns;
   if (!arguments.codes.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(codes, capture::read_codes(arguments.codes.codes));
+    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(arguments.codes.codes));
     if (!model) flags.num_wanted = codes->num_patterns;
   }
   if (codes && codes->num_patterns >= 2) {
@@ -94,10 +95,28 @@ Result<CycleFlags> wanted_cycles(const ReconstructArguments& arguments, const st
   return flags;
 }
 
+/// The network told the camera that it was made for, where --camera names another one. Its light field is made when it
+/// is asked for.
+std::optional<recon::Rival> rival_of(const ReconstructArguments& arguments, const std::optional<model::Model>& model,
+                                     const std::optional<KnownCodes>& known,
+                                     const std::optional<capture::SensorProfile>& camera) {
+  if (arguments.camera.empty() || arguments.method != "network" || !model || !known || !model->camera ||
+      !model->camera->is_pixel() || !model::is_told_the_camera(*model) ||
+      capture::to_json(*model->camera) == capture::to_json(*camera)) {
+    return std::nullopt;
+  }
+  auto method = [model = *model](const capture::Measurement& measured,
+                                 const ProgressFn&) -> Result<lightfield::LightField> {
+    E2LF_ASSIGN_OR_RETURN(const recon::Reconstructor reconstructor, recon::Reconstructor::create(model));
+    return reconstructor.reconstruct(measured);
+  };
+  return recon::Rival{std::move(method), {known->codes, known->constants, {}, model->camera}};
+}
+
 /// Takes the camera that the network was made for where nothing names one.
 Result<recon::Method> network_method(const ReconstructArguments& arguments, model::Model model,
-                                     const std::optional<KnownCodes>& known, std::optional<capture::Camera>& camera,
-                                     RunRecord& record) {
+                                     const std::optional<KnownCodes>& known,
+                                     std::optional<capture::SensorProfile>& camera, RunRecord& record) {
   if (!model::is_told_the_camera(model) && !arguments.camera.empty()) {
     return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
                  "--camera"};
@@ -137,7 +156,7 @@ Result<void> check_measurement(const ReconstructArguments& arguments, capture::M
 
 /// Those that need patterns alone.
 Result<recon::Method> classical_method(const ReconstructArguments& arguments, std::optional<KnownCodes> known,
-                                       const std::optional<capture::Camera>& camera, RunRecord& record) {
+                                       const std::optional<capture::SensorProfile>& camera, RunRecord& record) {
   if (arguments.passes > 1) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the method ", arguments.method, " makes one pass; leave the option out"), "--passes"};
@@ -180,7 +199,7 @@ Error at(Error error, const fs::path& input) {
 
 /// What the result of each cycle is checked against; nothing where nobody told the patterns.
 Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCodes>& known,
-                                                     const std::optional<capture::Camera>& camera) {
+                                                     const std::optional<capture::SensorProfile>& camera) {
   if (!known) return std::optional<recon::EventCheck>();
   E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(known->event_model));
   recon::EventCheck check{known->codes, known->constants, model};
@@ -188,8 +207,19 @@ Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCo
   return std::optional(std::move(check));
 }
 
+/// Chooses how the check is judged. A method that does not know the camera leaves an error that says nothing about the
+/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own.
+/// `is_told`: the method is a network that is told the camera.
+recon::Judging judging_of(const ReconstructArguments& arguments, bool is_told,
+                          const std::optional<capture::SensorProfile>& camera) {
+  if (!camera) return arguments.method == "network" ? recon::Judging::kNoise : recon::Judging::kNone;
+  if (camera->is_pixel() && !is_told) return recon::Judging::kNone;
+  return arguments.method == "regularised" ? recon::Judging::kNoise : recon::Judging::kChanges;
+}
+
 /// Black is looked for where physical pixels leave it open and brightness is not to be measured.
-Result<recon::Tone> tone_of(const ReconstructArguments& arguments, const std::optional<capture::Camera>& camera) {
+Result<recon::Tone> tone_of(const ReconstructArguments& arguments,
+                            const std::optional<capture::SensorProfile>& camera) {
   recon::Tone tone;
   E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
   E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
@@ -197,12 +227,30 @@ Result<recon::Tone> tone_of(const ReconstructArguments& arguments, const std::op
   return tone;
 }
 
+Json check_json(const recon::EventJudgement& judgement) {
+  Json json = {{"verdict", recon::verdict_name(judgement.verdict)},
+               {"error", judgement.error},
+               {"noise_error", judgement.noise_error},
+               {"ratio", judgement.ratio}};
+  if (!judgement.change.empty()) {
+    json["changed"] = {
+        {"how", judgement.change}, {"error", judgement.changed_error}, {"unchanged_error", judgement.unchanged_error}};
+  }
+  if (judgement.rival_error) json["error_with_the_models_camera"] = *judgement.rival_error;
+  return json;
+}
+
 /// Reconstructs cycles and writes each; what has been done so far.
 class CycleWriter {
  public:
   CycleWriter(const ReconstructArguments& arguments, const CommonOptions& common,
-              std::optional<capture::Orientation> views, recon::FieldSequence sequence)
-      : arguments_(arguments), common_(common), views_(views), sequence_(std::move(sequence)) {}
+              std::optional<capture::Orientation> views, std::optional<capture::Codes> codes,
+              recon::FieldSequence sequence)
+      : arguments_(arguments),
+        common_(common),
+        views_(views),
+        codes_(std::move(codes)),
+        sequence_(std::move(sequence)) {}
 
   /// Into an existing folder. Returns the light field, upright.
   Result<LightField> process(const CycleImages& cycle, const fs::path& folder) {
@@ -218,6 +266,7 @@ class CycleWriter {
       about["event_error"] = field.error->at_first;
       about["least_event_error"] = {{"value", field.error->least}, {"residue", field.error->residue}};
     }
+    if (field.judgement) about["check"] = check_json(*field.judgement);
     if (cycle.is_live) live_log_.add(about["number"], about["events"], about["latency_s"]);
     cycles_.push_back(std::move(about));
     return std::move(field.light_field);
@@ -251,7 +300,7 @@ class CycleWriter {
   void warn_of_events(const CycleImages& cycle) {
     constexpr size_t kMostWarnings = 3;
     if (warned_ == kMostWarnings || !capture::has_events(cycle.images.kind)) return;
-    const std::vector<std::string> doubts = capture::event_doubts(cycle.images.events);
+    const std::vector<std::string> doubts = capture::event_doubts(cycle.images.events, codes_ ? &*codes_ : nullptr);
     for (const std::string& doubt : doubts) {
       log_warning(cat(arguments_.input.string(), ", cycle ", cycles_.size(), ": ", doubt));
     }
@@ -263,6 +312,7 @@ class CycleWriter {
   const CommonOptions& common_;
   size_t warned_ = 0;
   std::optional<capture::Orientation> views_;
+  std::optional<capture::Codes> codes_;  ///< that were shown, where that is known
   recon::FieldSequence sequence_;
   Json cycles_ = Json::array();
   LiveLog live_log_;
@@ -323,7 +373,44 @@ void print_event_error(const Json& cycle) {
     std::printf(", by %.3f if references start %.2f thresholds above the first intensity", least["value"].get<double>(),
                 residue);
   }
-  std::printf("\n");
+  if (!cycle.contains("check")) {
+    std::printf("\n");
+    return;
+  }
+  const Json& check = cycle["check"];
+  std::printf("; %.1f times what noise makes: %s\n", check["ratio"].get<double>(),
+              check["verdict"] == "good"    ? "good"
+              : check["verdict"] == "usual" ? "as usual"
+                                            : "see the warning");
+}
+
+void warn_of_verdict(const Json& cycle) {
+  if (!cycle.contains("check")) return;
+  const Json& check = cycle["check"];
+  if (check["verdict"] == "wrong") {
+    std::array<char, 16> ratio;
+    std::snprintf(ratio.data(), ratio.size(), "%.1f", check["ratio"].get<double>());
+    log_warning(cat("the light field differs from its events by ", ratio.data(),
+                    " times what noise makes: the polarity of the events, the order of the patterns or the camera is "
+                    "likely wrong; check them (`e2lf codes show`, docs/recordings.md)"));
+  } else if (check["verdict"] == "changed-better") {
+    const Json& changed = check["changed"];
+    std::array<char, 64> errors;
+    std::snprintf(errors.data(), errors.size(), "%.3f in place of %.3f", changed["error"].get<double>(),
+                  changed["unchanged_error"].get<double>());
+    const std::string how = changed["how"].get<std::string>();
+    log_warning(cat("the events are explained much better ", how, ": a light field of them differs by ", errors.data(),
+                    how.find("polarity") != std::string::npos
+                        ? "; give --invert-polarity"
+                        : "; check the order of the patterns (--codes, --first-pattern)"));
+  } else if (check["verdict"] == "rival-better") {
+    std::array<char, 64> errors;
+    std::snprintf(errors.data(), errors.size(), "%.3f in place of %.3f", check["error"].get<double>(),
+                  check["error_with_the_models_camera"].get<double>());
+    log_warning(
+        cat("the camera of --camera explains the events much worse than the one that the network was made for: ",
+            "they differ by ", errors.data(), "; leave --camera out, or calibrate again"));
+  }
 }
 
 /// Where the views are: each cycle of a recording, and of several, has a folder of its own.
@@ -376,7 +463,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   }
   E2LF_RETURN_IF_ERROR(check_measurement(arguments, input.measurement()));
   E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, input.setup(arguments.input));
-  E2LF_ASSIGN_OR_RETURN(std::optional<capture::Camera> camera, camera_of_events(arguments.camera, setup, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<capture::SensorProfile> camera,
+                        camera_of_events(arguments.camera, setup, record));
   const bool is_camera_named = !arguments.camera.empty() && camera->views;
   const auto views = arguments.orientation.after(is_camera_named ? camera->views : setup.views);
   if (!model && arguments.method == "network") {
@@ -385,6 +473,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments.codes, model, setup.codes, record));
   const std::string filter =
       arguments.colour_filter.empty() ? recorded_colour_filter(arguments.input) : arguments.colour_filter;
+  std::optional<recon::Rival> rival = rival_of(arguments, model, codes, camera);
+  const bool is_told = arguments.method == "network" && model::is_told_the_camera(*model);
   E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
                                                   ? network_method(arguments, std::move(*model), codes, camera, record)
                                                   : classical_method(arguments, codes, camera, record));
@@ -394,6 +484,10 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.resolve("colour-filter", filter);
   }
   record.end_step("open");
+  // Slow pixels still follow the change to black when the first pattern is lit: in dim light most of their first events
+  // are OFF, so that only the signs of the paper's event model are known.
+  const bool are_signs_known = codes && camera && !camera->is_pixel();
+  const auto signs_of = are_signs_known ? std::optional(codes->codes) : std::nullopt;
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
   // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
@@ -407,10 +501,13 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     E2LF_ASSIGN_OR_RETURN(LiveView started, LiveView::start(name.filename().string(), output.path(), arguments.port));
     view.emplace(std::move(started));
   }
-  CycleWriter writer(arguments, common, views, {std::move(method), tone, std::move(check)});
+  const recon::Judging judging = judging_of(arguments, is_told, camera);
+  CycleWriter writer(arguments, common, views, signs_of,
+                     {std::move(method), tone, std::move(check), std::move(rival), judging});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());
+  if (!writer.cycles().empty()) warn_of_verdict(writer.cycles().front());
   if (input.is_recording()) {
     writer.live_log().finish(input.report());
     if (writer.cycles().empty()) return no_cycle_error(arguments.input, input.report());
@@ -420,6 +517,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.note("read_as", reading_json(input.info()));
   }
   record.note("left_out", losses_json(input.summary()));
+  record.note("live", live_json(input.summary()));
   const Json notes = writer.notes();
   for (const auto& [key, note] : notes.items()) record.note(key, note);
   record.end_step("reconstruct");

@@ -12,8 +12,7 @@
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/camera_record.h"
-#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/number_check.h"
@@ -28,6 +27,7 @@
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/sensor/event_model.h"
@@ -100,7 +100,7 @@ void record_constants(const capture::SensorConstants& constants, const std::stri
 using ImagesOf = std::function<Result<capture::EventImages>(uint64_t cycle)>;
 
 /// Physical pixels have no use for the constants of the paper's model.
-Result<void> check_model_flags(const SimulateArguments& arguments, const capture::Camera& camera) {
+Result<void> check_model_flags(const SimulateArguments& arguments, const capture::SensorProfile& camera) {
   const bool has_flags = arguments.eps || arguments.tau || arguments.sigma_w || arguments.sigma_z ||
                          arguments.residue != 0.0F || !arguments.event_model.empty();
   if (!camera.is_pixel() || !has_flags) return {};
@@ -126,7 +126,7 @@ ImagesOf paper_pixels(const SimulateArguments& arguments, const KnownCodes& know
 
 /// The same by a camera's physical pixels, whose thresholds stay from cycle to cycle.
 ImagesOf physical_pixels(const SimulateArguments& arguments, const capture::Codes& codes,
-                         const lightfield::LightField& scene, const capture::Camera& camera, uint64_t seed) {
+                         const lightfield::LightField& scene, const capture::SensorProfile& camera, uint64_t seed) {
   return [&, seed](uint64_t cycle) {
     return sensor::simulate_pixel_events(codes, scene, camera,
                                          {.gain = arguments.scene_gain, .seed = seed + cycle, .map_seed = seed});
@@ -179,7 +179,7 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_image
 /// Patterns, camera and event model.
 struct Setup {
   KnownCodes known;
-  std::optional<capture::Camera> camera;
+  std::optional<capture::SensorProfile> camera;
   std::optional<capture::Orientation> views;  ///< as camera or schedule say
   [[nodiscard]] bool is_pixel() const { return camera && camera->is_pixel(); }
 };
@@ -225,7 +225,7 @@ RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& se
   RecordedSetup recorded{setup.known.codes, setup.camera, setup.views};
   if (setup.is_pixel()) return recorded;
   if (!sensor::event_model_from_name(setup.known.event_model)) return {setup.known.codes, std::nullopt, setup.views};
-  capture::Camera& camera = recorded.camera ? *recorded.camera : recorded.camera.emplace();
+  capture::SensorProfile& camera = recorded.camera ? *recorded.camera : recorded.camera.emplace();
   camera.event_model = setup.known.event_model;
   camera.constants = constants_of(arguments, setup.known);
   return recorded;
@@ -250,7 +250,7 @@ Result<capture::EventImages> run_stream(const SimulateArguments& arguments, cons
   run.flags = arguments.stream;
   E2LF_ASSIGN_OR_RETURN(run.scene, scene_options(arguments, setup));
   run.codes = setup.known.codes;
-  run.camera = setup.camera.value_or(capture::Camera{});
+  run.camera = setup.camera.value_or(capture::SensorProfile{});
   E2LF_ASSIGN_OR_RETURN(run.stream, stream_options(arguments.stream, setup.known.event_model,
                                                    constants_of(arguments, setup.known), setup.camera, common.seed));
   run.recorded = recorded_setup(arguments, setup);

@@ -17,7 +17,7 @@ struct StreamRun {
   StreamFlags flags;
   SceneOptions scene;
   capture::Codes codes;
-  capture::Camera camera;
+  capture::SensorProfile camera;
   RecordedSetup recorded;  ///< what the result says it was made with
   streams::StreamOptions stream;
   float gain = 1.0F;

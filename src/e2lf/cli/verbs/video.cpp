@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
@@ -19,8 +20,8 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/image.h"
-#include "e2lf/recon/tone.h"
 #include "e2lf/recon/video/event_video.h"
+#include "e2lf/recon/video/frame_tone.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
@@ -41,10 +42,6 @@ struct VideoArguments {
   uint64_t max_frames = 0;
   RecordingFlags recording;
 };
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 cycles::TriggerEdge edge_of(const std::string& name) {
   if (name == "falling") return cycles::TriggerEdge::kFalling;
@@ -81,7 +78,7 @@ class FrameMaker {
   /// Of signed events: `full_scale` events more or less than none are white or black.
   FrameMaker(size_t height, size_t width, int full_scale)
       : height_(height), width_(width), full_scale_(static_cast<float>(full_scale)) {}
-  FrameMaker(size_t height, size_t width, recon::EventVideo video, model::Tone tone)
+  FrameMaker(size_t height, size_t width, recon::EventVideo video, model::FrameTone tone)
       : height_(height), width_(width), video_(std::move(video)), tone_(tone) {}
 
   Result<lightfield::ByteImage> make(const cycles::EventWindow& window) {
@@ -91,7 +88,7 @@ class FrameMaker {
       E2LF_ASSIGN_OR_RETURN(frame.pixels,
                             video_->next(cycles::voxelise(window.events, video_->model().bins, height_, width_)));
       network_s_ += seconds_since(begin);
-      recon::apply_tone(tone_, frame.pixels);
+      recon::apply_frame_tone(tone_, frame.pixels);
     } else {
       frame.pixels = cycles::signed_counts(window.events, height_, width_);
       for (float& value : frame.pixels) value = 0.5F + 0.5F * value / full_scale_;
@@ -107,7 +104,7 @@ class FrameMaker {
   size_t height_, width_;
   float full_scale_ = 1.0F;
   std::optional<recon::EventVideo> video_;
-  model::Tone tone_ = model::Tone::kNone;
+  model::FrameTone tone_ = model::FrameTone::kNone;
   double network_s_ = 0.0;
 };
 
@@ -126,7 +123,7 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(arguments.model));
   record.add_input(arguments.model, bytes);
   E2LF_ASSIGN_OR_RETURN(model::VideoModel model, model::decode_video_model(bytes, arguments.model.string()));
-  model::Tone tone = model.tone;
+  model::FrameTone tone = model.tone;
   if (arguments.tone != "auto") {
     E2LF_ASSIGN_OR_RETURN(tone, model::tone_from_name(arguments.tone));
   }

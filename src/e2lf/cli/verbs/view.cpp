@@ -10,6 +10,7 @@
 #include "e2lf/cli/flags/disparity_input.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/option_types.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -210,7 +211,10 @@ int run_view(const std::vector<std::string>& arguments) {
             "fields of one shape are compared; the first one is the truth.",
             "e2lf view out/demo/scene out/demo/recon");
   ViewArguments view_arguments;
-  verb.app().add_option("things", view_arguments.things, "files and folders to look at, or bundled models")->required();
+  verb.app()
+      .add_option("things", view_arguments.things, "files and folders to look at, or bundled models")
+      ->required()
+      ->type_name(kThingType);
   verb.app().add_option("--disparity", view_arguments.disparity,
                         "disparity map to lay over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
   verb.app().add_option("--export", view_arguments.page, "write one HTML file with all data in it; serve nothing");

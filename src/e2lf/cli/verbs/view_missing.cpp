@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// e2lf view, and reconstruct --view, in a build without the viewer
+// e2lf view, reconstruct --view and the page of the demo in a build without the viewer
+#include "e2lf/cli/output/comparison_page.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/live_view.h"
 
@@ -16,6 +17,11 @@ Error no_viewer() {
 
 bool has_viewer() {
   return false;
+}
+
+Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const lightfield::LightField& /*truth*/,
+                                   const lightfield::LightField& /*reconstruction*/) {
+  return no_viewer();
 }
 
 class LiveView::Impl {};

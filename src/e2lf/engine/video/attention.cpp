@@ -23,11 +23,12 @@ namespace {
 
 using namespace kernels::HWY_NAMESPACE;
 
-// Queries of one block, which are the lanes of all vectors; keys at a time: their scores stay in the first-level cache.
+// The number of queries of a block, which are the lanes of all vectors, and the number of keys at a time, chosen such
+// that their scores stay in the first-level cache.
 constexpr size_t kQueries = 64;
 constexpr size_t kKeys = 8 * kGemmRows;
 
-// Queries whose sums are in registers at a time, and channels of values beside them.
+// The number of queries whose sums are held in registers at a time, and the number of value channels beside them.
 constexpr size_t kQueryGroup = kGemmVectors * kLanes;
 constexpr size_t kValueRows = 4;
 static_assert(kQueries % kQueryGroup == 0);
@@ -45,14 +46,14 @@ HWY_INLINE void assign(float value, Bfloat16& to) {
   to = to_bfloat16(value);
 }
 
-/// 2^x for x <= 0, within 2e-7 of its value; below 2^-125 whatever is small.
+/// Returns 2^x for x <= 0 with a relative error of at most 2e-7. Below 2^-125, it returns some small value.
 HWY_INLINE FloatVec power_of_two(FloatVec x) {
   const FloatTag d;
   const hn::RebindToSigned<FloatTag> di;
   x = hn::Max(x, hn::Set(d, -125.0F));
   const auto whole = hn::NearestInt(x);
   const auto rest = hn::Sub(x, hn::ConvertTo(d, whole));
-  // The polynomial of degree 5 with the least relative error on [-1/2, 1/2] that is 1 at 0.
+  // The polynomial of degree 5 that has the smallest relative error on [-1/2, 1/2] among those that are 1 at 0.
   auto y = hn::Set(d, 1.326472731e-3F);
   y = hn::MulAdd(y, rest, hn::Set(d, 9.671512991e-3F));
   y = hn::MulAdd(y, rest, hn::Set(d, 5.550733581e-2F));
@@ -62,13 +63,14 @@ HWY_INLINE FloatVec power_of_two(FloatVec x) {
   return hn::BitCast(d, hn::Add(hn::BitCast(di, y), hn::ShiftLeft<23>(whole)));
 }
 
-/// What a thread keeps of one block; `size` = channels of a head. Queries are the columns of all but keys and values.
+/// The memory of a thread for one block. `size` is the number of channels of a head. The queries are the columns of
+/// everything except keys and values.
 struct Scratch {
   float *queries, *sums;  ///< [size, kQueries]
   float *keys, *values;   ///< [kKeys, size]
-  float* shares;          ///< [kKeys, kQueries]: scores, then their powers
-  float *tops, *totals;   ///< [kQueries]: the largest score so far, the sum of powers
-  float* factors;         ///< [kQueries]: what makes sums relative to the last top relative to this one
+  float* shares;          ///< [kKeys, kQueries]: first the scores, then their powers
+  float *tops, *totals;   ///< [kQueries]: the largest score so far, and the sum of powers
+  float* factors;         ///< [kQueries]: converts sums relative to the previous top to the new top
 
   static size_t floats(size_t size) { return (2 * size + kKeys + 3) * kQueries + 2 * kKeys * size; }
 
@@ -90,7 +92,7 @@ struct Scratch {
   }
 };
 
-/// One block is one head of some pixels that follow one another in the strip.
+/// Computes attention. One block is one head of consecutive pixels of the strip.
 template <class Element>
 class AttentionKernel final : public Kernel {
  public:
@@ -134,13 +136,13 @@ class AttentionKernel final : public Kernel {
     return ((strip.end - strip.begin) * strip.width + kQueries - 1) / kQueries;
   }
 
-  /// The head's channels of a pixel, by its number in the image.
+  /// Returns the channels of a head of a pixel, given its number in the image.
   template <class Pixel>
   HWY_INLINE Pixel* pixel(const Rows& rows, size_t width, size_t number, size_t head) const {
     return rows.row<Pixel>(static_cast<ptrdiff_t>(number / width)) + number % width * step_ + head * size_;
   }
 
-  /// Turned, and scaled so that scores are exponents of two.
+  /// Transposes the queries and scales them such that scores are exponents of two.
   void load_queries(const Strip& strip, size_t first, size_t count, size_t head, const Scratch& to) const {
     constexpr double kLog2E = 1.4426950408889634;
     const auto scale = static_cast<float>(kLog2E / std::sqrt(static_cast<double>(size_)));
@@ -151,7 +153,7 @@ class AttentionKernel final : public Kernel {
     }
   }
 
-  /// Pixels are far apart in memory; beside one another they do not compete for the same cache sets.
+  /// Gathers pixels, which are far apart in memory, so that they do not compete for the same cache sets.
   void load_pixels(const Rows& rows, size_t width, size_t first, size_t count, size_t head, float* to) const {
     for (size_t i = 0; i < count; ++i, to += size_) {
       const auto* from = pixel<const Element>(rows, width, first + i, head);
@@ -159,7 +161,7 @@ class AttentionKernel final : public Kernel {
     }
   }
 
-  /// Shares of keys behind the last one are made, too, of what is there, and not read.
+  /// Computes scores. Those of keys after the last one are computed from undefined values and are not read.
   HWY_INLINE void score(size_t keys, size_t query, const Scratch& memory) const {
     for (size_t key = 0; key < keys; key += kGemmRows) {
       FloatVec sums[kGemmRows][kGemmVectors];
@@ -176,7 +178,7 @@ class AttentionKernel final : public Kernel {
     }
   }
 
-  /// Scores to powers relative to the largest score so far.
+  /// Converts scores to powers relative to the largest score so far.
   HWY_INLINE void weigh(size_t keys, size_t query, const Scratch& memory) const {
     float* const shares = memory.shares + query;
     const auto before = load_floats(memory.tops + query);

@@ -7,8 +7,9 @@
 
 namespace e2lf::engine {
 
-/// model::Op::kAttention: inputs q, k and v [channels], of one type, as the output. Keys come in blocks, with a running
-/// softmax: a thread needs memory for a few queries and keys, whatever the size of the image.
+/// Makes the kernel of model::Op::kAttention. Its inputs are q, k and v [channels], of the same type as the output. The
+/// keys are processed in blocks with a running softmax, so that a thread needs memory for only a few queries and keys
+/// at any image size.
 [[nodiscard]] std::unique_ptr<Kernel> make_attention(size_t channels, size_t heads, ElementType type);
 
 }  // namespace e2lf::engine

@@ -22,13 +22,13 @@ namespace {
 
 using namespace kernels::HWY_NAMESPACE;
 
-/// The two inputs of an output along an axis, and the share of the second one.
+/// The two inputs of an output along an axis, and the weight of the second one.
 struct Between {
   size_t first, second;
   float share;
 };
 
-/// Output pixel i lies at (i + 1/2) / stride - 1/2; what lies beyond the edge is the edge.
+/// Output pixel i lies at (i + 1/2) / stride - 1/2. Positions beyond the edge take the value at the edge.
 HWY_INLINE Between between(size_t i, size_t stride, size_t size) {
   const float at = (static_cast<float>(i) + 0.5F) / static_cast<float>(stride) - 0.5F;
   if (at <= 0.0F) return {0, 0, 0.0F};
@@ -74,7 +74,7 @@ class BilinearKernel final : public Kernel {
   }
 
   size_t step_, stride_;
-  float floor_;  ///< zero for ReLU, else below everything
+  float floor_;  ///< zero for ReLU, otherwise below any value
 };
 
 }  // namespace

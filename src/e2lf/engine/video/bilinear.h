@@ -7,7 +7,8 @@
 
 namespace e2lf::engine {
 
-/// model::Op::kUpsampleBilinear by `stride`, of one type; `relu` as in model::Layer.
+/// Makes the kernel of model::Op::kUpsampleBilinear by `stride`, whose input and output have the same type. `relu` is
+/// as in model::Layer.
 [[nodiscard]] std::unique_ptr<Kernel> make_bilinear(size_t channels, size_t stride, bool relu, ElementType type);
 
 }  // namespace e2lf::engine

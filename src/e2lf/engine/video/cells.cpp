@@ -29,20 +29,20 @@ using namespace kernels::HWY_NAMESPACE;
 /// 1 / (1 + exp(-x)).
 HWY_INLINE FloatVec sigmoid(FloatVec x) {
   const FloatTag d;
-  // Beyond this exp() overflows, and its result is 0 in float32 anyway.
+  // Beyond this, exp() overflows. The result is then 0 in float32 anyway.
   constexpr float kLargest = 88.0F;
   const auto e = hn::Exp(d, hn::Min(hn::Neg(x), hn::Set(d, kLargest)));
   return hn::Div(hn::Set(d, 1.0F), hn::Add(hn::Set(d, 1.0F), e));
 }
 
-/// tanh(x) = 2 sigmoid(2 x) - 1, within 2e-7.
+/// Returns tanh(x) = 2 sigmoid(2 x) - 1, within 2e-7.
 HWY_INLINE FloatVec tanh(FloatVec x) {
   const FloatTag d;
   return hn::MulSub(hn::Set(d, 2.0F), sigmoid(hn::Add(x, x)), hn::Set(d, 1.0F));
 }
 
-// What the kernels do with kLanes channels of a pixel: arguments are the elements of their inputs from the first of
-// these channels on; `part` = channels from one gate to the next.
+// The functions that kernels apply to kLanes channels of a pixel. The arguments are the elements of their inputs from
+// the first of these channels on; `part` is the number of channels from one gate to the next.
 
 struct SigmoidOf {
   template <class Element>
@@ -94,7 +94,7 @@ struct LstmOutput {
   }
 };
 
-/// Input `index` of a pixel: rows of pixels of `step` elements of a type.
+/// Input `index` of a kernel: rows of pixels with `step` elements of this type.
 template <class Element>
 struct Source {
   using Type = Element;
@@ -106,7 +106,7 @@ struct Source {
   }
 };
 
-/// Writes `channels` results of `function` from element `offset` of each output pixel on; before them stand as many
+/// Writes `channels` results of `function` to each output pixel, from element `offset` on. They are preceded by as many
 /// channels of input 0.
 template <class Output, class Function, class... Elements>
 class PixelKernel final : public Kernel {
@@ -134,7 +134,7 @@ class PixelKernel final : public Kernel {
   }
 
  private:
-  /// The channels of input 0, whose padding is zero, with zeros behind them.
+  /// Copies the channels of input 0, whose padding is zero, and clears the rest of the pixel.
   void copy_first(const Strip& strip, size_t y, size_t x, Output* pixel) const {
     const size_t size = padded_channels(offset_);
     const auto* from = strip.inputs[0].row<const Output>(static_cast<ptrdiff_t>(y)) + x * size;
@@ -142,8 +142,8 @@ class PixelKernel final : public Kernel {
     std::fill(pixel + size, pixel + step_, Output{});
   }
 
-  /// Lanes beyond the channels become zero. They may lie in the next pixel, which is written later, or in the zeros
-  /// behind the last one.
+  /// Writes zeros to lanes beyond the channels. They may belong to the next pixel, which is written later, or to the
+  /// zeros after the last one.
   template <class... Pointers>
   HWY_INLINE void fill(Output* to, const Pointers*... from) const {
     const FloatTag d;

@@ -29,7 +29,7 @@ HWY_INLINE float as_float(Bfloat16 value) {
   return to_float(value);
 }
 
-/// One block is one row.
+/// Applies the filters of each pixel. One block is one row.
 template <class Element>
 class DynamicFilterKernel final : public Kernel {
  public:
@@ -56,7 +56,7 @@ class DynamicFilterKernel final : public Kernel {
   }
 
  private:
-  /// What one filter makes of all channels.
+  /// Applies one filter to all channels.
   HWY_INLINE void filter_pixel(const Strip& strip, size_t y, size_t x, const Element* filter, Element* to) const {
     constexpr size_t kVectors = 4;
     size_t c = 0;
@@ -82,7 +82,8 @@ class DynamicFilterKernel final : public Kernel {
       }
     }
     if (c + kVectors * kLanes > channels_) {
-      // Lanes of the padding: where they would go is the next filter's result, or another pixel's.
+      // The lanes of the padding are not stored, because the result of the next filter or another pixel is at their
+      // place.
       Element lanes[kLanes];
       store_floats(sums[0], lanes);
       std::copy_n(lanes, channels_ - c, to + c);

@@ -7,7 +7,8 @@
 
 namespace e2lf::engine {
 
-/// model::Op::kDynamicFilter: inputs x [channels] and f [filter_values], of one type, as the output.
+/// Makes the kernel of model::Op::kDynamicFilter. Its inputs are x [channels] and f [filter_values], of the same type
+/// as the output.
 [[nodiscard]] std::unique_ptr<Kernel> make_dynamic_filter(size_t channels, size_t filter_values, size_t kernel,
                                                           ElementType type);
 

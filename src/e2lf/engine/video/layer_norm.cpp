@@ -21,7 +21,7 @@ namespace {
 
 using namespace kernels::HWY_NAMESPACE;
 
-/// One block is one row.
+/// Normalises each pixel. One block is one row.
 template <class Element>
 class LayerNormKernel final : public Kernel {
  public:
@@ -30,7 +30,7 @@ class LayerNormKernel final : public Kernel {
         step_(padded_channels(weight.size())),
         weight_(std::move(weight)),
         bias_(std::move(bias)) {
-    // Zeros make the padding of the output zero.
+    // These zeros make the padding of the output zero.
     weight_.resize(step_);
     bias_.resize(step_);
   }

@@ -8,7 +8,8 @@
 
 namespace e2lf::engine {
 
-/// model::Op::kLayerNorm, of one type; `weight` and `bias` of each channel.
+/// Makes the kernel of model::Op::kLayerNorm, whose input and output have the same type. `weight` and `bias` have one
+/// value per channel.
 [[nodiscard]] std::unique_ptr<Kernel> make_layer_norm(const std::vector<float>& weight, const std::vector<float>& bias,
                                                       ElementType type);
 

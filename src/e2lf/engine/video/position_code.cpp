@@ -19,7 +19,7 @@ Bfloat16 sum(Bfloat16 value, double more) {
   return to_bfloat16(to_float(value) + static_cast<float>(more));
 }
 
-/// One block is one row.
+/// Adds the position code. One block is one row.
 template <class Element>
 class PositionCodeKernel final : public Kernel {
  public:
@@ -41,8 +41,8 @@ class PositionCodeKernel final : public Kernel {
     auto* to = strip.output.row<Element>(static_cast<ptrdiff_t>(y));
     std::copy_n(from, strip.width * step, to);
     for (size_t i = 0; i < steps_.size(); ++i) {
-      // From pixel to pixel the code turns by an angle. In double precision a row of turns loses nothing that float32
-      // would show, and sines and cosines are needed once for a row.
+      // The code rotates by a constant angle from pixel to pixel. In double precision, the rotations along a row are
+      // accurate beyond float32, so that sines and cosines are evaluated only once per row.
       auto code = std::polar(1.0, static_cast<double>(y * strip.width) * frequencies_[i]);
       const double turn_cos = steps_[i].real(), turn_sin = steps_[i].imag();
       for (size_t x = 0; x < strip.width; ++x) {

@@ -7,7 +7,7 @@
 
 namespace e2lf::engine {
 
-/// model::Op::kPositionCode, of one type.
+/// Makes the kernel of model::Op::kPositionCode, whose input and output have the same type.
 [[nodiscard]] std::unique_ptr<Kernel> make_position_code(size_t channels, ElementType type);
 
 }  // namespace e2lf::engine

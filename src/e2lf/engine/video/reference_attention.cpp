@@ -9,7 +9,7 @@
 namespace e2lf::engine {
 namespace {
 
-/// One head of one pixel; `first` is the head's first channel.
+/// Computes one head of one pixel. `first` is the first channel of the head.
 void attend(const ReferencePlanes& queries, const ReferencePlanes& keys, const ReferencePlanes& values, size_t first,
             size_t size, size_t pixel, ReferencePlanes& output) {
   const size_t pixels = keys.height * keys.width;

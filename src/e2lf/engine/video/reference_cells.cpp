@@ -13,7 +13,7 @@ double sigmoid(double x) {
   return 1.0 / (1.0 + std::exp(-x));
 }
 
-/// [x, h].
+/// Concatenates x and h along the channels.
 ReferencePlanes joined(const ReferencePlanes& input, const std::vector<float>& hidden) {
   ReferencePlanes both(input.channels + hidden.size() / (input.height * input.width), input.height, input.width);
   std::copy(hidden.begin(), hidden.end(), std::copy(input.values.begin(), input.values.end(), both.values.begin()));

@@ -5,7 +5,7 @@
 
 #include "e2lf/engine/reference.h"
 
-/// Parts of the reference; not for other modules.
+/// Internal parts of the reference; not for use by other modules.
 namespace e2lf::engine {
 
 /// A tensor [channel, y, x].
@@ -23,14 +23,15 @@ struct ReferenceKernel {
   const std::vector<float>& bias;
 };
 
-/// What is remembered under a name; zeros at rest. Of another size it breaks the contract.
+/// Returns the state of that name, which is zero at rest. A state of another size breaks the contract.
 [[nodiscard]] std::vector<float>& remembered(ReferenceState& state, const std::string& name, size_t size);
 
-/// "Same" convolution at stride 1, sums in double precision.
+/// Computes a "same" convolution with stride 1 and sums in double precision.
 [[nodiscard]] ReferencePlanes reference_conv(const ReferencePlanes& input, size_t out_channels, size_t kernel,
                                              const ReferenceKernel& weights);
 
-/// One frame of model::Op::kConvGru and kConvLstm, in double precision but for what is stored; replaces the state.
+/// Compute one frame of model::Op::kConvGru and kConvLstm, in double precision except for stored values, and update the
+/// state.
 [[nodiscard]] ReferencePlanes reference_gru(const model::Layer& layer, const ReferencePlanes& input,
                                             const ReferenceKernel& gates, const ReferenceKernel& candidate,
                                             ReferenceState& state);

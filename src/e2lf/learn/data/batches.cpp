@@ -3,10 +3,12 @@
 
 #include <algorithm>
 
+#include "e2lf/files/bundled_files.h"
+
 namespace e2lf::learn {
 namespace {
 
-enum SeedPurpose : uint64_t { kNoise = 1, kSynthesis = 2, kSamples = 3 };
+enum SeedPurpose : uint64_t { kNoise = 1, kSynthesis = 2, kSamples = 3, kValidation = 4 };
 constexpr uint64_t kFirstPool = 32;  // light fields synthesised before the first step
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -23,7 +25,8 @@ uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
 }
 
 /// The camera with each constant somewhere within its uncertainty, and a transmission for every lit pattern.
-capture::Camera draw_camera(capture::Camera camera, const SensorConfig& sensor, size_t num_codes, Draws& draws) {
+capture::SensorProfile draw_camera(capture::SensorProfile camera, const SensorConfig& sensor, size_t num_codes,
+                                   Draws& draws) {
   const double spread = draws.chance(sensor.camera_nominal_share) ? 0.0 : sensor.camera_spread;
   const auto vary = [&](float value, float uncertainty) {
     return value * static_cast<float>(std::exp(draws.uniform(-1.0, 1.0) * spread * uncertainty));
@@ -43,7 +46,7 @@ capture::Camera draw_camera(capture::Camera camera, const SensorConfig& sensor, 
 
 /// A better camera than the stated one: each of its faults is as it was, with even chances, or down to none.
 /// Rates are up to 1000 times as high, which is no lag at all.
-capture::Camera draw_wide(capture::Camera camera, Draws& draws) {
+capture::SensorProfile draw_wide(capture::SensorProfile camera, Draws& draws) {
   using enum capture::PixelConstant;
   const auto scale = [&](std::initializer_list<capture::PixelConstant> names, double factor) {
     for (const auto name : names) camera.pixel[name] *= static_cast<float>(factor);
@@ -76,7 +79,8 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
     }
   }
   if (!config.sensor.camera.empty()) {
-    E2LF_ASSIGN_OR_RETURN(batches.camera_, capture::read_camera(config.sensor.camera));
+    E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledCameras, config.sensor.camera));
+    E2LF_ASSIGN_OR_RETURN(batches.camera_, capture::read_camera(path));
     if (!batches.camera_->is_pixel() || !config.patterns.black_first) {
       return Error{ErrorCode::kInvalidValue, "training takes cameras of the event model \"pixel\", with black first",
                    config.sensor.camera};
@@ -99,7 +103,20 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
                  "no light field of the data is left to train on; add some or set data.synthetic_share to 1",
                  config.data.file};
   }
+  if (config.data.validation.empty()) batches.synthesise_validation();
   return batches;
+}
+
+/// Light fields that no step trains on, large enough for an evaluation.
+void Batches::synthesise_validation() {
+  constexpr uint64_t kScenes = 2;
+  SynthesiserOptions options = config_.data.synthesiser;
+  options.size = std::max<int64_t>(options.size, 64);
+  for (uint64_t i = 1; i <= kScenes; ++i) {
+    const auto views = synthesise(dataset_.textures, options, mix_seed(config_.seed, kValidation, i), device_);
+    dataset_.scenes.push_back({cat("synthesised ", i), views_last(views)});
+    config_.data.validation.push_back(dataset_.scenes.back().name);
+  }
 }
 
 void Batches::advance_pool(uint64_t step) {
@@ -168,20 +185,21 @@ Batches::Conditions Batches::random_conditions(Draws& draws) const {
 /// Of the paper's models; apply_camera() replaces those of physical pixels. One pattern alone makes no events.
 void Batches::tell_traits(Conditions& conditions) const {
   if (config_.patterns.num_patterns < 2) {
-    conditions.constants.traits = torch::zeros({conditions.gain.size(0), 0}, torch::device(device_));
+    conditions.constants.conditioning = torch::zeros({conditions.gain.size(0), 0}, torch::device(device_));
     return;
   }
   const SampleConstants& constants = conditions.constants;
   const auto value = [](const torch::Tensor& values, int64_t i) { return values.flatten()[i].item<float>(); };
   std::vector<torch::Tensor> rows;
   for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
-    const auto traits = capture::camera_traits({.constants = {value(constants.eps, i), value(constants.tau, i),
-                                                              value(constants.sigma_w, i), value(constants.sigma_z, i)},
-                                                .residue = value(conditions.residue, i)},
-                                               config_.patterns.num_patterns);
-    rows.push_back(torch::tensor(at::ArrayRef<float>(traits)));
+    const auto conditioning =
+        capture::conditioning_vector({.constants = {value(constants.eps, i), value(constants.tau, i),
+                                                    value(constants.sigma_w, i), value(constants.sigma_z, i)},
+                                      .residue = value(conditions.residue, i)},
+                                     config_.patterns.num_patterns);
+    rows.push_back(torch::tensor(at::ArrayRef<float>(conditioning)));
   }
-  conditions.constants.traits = torch::stack(rows).to(device_);
+  conditions.constants.conditioning = torch::stack(rows).to(device_);
 }
 
 /// Makes a share of the samples ones of the camera, its constants drawn from what they may be. Has draws of its own,
@@ -194,7 +212,7 @@ void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
   const auto row = [&](const std::vector<float>& values) { return torch::tensor(at::ArrayRef<float>(values)); };
   std::vector<torch::Tensor> constants, transmissions, is_pixel;
   for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
-    capture::Camera drawn = draw_camera(*camera_, sensor, config_.patterns.num_codes(), draws);
+    capture::SensorProfile drawn = draw_camera(*camera_, sensor, config_.patterns.num_codes(), draws);
     if (draws.chance(sensor.camera_wide_share)) drawn = draw_wide(std::move(drawn), draws);
     const bool chosen = draws.chance(sensor.camera_share);
     const auto gain = static_cast<float>(draws.log_uniform(sensor.camera_gain[0], sensor.camera_gain[1]));
@@ -205,7 +223,7 @@ void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
     conditions.gain[i] = gain;
     conditions.constants.eps[i] = drawn.constants.eps;
     conditions.constants.tau[i] = drawn.constants.tau;
-    conditions.constants.traits[i] = row(capture::camera_traits(drawn, num_patterns, cycles)).to(device_);
+    conditions.constants.conditioning[i] = row(capture::conditioning_vector(drawn, num_patterns, cycles)).to(device_);
   }
   conditions.constants.pixel = {torch::stack(is_pixel).to(device_), torch::stack(constants).to(device_),
                                 torch::stack(transmissions).to(device_), static_cast<int64_t>(cycles)};
@@ -234,7 +252,7 @@ Batch Batches::at(uint64_t step, Share share) {
   Batch batch;
   batch.gain = own(gain);
   batch.constants = {own(constants.eps), own(constants.tau), own(constants.sigma_w), own(constants.sigma_z)};
-  batch.constants.traits = own(constants.traits);
+  batch.constants.conditioning = own(constants.conditioning);
   if (camera_) {
     const PixelSamples& pixel = constants.pixel;
     batch.constants.pixel = {own(pixel.is_pixel), own(pixel.constants), own(pixel.transmission), pixel.cycles};

@@ -38,12 +38,16 @@ class Batches {
 
   [[nodiscard]] const Dataset& dataset() const { return dataset_; }
 
+  /// The scenes to evaluate: those of data.validation, or without any two light fields of the synthesiser.
+  [[nodiscard]] const std::vector<std::string>& validation() const { return config_.data.validation; }
+
   /// The camera of sensor.camera; nothing where none is named.
-  [[nodiscard]] const std::optional<capture::Camera>& camera() const { return camera_; }
+  [[nodiscard]] const std::optional<capture::SensorProfile>& camera() const { return camera_; }
 
  private:
   Batches(Config config, Dataset dataset, torch::Device device)
       : config_(std::move(config)), dataset_(std::move(dataset)), device_(device) {}
+  void synthesise_validation();
   void advance_pool(uint64_t step);
   [[nodiscard]] torch::Tensor random_crop(const torch::Tensor& views, int64_t stride, Draws& draws) const;
   [[nodiscard]] torch::Tensor random_patch(Draws& draws) const;
@@ -57,7 +61,7 @@ class Batches {
   void apply_camera(uint64_t step, Conditions& conditions) const;
 
   Config config_;
-  std::optional<capture::Camera> camera_;
+  std::optional<capture::SensorProfile> camera_;
   Dataset dataset_;
   torch::Device device_;
   std::vector<size_t> scenes_;             // indices of those to train on

@@ -41,13 +41,13 @@ SampleConstants repeat_constants(const capture::SensorConstants& constants, int6
   return {repeat(constants.eps), repeat(constants.tau), repeat(constants.sigma_w), repeat(constants.sigma_z)};
 }
 
-SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t num_codes, size_t cycles,
+SampleConstants sample_of(const capture::SensorProfile& camera, size_t num_patterns, size_t num_codes, size_t cycles,
                           torch::Device device) {
   SampleConstants sample = repeat_constants(camera.constants, 1, device);
   const auto row = [&](const std::vector<float>& values) {
     return torch::tensor(at::ArrayRef<float>(values)).unsqueeze(0).to(device);
   };
-  if (num_patterns >= 2) sample.traits = row(capture::camera_traits(camera, num_patterns, cycles));
+  if (num_patterns >= 2) sample.conditioning = row(capture::conditioning_vector(camera, num_patterns, cycles));
   if (!camera.is_pixel()) return sample;
   std::vector<float> transmission = {1.0F};
   for (size_t n = 0; n + 1 < num_codes; ++n) {

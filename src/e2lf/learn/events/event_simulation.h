@@ -10,25 +10,22 @@
 
 namespace e2lf::learn {
 
-enum class EventModel {
-  kQuantised,       ///< Eq. 8: every transition starts from the previous coded intensity
-  kReferenceAware,  ///< Eq. 9-10: from the sensor's own reference, which starts at the first coded intensity
-};
+using capture::EventModel;
 
 /// Sensor constants per sample: float32 [batch, 1, 1] each, on the device of the light fields.
 struct SampleConstants {
   torch::Tensor eps, tau, sigma_w, sigma_z;
-  PixelSamples pixel = {};    ///< for samples of physical pixels; undefined tensors: there are none
-  torch::Tensor traits = {};  ///< float32 [batch, capture::num_traits(N)]: what the network is told
+  PixelSamples pixel = {};          ///< for samples of physical pixels; undefined tensors: there are none
+  torch::Tensor conditioning = {};  ///< float32 [batch, capture::conditioning_size(N)]: what the network is told
 };
 
-/// The same constants for every sample; without traits.
+/// The same constants for every sample; without conditioning.
 [[nodiscard]] SampleConstants repeat_constants(const capture::SensorConstants& constants, int64_t batch,
                                                torch::Device device);
 
-/// Returns one sample of a camera at its stated values, with traits, whose counts are means over `cycles`. Of
+/// Returns one sample of a camera at its stated values, with conditioning, whose counts are means over `cycles`. Of
 /// `num_codes` codes there are as many patterns, or 2 * num_codes + 1 in a whole cycle.
-[[nodiscard]] SampleConstants sample_of(const capture::Camera& camera, size_t num_patterns, size_t num_codes,
+[[nodiscard]] SampleConstants sample_of(const capture::SensorProfile& camera, size_t num_patterns, size_t num_codes,
                                         size_t cycles, torch::Device device);
 
 /// What ties patterns to each other.

@@ -48,7 +48,7 @@ torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::
         break;
       }
       case model::InputKind::kCamera: {
-        const auto planes = constants.traits.unsqueeze(2).unsqueeze(3) * group.scale;
+        const auto planes = constants.conditioning.unsqueeze(2).unsqueeze(3) * group.scale;
         channels.push_back(planes.expand({-1, -1, events.size(2), events.size(3)}).to(events.scalar_type()));
         break;
       }

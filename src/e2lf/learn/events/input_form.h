@@ -12,7 +12,7 @@ namespace e2lf::learn {
 
 /// The network's input channels from event images [batch, N - 1, y, x] and intensity images [batch, images, y, x],
 /// where there are any, as model::InputGroup defines them: [batch, model::num_input_channels(), y, x], differentiable.
-/// Uses eps, tau and the traits of each sample.
+/// Uses eps, tau and the conditioning of each sample.
 [[nodiscard]] torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::InputGroup>& groups,
                                         const SampleConstants& constants, const torch::Tensor& images = {});
 

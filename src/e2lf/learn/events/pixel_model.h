@@ -3,7 +3,7 @@
 
 #include <torch/types.h>
 
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::learn {
 

@@ -12,8 +12,8 @@ namespace {
 using enum capture::PixelConstant;
 
 /// A camera that follows the light at once, whose pixels are equal and whose references start at black exactly.
-capture::Camera ideal_camera(float tau = 0.3F) {
-  capture::Camera camera;
+capture::SensorProfile ideal_camera(float tau = 0.3F) {
+  capture::SensorProfile camera;
   camera.event_model = "pixel";
   camera.constants = {.eps = 0.01F, .tau = tau, .sigma_w = 0.0F, .sigma_z = 0.0F};
   camera.pixel[kEps] = 0.01F;
@@ -24,8 +24,8 @@ capture::Camera ideal_camera(float tau = 0.3F) {
   return camera;
 }
 
-torch::Tensor events_of(const capture::Camera& camera, const torch::Tensor& intensities, const torch::Tensor& full,
-                        size_t cycles = 1) {
+torch::Tensor events_of(const capture::SensorProfile& camera, const torch::Tensor& intensities,
+                        const torch::Tensor& full, size_t cycles = 1) {
   const auto num_patterns = static_cast<size_t>(intensities.size(1));
   const size_t num_codes = num_patterns % 2 == 1 && num_patterns >= 5 ? (num_patterns - 1) / 2 : num_patterns;
   return simulate_pixel_events(intensities, full,
@@ -114,7 +114,7 @@ TEST(PixelModel, MismatchStaysWhenCyclesAreAveragedAndNoiseGoes) {
   for (auto* camera : {&noisy, &unequal}) camera->pixel[kResetSpan] = 1.0F;
   noisy.pixel[kNoise] = 0.1F;
   unequal.pixel[kMismatch] = 0.1F;
-  const auto spread = [&](const capture::Camera& camera, size_t cycles) {
+  const auto spread = [&](const capture::SensorProfile& camera, size_t cycles) {
     return events_of(camera, intensities, full, cycles).std().item<double>();
   };
   EXPECT_LT(spread(noisy, 16), 0.3 * spread(noisy, 1));
@@ -133,13 +133,13 @@ TEST(PixelModel, DarkEventsComeAtTheStatedRates) {
 }
 
 TEST(PixelModel, TraitsAreOfTheSampleAndZeroForAnIdealPaperCamera) {
-  capture::Camera paper;
+  capture::SensorProfile paper;
   paper.constants = {.eps = 0.01F, .tau = 0.3F, .sigma_w = 0.0F, .sigma_z = 0.0F};
-  for (const float trait : capture::camera_traits(paper, 4)) EXPECT_EQ(trait, 0.0F);
+  for (const float trait : capture::conditioning_vector(paper, 4)) EXPECT_EQ(trait, 0.0F);
   const auto sample = sample_of(ideal_camera(), 4, 4, 4, torch::kCPU);
-  ASSERT_EQ(sample.traits.size(1), static_cast<int64_t>(capture::num_traits(4)));
-  EXPECT_EQ(sample.traits[0][0].item<float>(), 1.0F);
-  EXPECT_FLOAT_EQ(sample.traits[0][15].item<float>(), 0.5F);
+  ASSERT_EQ(sample.conditioning.size(1), static_cast<int64_t>(capture::conditioning_size(4)));
+  EXPECT_EQ(sample.conditioning[0][0].item<float>(), 1.0F);
+  EXPECT_FLOAT_EQ(sample.conditioning[0][15].item<float>(), 0.5F);
 }
 
 }  // namespace

@@ -158,7 +158,7 @@ Result<std::string> evaluate_run(const std::filesystem::path& run, const std::ve
   return guarded(run, [&]() -> Result<std::string> {
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, overrides));
     std::string table = "scene\tpsnr_db\tevents_per_pixel\tpsnr_db_without_noise\n";
-    for (const capture::Camera& camera : trainer.cameras()) {
+    for (const capture::SensorProfile& camera : trainer.cameras()) {
       E2LF_ASSIGN_OR_RETURN(const auto usual, trainer.evaluate(scenes, camera));
       E2LF_ASSIGN_OR_RETURN(const auto clean, trainer.evaluate(scenes, capture::without_noise(camera)));
       for (size_t i = 0; i < usual.size(); ++i) {

@@ -15,7 +15,7 @@ namespace e2lf::learn {
 
 struct DataConfig {
   std::string file;                     ///< made by `e2lf pack`; empty: procedural textures alone
-  std::vector<std::string> validation;  ///< light fields for evaluation, never trained on
+  std::vector<std::string> validation;  ///< light fields for evaluation, never trained on; empty: synthesised ones
   std::vector<std::string> exclude;     ///< light fields neither trained on nor evaluated during training
   double synthetic_share = 0.5;         ///< share of samples from the synthesiser
   uint64_t patch_stride = 0;            ///< patches of light fields lie on a grid from the top left; 0 = anywhere
@@ -30,7 +30,7 @@ struct PatternConfig {
   bool complementary = false;  ///< every second pattern is the inverse of the one before; not with black_first
   bool whole_cycle = false;    ///< codes, their inverses, and black again: num_patterns is twice their number and one
   EventModel event_model = EventModel::kReferenceAware;
-  std::string codes;            ///< a model file or codes as JSON, to use as they are; empty: learn them
+  std::string codes;            ///< a model (file or name) or codes as JSON, to use as they are; empty: learn them
   std::string start;            ///< likewise, codes that learning starts from; empty: at random
   double noise_start = 0.0;     ///< at random: parameters are white noise of this width; 0 = soft discs
   bool in_model = true;         ///< the model holds the codes; without them it reconstructs but does not simulate
@@ -52,7 +52,7 @@ struct SensorConfig {
   std::array<double, 2> tau = {0.27, 0.33};  ///< uniform; known to the network through its inputs
   std::array<double, 2> sigma_w = {0.0, 0.25};
   std::array<double, 2> sigma_z = {0.0, 0.06};
-  std::string camera;                 ///< a camera file of the model "pixel"; empty: the paper's model alone
+  std::string camera;                 ///< a camera (file or name) of the model "pixel"; empty: the paper's model alone
   double camera_share = 0.5;          ///< share of samples with that camera
   double camera_nominal_share = 0.3;  ///< of these: share with exactly the stated constants
   double camera_spread = 1.0;         ///< the others vary over so many times the stated uncertainty
@@ -90,7 +90,7 @@ struct Config {
   uint64_t seed = 1;
   std::string device = "cpu";         ///< "cpu", "cuda", "cuda:1"
   std::string precision = "float32";  ///< or "bfloat16": of the network's convolutions
-  std::string start;                  ///< a model file whose weights training starts from; empty: random
+  std::string start;                  ///< a model (file or name) whose weights training starts from; empty: random
   DataConfig data;
   PatternConfig patterns;
   SensorConfig sensor;

@@ -28,9 +28,18 @@ void add_chart(const char* heading, std::vector<report::Line> lines, bool is_log
   page.drawing(report::chart_svg(chart));
 }
 
+/// What is above the figures of validation; before there are any, when the first ones come.
+std::string scenes_caption(const RunCurves& curves, const Json& config) {
+  const auto setting = [&](const char* key) { return config.value(Json::json_pointer(key), uint64_t{0}); };
+  const uint64_t step = std::min(setting("/train/evaluate_steps"), setting("/train/steps"));
+  if (!curves.psnr_db.empty() || step == 0) return "Validation scenes.";
+  return cat("Validation scenes: the first evaluation comes after step ", step, ", that is after ",
+             step * setting("/train/batch"), " samples.");
+}
+
 /// The last and the best figures of each scene.
-report::Table scene_table(const RunCurves& curves) {
-  report::Table table{"Validation scenes.",
+report::Table scene_table(const RunCurves& curves, const Json& config) {
+  report::Table table{scenes_caption(curves, config),
                       {{"scene"},
                        {"PSNR dB", true, false, "psnr_db"},
                        {"best PSNR dB", true, false, "best_psnr_db"},
@@ -65,7 +74,7 @@ void add_patterns(const PatternState& state, report::Page& page) {
 
 report::Page curves_page(const std::string& title, const RunCurves& curves, const Json& config) {
   report::Page page(title);
-  page.table(scene_table(curves));
+  page.table(scene_table(curves, config));
   page.heading("Training");
   add_chart("loss: mean squared error of the training samples", {curves.loss, running_mean(curves.loss)}, true, page);
   add_chart("PSNR of the validation scenes, dB", curves.psnr_db, false, page);

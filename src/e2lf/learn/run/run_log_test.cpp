@@ -60,5 +60,16 @@ TEST(RunLog, DrawsAPageThatStandsAlone) {
   EXPECT_EQ(count("nan"), 0U);
 }
 
+TEST(RunLog, BeforeAnEvaluationThePageSaysWhenItComes) {
+  const TestData data;
+  const RunLog log(data.folder());
+  const Json config = {{"train", {{"batch", 4}, {"steps", 700}, {"evaluate_steps", 50}}}};
+  ASSERT_TRUE(log.draw_curves("a run", config));
+  EXPECT_NE(content(data.folder() / "curves.html").find("after step 50, that is after 200 samples"), std::string::npos);
+  ASSERT_TRUE(log.add(ScoreRow{50, 200, "scene", 20.0, 7}));
+  ASSERT_TRUE(log.draw_curves("a run", config));
+  EXPECT_EQ(content(data.folder() / "curves.html").find("after step 50"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace e2lf::learn

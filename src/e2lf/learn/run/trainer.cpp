@@ -8,6 +8,7 @@
 
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/learn/data/draws.h"
@@ -37,11 +38,12 @@ NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
   return tensors;
 }
 
-/// Reads the codes [n, views] of a model file or a JSON file of codes, n between `fewest` and patterns.num_codes(); of
-/// a whole cycle those before the inverses. (Other files would need libraries that a machine with torch alone may
-/// lack.)
-Result<torch::Tensor> read_codes(const std::filesystem::path& path, size_t fewest, const PatternConfig& patterns,
+/// Reads the codes [n, views] of a model file, a bundled model or a JSON file of codes, n between `fewest` and
+/// patterns.num_codes(); of a whole cycle those before the inverses. (Other files would need libraries that a machine
+/// with torch alone may lack.)
+Result<torch::Tensor> read_codes(const std::string& name, size_t fewest, const PatternConfig& patterns,
                                  torch::Device device) {
+  E2LF_ASSIGN_OR_RETURN(const std::filesystem::path path, find_file_or_bundled(kBundledCodes, name));
   std::optional<capture::Codes> codes;
   if (path.extension() == ".safetensors") {
     E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
@@ -147,7 +149,8 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
     trainer.patterns_.start_at_noise(config.patterns.noise_start);
   }
   if (!config.start.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(config.start));
+    E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, config.start));
+    E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
     const auto origins = input_origins(model, config.input, config.patterns.num_patterns);
     const auto widened = widen_inputs(model.network, model.weights, trainer.network_.network(), origins);
     E2LF_RETURN_IF_ERROR(load_weights(trainer.network_.parameters(), widened, config.start));
@@ -256,8 +259,8 @@ Result<StepReport> Trainer::train_step() {
   return report;
 }
 
-Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes, const capture::Camera& camera,
-                                                  size_t cycles) const {
+Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes,
+                                                  const capture::SensorProfile& camera, size_t cycles) const {
   const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
   const Pipeline pipeline{&network_,
                           &average_,
@@ -277,8 +280,8 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
   return scores;
 }
 
-std::vector<capture::Camera> Trainer::cameras() const {
-  std::vector<capture::Camera> list(1);
+std::vector<capture::SensorProfile> Trainer::cameras() const {
+  std::vector<capture::SensorProfile> list(1);
   list.front().constants = config_.sensor.nominal;
   if (batches_.camera()) list.push_back(*batches_.camera());
   return list;
@@ -300,8 +303,8 @@ StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const 
 /// Every process evaluates, so that none waits for another longer than its patience; the first one writes.
 Result<void> Trainer::log_evaluation(const RunLog& log) const {
   const uint64_t samples = step_ * config_.train.batch;
-  for (const capture::Camera& camera : cameras()) {
-    E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(config_.data.validation, camera));
+  for (const capture::SensorProfile& camera : cameras()) {
+    E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(batches_.validation(), camera));
     if (!peers_.leads()) continue;
     for (const SceneScore& score : scores) {
       E2LF_RETURN_IF_ERROR(log.add(ScoreRow{step_, samples, score.name, score.psnr_db, score.events_per_pixel}));
@@ -320,7 +323,11 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
   E2LF_RETURN_IF_ERROR(start_together());
   if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
   const RunLog log(folder);
+  const auto draw_curves = [&]() -> Result<void> {
+    return peers_.leads() ? log.draw_curves(config_.name, to_json(config_)) : Result<void>();
+  };
   if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.rewind(step_));
+  E2LF_RETURN_IF_ERROR(draw_curves());
   using Clock = std::chrono::steady_clock;
   auto last_time = Clock::now();
   uint64_t last_step = step_;
@@ -341,6 +348,7 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
       const auto steps = static_cast<double>(step_ - last_step);
       const StepReport mean{sum.loss / steps, sum.mse / steps, sum.gradient_norm / steps};
       if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.add(step_row(mean, speed)));
+      E2LF_RETURN_IF_ERROR(draw_curves());
       sum = {};
       last_time = Clock::now();
       last_step = step_;

@@ -49,10 +49,10 @@ class Trainer {
 
   /// Scores of the averaged weights on the named scenes, recorded by a camera over so many cycles.
   [[nodiscard]] Result<std::vector<SceneScore>> evaluate(const std::vector<std::string>& scenes,
-                                                         const capture::Camera& camera, size_t cycles = 1) const;
+                                                         const capture::SensorProfile& camera, size_t cycles = 1) const;
 
   /// The cameras that evaluations are made with: the paper's at its nominal constants, and sensor.camera.
-  [[nodiscard]] std::vector<capture::Camera> cameras() const;
+  [[nodiscard]] std::vector<capture::SensorProfile> cameras() const;
 
   /// The averaged weights and the patterns as a model. Patterns still being learned are rounded to 0 and 1.
   [[nodiscard]] model::Model to_model() const;

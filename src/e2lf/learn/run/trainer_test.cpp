@@ -5,8 +5,12 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <tuple>
+#include <utility>
 
 #include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/files/bundled_files.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
 #include "e2lf/learn/events/input_form.h"
 #include "e2lf/learn/run/commands.h"
 #include "e2lf/model/unet.h"
@@ -106,6 +110,40 @@ TEST(Trainer, TakesPatternsFromAFileOfPatterns) {
   EXPECT_EQ(trainer->to_model().codes, codes);
   config.patterns.num_patterns = 5;
   EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kShape);
+}
+
+TEST(Trainer, TakesModelsAndCamerasByName) {
+  const TestData data;
+  auto config = data.config();
+  config.patterns.codes = "e2lf-n4";
+  config.sensor.camera = "evk4-lcos";
+  const auto trainer = Trainer::create(config);
+  ASSERT_TRUE(trainer) << trainer.error().text();
+  const auto model = model::read_model(*bundled_model());
+  EXPECT_EQ(trainer->to_model().codes, model->codes);
+  EXPECT_EQ(trainer->to_model().camera->name, "evk4-lcos");
+  for (std::string* name : {&config.sensor.camera, &config.patterns.codes, &config.start}) {
+    const std::string before = std::exchange(*name, "nobodys");
+    const auto unknown = Trainer::create(config);
+    ASSERT_FALSE(unknown);
+    EXPECT_EQ(unknown.error().code, ErrorCode::kNotFound);
+    EXPECT_NE(unknown.error().message.find(name == &config.sensor.camera ? "evk4-lcos" : "e2lf-n4"), std::string::npos);
+    *name = before;
+  }
+}
+
+TEST(Trainer, EvaluatesSynthesisedScenesWhereNoneAreNamed) {
+  auto config = TestData().config();
+  config.data.file.clear();
+  config.data.validation.clear();
+  config.data.synthetic_share = 1.0;
+  const TestData data;
+  const auto run = data.folder() / "run";
+  ASSERT_TRUE(write_file(data.folder() / "config.json", json_text(to_json(config))));
+  const auto trained = train(data.folder() / "config.json", run, {});
+  ASSERT_TRUE(trained) << trained.error().text();
+  const auto page = read_file(run / "curves.html").value();
+  EXPECT_NE(std::string(page.begin(), page.end()).find("synthesised 2"), std::string::npos);
 }
 
 /// The network of a model of N = 4 with two input groups, before the same with other groups and two patterns more: it

@@ -7,8 +7,8 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// Rows of `image`, eight pixels to a byte where a pixel has one bit, each padded with zeros to a multiple of
-/// `alignment` bytes.
+/// Returns row `y` of `image`, padded with zeros to a multiple of `alignment` bytes. At one bit per pixel, a byte holds
+/// eight pixels.
 std::vector<uint8_t> packed_row(const ByteImage& image, size_t y, BitDepth depth, size_t alignment) {
   const uint8_t* pixels = image.pixels.data() + y * image.width;
   const size_t bytes = depth == BitDepth::k1 ? (image.width + 7) / 8 : image.width;
@@ -43,7 +43,7 @@ Result<std::vector<uint8_t>> encode_grey_png(const ByteImage& image, BitDepth de
   return encode_png_rows(raw);
 }
 
-/// Windows bitmap: file header, BITMAPINFOHEADER, palette of greys, rows from the bottom to the top.
+/// Writes a Windows bitmap: file header, BITMAPINFOHEADER, palette of greys, and rows from bottom to top.
 std::vector<uint8_t> encode_grey_bmp(const ByteImage& image, BitDepth depth) {
   E2LF_REQUIRE(image.channels == 1, "the picture is grey");
   constexpr uint32_t kHeaders = 14 + 40, kPixelsPerMetre = 3780;
@@ -64,7 +64,7 @@ std::vector<uint8_t> encode_grey_bmp(const ByteImage& image, BitDepth depth) {
   put(bytes, kPixelsPerMetre, 4);
   put(bytes, kPixelsPerMetre, 4);
   put(bytes, colours, 4);
-  put(bytes, 0, 4);  // all colours matter
+  put(bytes, 0, 4);  // all colours are important
   for (uint32_t colour = 0; colour < colours; ++colour) {
     const uint32_t grey = colour * 255 / (colours - 1);
     put(bytes, grey * 0x010101U, 4);

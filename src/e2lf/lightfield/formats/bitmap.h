@@ -9,11 +9,11 @@
 
 namespace e2lf::lightfield {
 
-/// How pictures for displays are stored: 1 bit per pixel (white from 128 on) or 8.
+/// The depth of pictures for displays: 1 bit per pixel (white from 128 on) or 8 bits.
 enum class BitDepth { k1, k8 };
 
-/// A grey picture as PNG or as uncompressed BMP with a grey palette. Fails with kInternal when libpng does. A picture
-/// with colour breaks the contract.
+/// Encodes a grey picture as PNG, or as uncompressed BMP with a grey palette. Fails with kInternal if libpng fails. A
+/// colour picture breaks the contract.
 [[nodiscard]] Result<std::vector<uint8_t>> encode_grey_png(const ByteImage& image, BitDepth depth);
 [[nodiscard]] std::vector<uint8_t> encode_grey_bmp(const ByteImage& image, BitDepth depth);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kMostViewsPerAxis = 10000;
 
-/// A whole number of `key = 9` in a parameters.cfg; 0 where it is not there.
+/// Returns the whole number of a line `key = 9` in parameters.cfg, or 0 if there is none.
 size_t setting_of(const fs::path& file, const std::string& key) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -28,14 +28,16 @@ size_t setting_of(const fs::path& file, const std::string& key) {
   return 0;
 }
 
-/// The grid of so many columns. Numbers that end a row but begin inside of one lack the first views.
+/// Returns the grid with this number of columns. If the numbers end at the end of a row but begin within one, the first
+/// views are missing.
 FlatGrid grid_of_columns(size_t first, size_t last, size_t columns, size_t rows) {
   const size_t span = last - first + 1, whole = (span + columns - 1) / columns * columns;
   const bool lacks_first = span < whole && (last + 1) % columns == 0 && last + 1 >= whole;
   return {lacks_first ? last + 1 - whole : first, columns, rows};
 }
 
-/// The distance of rows of equally many numbers with equal gaps between them; 0 where the numbers are not of that kind.
+/// Returns the distance between rows that have equally many numbers and equal gaps between them, or 0 if the numbers do
+/// not have this form.
 size_t row_distance(const std::vector<size_t>& numbers) {
   std::vector<size_t> begins;
   for (size_t i = 0; i < numbers.size(); ++i) {
@@ -46,7 +48,7 @@ size_t row_distance(const std::vector<size_t>& numbers) {
   for (size_t row = 1; row < begins.size(); ++row) {
     if (begins[row] != row * begins[1] || numbers[begins[row]] != numbers[0] + row * distance) return 0;
   }
-  // One missing view in the middle of a square leaves two such rows.
+  // A square with one view missing in the middle also has two such rows.
   const bool may_be_square = begins.size() == 2 && views_per_axis(numbers.back() - numbers.front() + 1) > 0;
   return may_be_square ? 0 : distance;
 }
@@ -61,7 +63,7 @@ Result<FlatGrid> find_flat_grid(const std::vector<size_t>& numbers, size_t colum
   if (said_columns > 0 && said_rows > 0) {
     FlatGrid grid = grid_of_columns(first, last, said_columns, said_rows);
     const size_t views = said_columns * said_rows;
-    // Numbers count from 0 in the benchmark: what lacks the first views begins there.
+    // The benchmark numbers from 0, so a grid that lacks its first views begins there.
     if (last < views) grid.first = 0;
     if (last - grid.first < views) return grid;
     return Error{ErrorCode::kShape,

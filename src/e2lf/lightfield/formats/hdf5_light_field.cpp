@@ -11,7 +11,7 @@ using hdf5::Handle;
 
 constexpr const char* kNames[] = {"LF", "LF_y", "Hr_SAI_y"};
 
-/// A data set and what it says of itself, before its samples are read.
+/// A data set and its description, before its samples are read.
 struct OpenedSet {
   Handle set;
   std::string name;
@@ -41,14 +41,14 @@ Result<OpenedSet> open_set(hid_t file, const std::filesystem::path& path) {
   return opened;
 }
 
-/// Whether `LF` is [U, V, H, W, C] as Python writes it rather than MATLAB's array, which reads as [C, W, H, V, U].
-/// MATLAB marks its own; of others, views are wider than there are views.
+/// Returns true if `LF` is [U, V, H, W, C] as written by Python, and false if it is MATLAB's array, which is read as
+/// [C, W, H, V, U]. MATLAB marks its arrays. For others, the test assumes that views are wider than there are views.
 bool is_numpy_order(hid_t set, const std::vector<hsize_t>& extents) {
   if (H5Aexists(set, "MATLAB_class") > 0) return false;
   return extents.size() == 5 ? extents[1] < extents[3] : extents[0] < extents[3];
 }
 
-/// Extents and axis order of the three data sets; shape.size() is 0 where they do not fit.
+/// Returns the extents and axis order of one of the three data sets. shape.size() is 0 if they do not fit.
 StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
   const std::vector<hsize_t>& extents = opened.storage.extents;
   const size_t rank = extents.size();
@@ -77,7 +77,8 @@ StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
   return array;
 }
 
-/// Whether the numbers are true (1) and false (0): MATLAB says so, and numpy's are names of a type of numbers.
+/// Returns true if the numbers are true (1) and false (0). MATLAB marks them as logical, and numpy stores an
+/// enumeration of two members.
 bool is_logical(hid_t set) {
   const Handle type(H5Dget_type(set), H5Tclose);
   if (type.valid() && H5Tget_class(type.get()) == H5T_ENUM && H5Tget_nmembers(type.get()) == 2) return true;
@@ -89,8 +90,8 @@ bool is_logical(hid_t set) {
   return name.size() < 64 && H5Aread(attribute.get(), text.get(), name.data()) >= 0 && name.starts_with("logical");
 }
 
-/// The type to read the samples as: bytes and words as they are, floats of any width and, where their white is named,
-/// other integers as float32.
+/// Returns the type to read the samples as: 8- and 16-bit unsigned integers unchanged, and floats of any width as
+/// float32. Other integers are read as float32 if their white is named.
 std::optional<SampleType> sample_type(hid_t set, const ReadOptions& options) {
   const Handle type(H5Dget_type(set), H5Tclose);
   if (!type.valid()) return std::nullopt;
@@ -108,8 +109,8 @@ hid_t memory_type(SampleType type) {
   return H5T_NATIVE_FLOAT;
 }
 
-/// False when the file does not store what the extents promise, or packs it by a filter whose output nothing tells.
-/// Unwritten chunks take no space, but a light field has hardly any of these.
+/// Returns false if the file stores fewer samples than the extents claim, or if it compresses them by a filter whose
+/// output size is unknown. Chunks that were never written take no space, but light fields have hardly any of these.
 bool holds_samples(hid_t set, const hdf5::Storage& storage) {
   constexpr double kMaxDeflateRatio = 1032.0;
   const double promised = static_cast<double>(storage.claimed_elements()) * static_cast<double>(storage.bytes_each);

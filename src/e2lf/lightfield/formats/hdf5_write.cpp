@@ -8,7 +8,7 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// The bytes of an HDF5 file made in memory; empty where HDF5 failed.
+/// Returns the bytes of an HDF5 file that is made in memory, or none if HDF5 fails.
 std::vector<uint8_t> encode_hdf5(const std::string& name, const std::vector<size_t>& extents,
                                  std::span<const float> values) {
   constexpr size_t kGrowBytes = size_t{1} << 24;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <csetjmp>
 #include <cstdio>
-// jpeglib.h needs size_t and FILE first.
+// jpeglib.h needs size_t and FILE to be declared first.
 #include <jerror.h>
 #include <jpeglib.h>
 
@@ -11,7 +11,7 @@
 namespace e2lf::lightfield {
 namespace {
 
-// A block of 8x8 pixels takes one bit or more.
+// A block of 8x8 pixels takes at least one bit.
 constexpr double kMaxPixelsPerByte = 8.0 * 64.0;
 
 struct JpegErrors {
@@ -40,7 +40,7 @@ void on_message(j_common_ptr codec, int level) {
   errors->ended = errors->ended || ended;
 }
 
-/// As in png.cpp: no function with setjmp holds an object with a destructor.
+/// As in png.cpp, functions with setjmp hold no objects with destructors.
 class JpegReader {
  public:
   JpegReader() {

@@ -14,12 +14,12 @@ namespace {
 
 constexpr size_t kLytroViews = 14;
 
-/// The views under a microlens.
+/// The number of views behind a microlens.
 struct Grid {
   size_t views_y = 0, views_x = 0;
 };
 
-/// "8x8" as write_light_field notes it in a PNG: rows x columns.
+/// Parses "8x8" (rows x columns), as write_light_field stores it in a PNG.
 std::optional<Grid> parse_grid(std::string_view text) {
   Grid grid;
   const char* const end = text.data() + text.size();

@@ -11,7 +11,7 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// The number of a class that is white; 0 where the class does not say one.
+/// Returns the number that is white in an array of this class, or 0 if the class does not determine it.
 float white_of_class(const MatArray& variable) {
   if (variable.logical) return 1.0F;
   switch (static_cast<MatClass>(variable.array_class)) {
@@ -27,7 +27,7 @@ float white_of_class(const MatArray& variable) {
   }
 }
 
-/// The type of the samples as they are stored, where from_stored() reads it.
+/// Returns the stored type of the samples if from_stored() can read it.
 std::optional<SampleType> type_of_storage(uint32_t storage) {
   switch (static_cast<MatStorage>(storage)) {
     case MatStorage::kUint8:
@@ -54,7 +54,7 @@ std::vector<float> widen(std::span<const uint8_t> data) {
   return out;
 }
 
-/// Samples of the other types as float. Empty where there is no such type.
+/// Converts samples of the other integer types to float. Returns none if the type is unknown.
 std::vector<float> widened_samples(const MatArray& variable) {
   switch (static_cast<MatStorage>(variable.storage)) {
     case MatStorage::kInt8:
@@ -96,7 +96,7 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   array.shape = {extents[0], extents[1], extents[2], extents[3], extents.size() == 5 ? extents[4] : 1};
   array.strides = matlab_uvhwc_strides(array.shape);
   array.white = white;
-  // MATLAB stores numbers as a smaller type than that of their class where all fit.
+  // MATLAB stores numbers as a smaller type than that of their class if all of them fit.
   array.type = type_of_storage(variable.storage).value_or(SampleType::kFloat32);
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(array.type), options, location));
 

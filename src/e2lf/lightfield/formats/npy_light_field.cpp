@@ -7,7 +7,7 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// The type to read an array as; others than these four are turned to float32 first.
+/// Returns the type to read an array as. Types other than these four are converted to float32 first.
 std::optional<SampleType> sample_type(const std::string& code) {
   if (code == "u1") return SampleType::kUint8;
   if (code == "u2") return SampleType::kUint16;
@@ -18,7 +18,7 @@ std::optional<SampleType> sample_type(const std::string& code) {
   return std::nullopt;  // i1 and i2 are event counts
 }
 
-/// Whether the type says which number is white.
+/// Returns true if the type determines which number is white.
 bool has_white(const std::string& code) {
   return code == "u1" || code == "u2" || code == "b1" || code[0] == 'f';
 }
@@ -38,7 +38,8 @@ std::optional<Shape> npy_shape(const NpyArray& array) {
   if (extents.size() == 5 && (extents[4] == 1 || extents[4] == 3)) {
     return Shape{extents[0], extents[1], extents[2], extents[3], extents[4]};
   }
-  // Four axes that end in 1 or 3 are ambiguous: small equal extents in front are a grid of views, not their number.
+  // Four axes that end in 1 or 3 are ambiguous. Two small equal extents in front are taken as a grid of views rather
+  // than as a number of views.
   const bool grid = extents.size() == 4 && extents[0] == extents[1] && extents[0] <= 32;
   const bool flat_colour = extents.size() == 4 && !grid && (extents[3] == 1 || extents[3] == 3);
   if (extents.size() == 4 && !flat_colour) return Shape{extents[0], extents[1], extents[2], extents[3], 1};

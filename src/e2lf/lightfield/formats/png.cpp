@@ -9,20 +9,20 @@
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/formats/raw_image.h"
 
-// libpng reports errors by longjmp. Functions that call setjmp here hold no object with a destructor; what must be
-// cleaned up belongs to PngReader and PngWriter, which live one frame further out.
+// libpng reports errors by longjmp. Functions that call setjmp here therefore hold no objects with destructors;
+// resources belong to PngReader and PngWriter, which live one frame further out.
 namespace e2lf::lightfield {
 namespace {
 
 constexpr size_t kSignatureBytes = 8;
 constexpr const char* kViewGridKey = "Light field views";
-// Deflate cannot make one byte stand for more than 1032.
+// Deflate cannot compress by more than a factor of 1032.
 constexpr double kMaxDeflateRatio = 1032.0;
-constexpr png_alloc_size_t kMostBytes = png_alloc_size_t{64} << 20;  ///< of a row, a text, a colour profile
+constexpr png_alloc_size_t kMostBytes = png_alloc_size_t{64} << 20;  ///< limit for a row, a text or a colour profile
 
 struct PngFailure {
   std::string message;
-  bool ended = false;  ///< the data ran out
+  bool ended = false;  ///< the data ended early
 };
 
 void on_error(png_structp png, png_const_charp message) {
@@ -32,7 +32,7 @@ void on_error(png_structp png, png_const_charp message) {
 
 void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
-/// libpng makes room for what a chunk claims to hold. Without that room it leaves the chunk out.
+/// Limits the memory that libpng allocates as a chunk claims. Without that memory, it skips the chunk.
 png_voidp allocate(png_structp /*png*/, png_alloc_size_t bytes) {
   return bytes <= kMostBytes ? std::malloc(bytes) : nullptr;
 }
@@ -50,7 +50,7 @@ class PngReader {
   PngReader& operator=(const PngReader&) = delete;
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
-  /// Reads what comes before the pixels and sets up their conversion to 8 or 16 bits, grey or colour.
+  /// Reads the part before the pixels and sets up their conversion to 8 or 16 bits, grey or colour.
   bool read_header(RawImage& image) {
     if (png_ == nullptr || info_ == nullptr) return false;
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
@@ -76,7 +76,7 @@ class PngReader {
     return true;
   }
 
-  /// What stands in front of the pixels on the grid of views.
+  /// Returns the text about the grid of views that precedes the pixels, or "" if there is none.
   [[nodiscard]] std::string view_grid() const {
     png_textp texts = nullptr;
     int count = 0;
@@ -87,7 +87,7 @@ class PngReader {
     return "";
   }
 
-  /// What the rows take before compression.
+  /// Returns the uncompressed size of the rows.
   [[nodiscard]] double stored_bytes() const { return stored_bytes_; }
 
   [[nodiscard]] Error error(const std::string& name) const {
@@ -133,7 +133,7 @@ class PngWriter {
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_filter(png_, PNG_FILTER_TYPE_BASE, image.is_bilevel ? PNG_FILTER_NONE : PNG_FILTER_SUB);
     png_set_compression_level(png_, 1);
-    // After a difference filter, matches are rare in real pictures and looking for them is what takes time.
+    // After a difference filter, matches are rare in natural images, and searching for them dominates the time.
     png_set_compression_strategy(png_, Z_HUFFMAN_ONLY);
     png_set_compression_buffer_size(png_, size_t{1} << 18);
     if (!image.view_grid.empty()) {
@@ -167,7 +167,7 @@ class PngWriter {
   png_infop info_ = nullptr;
 };
 
-/// libpng takes rows as mutable pointers even where it only reads them.
+/// libpng takes rows as mutable pointers even if it only reads them.
 std::vector<png_bytep> row_pointers(const RawImage& image) {
   std::vector<png_bytep> rows(image.height);
   for (size_t y = 0; y < image.height; ++y) {

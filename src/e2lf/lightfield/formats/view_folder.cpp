@@ -19,7 +19,8 @@ namespace e2lf::lightfield {
 namespace fs = std::filesystem;
 namespace {
 
-/// Numbers of rows or columns from the first to the last one, `step` apart: every second view may be what was kept.
+/// The numbers of rows or columns from the first to the last, which are `step` apart, since only every second view may
+/// have been kept.
 struct Numbers {
   size_t first = SIZE_MAX, last = 0, step = 0;
 
@@ -31,14 +32,14 @@ struct Numbers {
   [[nodiscard]] size_t count() const { return step == 0 ? 1 : (last - first) / step + 1; }
 };
 
-/// The files of a grid of views by (row, column), and which rows and columns there are.
+/// The files of a grid of views by (row, column), and the rows and columns that exist.
 struct ViewGrid {
   std::map<std::pair<size_t, size_t>, fs::path> files;
   Numbers rows, columns;
-  FlatGrid flat;  ///< of views that are numbered one by one
+  FlatGrid flat;  ///< of views that are numbered consecutively
 };
 
-/// Puts views that are numbered one by one where they stand.
+/// Assigns rows and columns to views that are numbered consecutively.
 Result<void> place_in_rows(const ViewFiles& views, size_t columns, const fs::path& folder, ViewGrid& grid) {
   std::vector<size_t> numbers;
   for (const auto& [number, file] : views.files) numbers.push_back(number.second);
@@ -74,13 +75,13 @@ Result<ViewGrid> grid_of(const ViewFiles& views, const ReadOptions& options, con
   return grid;
 }
 
-/// The name of a missing view.
+/// Returns the name of a missing view.
 std::string missing_name(const ViewFiles& views, const ViewGrid& grid, size_t row, size_t column) {
   if (views.kind != LightFieldKind::kHciFolder) return view_name(views.kind, row, column);
   return numbered_view_name(grid.files.begin()->second, grid.flat.first + grid.flat.columns * row + column);
 }
 
-/// The chosen views' files, row by row.
+/// Returns the files of the selected views, row by row.
 Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOptions& options, const fs::path& folder,
                                            ChosenGrid& chosen) {
   E2LF_ASSIGN_OR_RETURN(const ViewGrid grid, grid_of(views, options, folder));
@@ -101,7 +102,8 @@ Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOpt
   return files;
 }
 
-/// A view's samples, divided by `white`; 0 = the largest of their type, which `largest` becomes.
+/// Reads the samples of a view and divides them by `white`. If it is 0, they are divided by the largest value of their
+/// type, which is stored in `largest`.
 Result<Image> read_view(const fs::path& file, float white, float& largest) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(file));
   E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_raw_image(bytes, file.string()));
@@ -109,7 +111,7 @@ Result<Image> read_view(const fs::path& file, float white, float& largest) {
   return to_float(raw, white > 0.0F ? white : largest);
 }
 
-/// Puts one decoded view in its place.
+/// Stores one decoded view at its place.
 Result<void> store_view(Image image, size_t view, const fs::path& file, const fs::path& first_file, LightField& out) {
   const Shape& shape = out.shape();
   if (shape.channels == 1) image = to_grey(std::move(image));
@@ -124,7 +126,7 @@ Result<void> store_view(Image image, size_t view, const fs::path& file, const fs
   return {};
 }
 
-/// Applies the range to samples that were divided by a white which is not the largest of their type.
+/// Applies the range policy to samples that were divided by a white other than the largest value of their type.
 Result<void> settle_views(const std::vector<fs::path>& files, const ReadOptions& options, LightField& out) {
   const Shape& shape = out.shape();
   for (size_t view = 0; view < files.size(); ++view) {
@@ -142,7 +144,7 @@ Result<void> settle_views(const std::vector<fs::path>& files, const ReadOptions&
   return {};
 }
 
-/// Decodes files[1..] in parallel; of several errors the one of the first view is returned.
+/// Decodes files[1..] in parallel. If several fail, the error of the first view is returned.
 Result<void> read_rest(const std::vector<fs::path>& files, float white, const ProgressFn& progress, LightField& out) {
   std::vector<std::optional<Error>> errors(files.size());
   std::mutex mutex;
@@ -208,7 +210,7 @@ Result<LightField> read_view_folder(const fs::path& folder, const ReadOptions& o
   ChosenGrid grid;
   E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> files, choose_files(views, options, folder, grid));
 
-  // The first view says how large the light field is.
+  // The first view determines the size of the light field.
   float largest = 0;
   E2LF_ASSIGN_OR_RETURN(Image first, read_view(files[0], options.white, largest));
   const Shape shape{grid.y.count, grid.x.count, first.height, first.width, options.colour ? first.channels : 1};

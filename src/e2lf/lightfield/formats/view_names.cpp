@@ -22,7 +22,7 @@ bool is_image_name(const std::filesystem::path& file) {
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
-/// Takes a number off the front of `text`; false when there is none of a sensible size.
+/// Removes a number from the front of `text`. Returns false if there is none or if it is too large.
 bool take_number(std::string_view& text, size_t& number) {
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (status != std::errc() || number > kMaxNumber) return false;

@@ -12,13 +12,13 @@ namespace {
 
 using Integers = std::vector<int64_t>;
 
-// What is not weights is far smaller than the rest of 2 GiB.
+// The limit leaves ample room for everything except the weights within 2 GiB.
 constexpr size_t kMostWeights = (size_t{2} << 30) - (size_t{256} << 20);
 
-/// The camera that the model is used with.
-capture::Camera camera_of(const Model& model) {
+/// Returns the default camera of the model.
+capture::SensorProfile camera_of(const Model& model) {
   if (model.camera) return *model.camera;
-  capture::Camera camera;
+  capture::SensorProfile camera;
   camera.constants = model.constants;
   return camera;
 }
@@ -33,8 +33,8 @@ Result<void> check_size(const Model& model) {
       model.name};
 }
 
-/// The images extended at the bottom and right to multiples of what the network needs, by repeating the last row and
-/// column, and both sizes.
+/// Extends the images at the bottom and right to multiples of what the network needs by repeating the last row and
+/// column. Returns the extended images and both sizes.
 std::pair<std::string, OnnxSize> add_padding(OnnxGraph& graph, size_t multiple) {
   OnnxSize size;
   size.given = graph.add_node("Shape", {"events"}, "padding/given", {{"start", int64_t{2}}, {"end", int64_t{4}}});
@@ -44,7 +44,7 @@ std::pair<std::string, OnnxSize> add_padding(OnnxGraph& graph, size_t multiple) 
   }
   const std::string step = graph.add_constant("padding/multiple", Integers{static_cast<int64_t>(multiple)});
   const std::string negative = graph.add_node("Neg", {size.given}, "padding/negative");
-  // The remainder has the sign of the divisor.
+  // The remainder has the sign of the divisor, so it is not negative.
   const std::string missing = graph.add_node("Mod", {negative, step}, "padding/missing");
   const std::string none = graph.add_constant("padding/none", Integers(6, 0));
   const std::string pads = graph.add_node("Concat", {none, missing}, "padding/pads", {{"axis", int64_t{0}}});
@@ -76,7 +76,7 @@ Result<std::string> onnx_file(const Model& model) {
   OnnxGraph graph;
   graph.add_input("events", {"batch", static_cast<int64_t>(transitions), "y", "x"});
   if (is_told_the_camera(model)) {
-    graph.add_input("traits", {"batch", static_cast<int64_t>(capture::num_traits(model.num_patterns))});
+    graph.add_input("traits", {"batch", static_cast<int64_t>(capture::conditioning_size(model.num_patterns))});
   }
   graph.add_output("views", {"batch", static_cast<int64_t>(model.views_y * model.views_x), "y", "x"});
   const auto [events, size] = add_padding(graph, size_multiple(model.network));
@@ -87,7 +87,7 @@ Result<std::string> onnx_file(const Model& model) {
 }
 
 std::vector<std::pair<std::string, std::string>> onnx_metadata(const Model& model) {
-  const capture::Camera camera = camera_of(model);
+  const capture::SensorProfile camera = camera_of(model);
   const Json constants = {{"eps", json_number(camera.constants.eps)},
                           {"tau", json_number(camera.constants.tau)},
                           {"sigma_w", json_number(camera.constants.sigma_w)},
@@ -101,10 +101,11 @@ std::vector<std::pair<std::string, std::string>> onnx_metadata(const Model& mode
                                                                {"views_x", std::to_string(model.views_x)}};
   if (model.codes) metadata.emplace_back("patterns", json_line(capture::codes_to_json(*model.codes)));
   if (!is_told_the_camera(model)) return metadata;
-  Json traits = Json::array();
-  for (const float trait : capture::camera_traits(camera, model.num_patterns)) traits.push_back(json_number(trait));
+  Json conditioning = Json::array();
+  for (const float trait : capture::conditioning_vector(camera, model.num_patterns))
+    conditioning.push_back(json_number(trait));
   metadata.emplace_back("camera", json_line(capture::to_json(camera)));
-  metadata.emplace_back("traits", json_line(traits));
+  metadata.emplace_back("traits", json_line(conditioning));
   return metadata;
 }
 

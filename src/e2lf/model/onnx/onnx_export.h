@@ -10,21 +10,24 @@
 
 namespace e2lf::model {
 
-/// A model as an ONNX file (opset 17, weights in float32) that takes event images as they are:
+/// Exports a model as an ONNX file (opset 17, float32 weights) that takes raw event images:
 ///
 ///   events  float32 [batch, N-1, y, x]          counts of each transition, or their means over several cycles
-///   traits  float32 [batch, C]                  where is_told_the_camera(): capture::camera_traits()
-///   views   float32 [batch, views, y, x]        the network's plain output; view number = views_x * view_y + view_x
+///   conditioning  float32 [batch, C]                  if is_told_the_camera(): the conditioning vector,
+///   conditioning_vector() views   float32 [batch, views, y, x]        unprocessed network output; view number =
+///   views_x * view_y + view_x
 ///
 /// Images may have any size: the graph extends them to multiples of size_multiple() as recon::network_input() does, and
-/// crops the views. Intensities are made with the constants of model.camera, else with model.constants.
-/// Its metadata (onnx_metadata()) say the rest. Fails as validate() does, and with kUnsupported where the model takes
-/// another measurement than event images, and where the file would be larger than a protobuf message may be (2 GiB).
+/// crops the views. Intensities are computed with the constants of model.camera, or with model.constants if it is
+/// absent. onnx_metadata() describes the metadata. Fails as validate() does, and with kUnsupported if the model takes
+/// another measurement than event images, has a layer that cannot be exported, or would exceed the limit of protobuf
+/// messages (2 GiB).
 [[nodiscard]] Result<std::string> onnx_file(const Model& model);
 
-/// Texts by key: name, event_model, event_constants (JSON: eps, tau, sigma_w, sigma_z), num_patterns, view_order
-/// ("VV_UU": row by row), views_y, views_x, patterns (JSON, as capture::codes_to_json(), where the model has any), and
-/// for networks that are told the camera: camera (JSON), traits (JSON: the numbers to give for one cycle of it).
+/// Returns the metadata as texts by key: name, event_model, event_constants (JSON: eps, tau, sigma_w, sigma_z),
+/// num_patterns, view_order ("VV_UU": row by row), views_y, views_x and, if the model has patterns, patterns (JSON, as
+/// capture::codes_to_json()). Networks conditioned on the sensor profile also have camera (JSON) and conditioning
+/// (JSON: the conditioning vector for one cycle of this camera).
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> onnx_metadata(const Model& model);
 
 }  // namespace e2lf::model

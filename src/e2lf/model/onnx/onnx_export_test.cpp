@@ -169,7 +169,7 @@ TEST(OnnxExport, TellsInputsOutputsAndMetadata) {
   EXPECT_EQ(metadata.at("view_order"), "VV_UU");
   EXPECT_EQ(Json::parse(metadata.at("event_constants")).at("tau"), 0.25);
   EXPECT_EQ(Json::parse(metadata.at("patterns")).at("patterns").at(1).at(0), "01");
-  EXPECT_EQ(Json::parse(metadata.at("traits")).size(), capture::num_traits(4));
+  EXPECT_EQ(Json::parse(metadata.at("traits")).size(), capture::conditioning_size(4));
 }
 
 TEST(OnnxExport, PadsAndCropsOnlyWhereTheNetworkNeedsMultiples) {

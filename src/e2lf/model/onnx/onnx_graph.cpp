@@ -6,7 +6,7 @@
 namespace e2lf::model {
 namespace {
 
-// The numbers of fields and types in onnx.proto.
+// The field numbers and types of onnx.proto.
 namespace model_proto {
 enum : uint32_t { kIrVersion = 1, kProducer = 2, kGraph = 7, kOperators = 8, kMetadata = 14 };
 }
@@ -41,7 +41,7 @@ std::string_view bytes_of(std::span<const T> values) {
   return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 
-/// A ValueInfoProto: the name and type of an input or output.
+/// Makes a ValueInfoProto: the name and type of an input or output.
 ProtobufMessage value_info(const std::string& name, const std::vector<OnnxGraph::Extent>& shape) {
   ProtobufMessage axes;
   for (const OnnxGraph::Extent& extent : shape) {
@@ -138,7 +138,7 @@ std::string OnnxGraph::file(const std::string& name,
   opset.add_integer(operators_proto::kVersion, kOpset);
   model.add_integer(model_proto::kIrVersion, kIrVersion);
   model.add_bytes(model_proto::kProducer, "e2lf");
-  // A message is its fields in any order, so its parts may simply follow each other.
+  // The fields of a message may come in any order, so its parts can simply be concatenated.
   model.add_bytes(model_proto::kGraph,
                   nodes_.bytes() + graph_name.bytes() + constants_.bytes() + inputs_.bytes() + outputs_.bytes());
   model.add_message(model_proto::kOperators, opset);

@@ -11,13 +11,13 @@ namespace {
 
 using Integers = std::vector<int64_t>;
 
-/// The input planes of one model: what several groups need is made once.
+/// Makes the input planes of one model. Tensors that several groups need are made only once.
 class InputForms {
  public:
   InputForms(OnnxGraph& graph, size_t transitions, const capture::SensorConstants& constants, std::string events)
       : graph_(graph), transitions_(transitions), constants_(constants), events_(std::move(events)) {}
 
-  /// C_k: what the counts have added up to.
+  /// Returns C_k, the cumulative counts.
   const std::string& cumulative() {
     if (cumulative_.empty()) {
       const std::string axis = graph_.add_constant("input/channel_axis", Integers{1});
@@ -26,8 +26,8 @@ class InputForms {
     return cumulative_;
   }
 
-  /// min(J_k, 1), J_k = eps (exp(tau (C_k + s_k / 2)) - 1). The exponent is limited where J_k is 1, which no count
-  /// overflows.
+  /// Returns min(J_k, 1) with J_k = eps (exp(tau (C_k + s_k / 2)) - 1). The exponent is limited to the value at which
+  /// J_k is 1, so that no count overflows.
   std::string intensity() {
     const auto number = [&](const char* name, double value) {
       return graph_.add_constant(name, static_cast<float>(value));
@@ -44,7 +44,7 @@ class InputForms {
   }
 
  private:
-  /// s_k: the sign of the last count up to k that is not zero.
+  /// Returns s_k, the sign of the last non-zero count up to k.
   std::string last_change(const std::string& one) {
     const std::string signs = graph_.add_node("Sign", {events_}, "input/signs");
     std::vector<std::string> changes;
@@ -52,7 +52,7 @@ class InputForms {
       const std::string index = graph_.add_constant(cat("input/k", k), Integers{static_cast<int64_t>(k)});
       std::string sign = graph_.add_node("Gather", {signs, index}, cat("input/sign", k), {{"axis", int64_t{1}}});
       if (k > 0) {
-        // 1 where this count is zero: there the sign of those before stays.
+        // 1 if this count is zero, in which case the previous sign is kept.
         const std::string changed = graph_.add_node("Abs", {sign}, cat("input/changed", k));
         const std::string still = graph_.add_node("Sub", {one, changed}, cat("input/still", k));
         const std::string kept = graph_.add_node("Mul", {still, changes.back()}, cat("input/kept", k));
@@ -69,10 +69,10 @@ class InputForms {
   std::string events_, cumulative_;
 };
 
-/// Each trait the same over the whole image.
-std::string camera_planes(OnnxGraph& graph, const std::string& traits, const OnnxSize& size) {
+/// Expands each number of the conditioning vector to a constant plane.
+std::string camera_planes(OnnxGraph& graph, const std::string& conditioning, const OnnxSize& size) {
   const std::string axes = graph.add_constant("input/image_axes", Integers{2, 3});
-  const std::string pixels = graph.add_node("Unsqueeze", {traits, axes}, "input/trait_pixels");
+  const std::string pixels = graph.add_node("Unsqueeze", {conditioning, axes}, "input/trait_pixels");
   const std::string ones = graph.add_constant("input/ones", Integers{1, 1});
   const std::string shape = graph.add_node("Concat", {ones, size.padded}, "input/trait_shape", {{"axis", int64_t{0}}});
   return graph.add_node("Expand", {pixels, shape}, "input/camera");
@@ -82,9 +82,9 @@ std::string camera_planes(OnnxGraph& graph, const std::string& traits, const Onn
 
 std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& groups, size_t transitions,
                            const capture::SensorConstants& constants, const std::string& events,
-                           const std::string& traits, const OnnxSize& size) {
+                           const std::string& conditioning, const OnnxSize& size) {
   InputForms forms(graph, transitions, constants, events);
-  std::array<std::string, 4> made;  // of the kinds that are made of events
+  std::array<std::string, 4> made;  // one for each kind that is made from events
   std::vector<std::string> planes;
   for (size_t g = 0; g < groups.size(); ++g) {
     std::string& form = made[static_cast<size_t>(groups[g].kind)];
@@ -100,7 +100,7 @@ std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& grou
           form = forms.intensity();
           break;
         case InputKind::kCamera:
-          form = camera_planes(graph, traits, size);
+          form = camera_planes(graph, conditioning, size);
           break;
         default:
           E2LF_REQUIRE(false, "an exported model takes event images alone");

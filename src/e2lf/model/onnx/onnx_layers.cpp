@@ -13,7 +13,7 @@ namespace {
 using Attributes = OnnxGraph::Attributes;
 using Integers = std::vector<int64_t>;
 
-/// Adds one layer after another; each step of a layer has a name in a room of its own, so that no two collide.
+/// Adds one layer after another. The steps of a layer are named with separate prefixes, so that no names collide.
 class LayerWriter {
  public:
   LayerWriter(OnnxGraph& graph, const Network& network, const std::string& input) : graph_(graph) {
@@ -93,7 +93,7 @@ class LayerWriter {
     return graph_.add_node("Conv", operands, output, attributes);
   }
 
-  /// ONNX puts the pixels of a block before the channels, we put the channels first.
+  /// ONNX orders the result with pixels of a block before channels, whereas Op::kPixelUnshuffle has channels first.
   std::string add_unshuffle(const Layer& layer, const std::string& input, const std::string& output) {
     const size_t channels = tensors_.at(layer.inputs.front()).channels, area = layer.stride * layer.stride;
     Integers order;

@@ -7,20 +7,20 @@
 
 namespace e2lf::model {
 
-/// Writes one message in protobuf's wire format (protobuf.dev/programming-guides/encoding), field after field, in the
-/// order of the calls. A field is known by its number, 1 to 2^29 - 1.
+/// Writes a message in the wire format of protobuf (protobuf.dev/programming-guides/encoding), field after field in the
+/// order of the calls. A field is identified by its number, 1 to 2^29 - 1.
 class ProtobufMessage {
  public:
-  /// int32, int64, an enumeration: a varint, ten bytes for negative numbers.
+  /// Adds an int32, int64 or enumeration as a varint, which takes ten bytes for negative numbers.
   void add_integer(uint32_t field, int64_t value);
 
-  /// float: four bytes, little-endian.
+  /// Adds a float as four little-endian bytes.
   void add_float(uint32_t field, float value);
 
-  /// string and bytes: their number, and they themselves.
+  /// Adds a string or bytes, preceded by their length.
   void add_bytes(uint32_t field, std::string_view value);
 
-  /// A message inside this one.
+  /// Adds a nested message.
   void add_message(uint32_t field, const ProtobufMessage& message) { add_bytes(field, message.bytes_); }
 
   [[nodiscard]] const std::string& bytes() const { return bytes_; }

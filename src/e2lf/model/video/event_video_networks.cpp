@@ -8,7 +8,7 @@
 namespace e2lf::model {
 namespace {
 
-/// Appends layers, each of which reads the one before.
+/// Appends layers, each of which reads the previous one.
 class Chain {
  public:
   explicit Chain(size_t input_channels) { network_.input_channels = input_channels; }
@@ -45,7 +45,7 @@ class Chain {
     put(std::move(layer));
   }
 
-  /// Of the inputs that the layer names itself.
+  /// Appends a layer that names its inputs itself.
   void put(Layer layer) {
     last_ = layer.name;
     network_.layers.push_back(std::move(layer));
@@ -58,7 +58,7 @@ class Chain {
   std::string last_ = "input";
 };
 
-/// Head and encoders; returns what is added on the way back.
+/// Adds the head and the encoders. Returns the tensors for the skip connections.
 std::vector<std::string> encode(Chain& chain, size_t channels, size_t encoders) {
   chain.conv("head", channels, 5);
   std::vector<std::string> skips = {chain.last()};
@@ -71,7 +71,7 @@ std::vector<std::string> encode(Chain& chain, size_t channels, size_t encoders) 
   return skips;
 }
 
-/// Decoders and the picture.
+/// Adds the decoders and the output convolution.
 void decode(Chain& chain, size_t channels, std::vector<std::string> skips) {
   for (size_t i = 0; skips.size() > 1; ++i) {
     channels /= 2;
@@ -84,7 +84,7 @@ void decode(Chain& chain, size_t channels, std::vector<std::string> skips) {
   chain.add({.name = "picture", .inputs = {}, .out_channels = 1, .residual = {}});
 }
 
-/// ET-Net's, behind the encoders.
+/// Adds the transformers of ET-Net, which follow the encoders.
 class Transformers {
  public:
   Transformers(Chain& chain, const EventTransformerOptions& options)

@@ -9,10 +9,10 @@
 namespace e2lf::model {
 namespace {
 
-// Far above the published network's; files from elsewhere come through here.
+// This is far above the published network. The limit is needed because files from other sources are read here.
 constexpr size_t kMostFilterValues = 4096;
 
-/// How each pixel's filters are made of coefficients.
+/// The bases from which the filters of each pixel are computed by means of coefficients.
 struct Bases {
   size_t count = 0, kernel = 0, filters = 0;
   std::vector<float> values;  ///< [count, kernel^2]
@@ -39,7 +39,7 @@ Result<Bases> read_bases(CheckpointImporter& importer, const std::string& key, s
   return bases;
 }
 
-/// Sampling at a quarter of the resolution, bilinear: between the four middle pixels of each 4x4.
+/// Samples bilinearly at a quarter of the resolution, i.e. between the four central pixels of each 4x4 block.
 std::string add_quarter(CheckpointImporter& importer, const std::string& name, const std::string& input,
                         size_t channels) {
   constexpr size_t kSize = 4;
@@ -53,7 +53,7 @@ std::string add_quarter(CheckpointImporter& importer, const std::string& name, c
   return importer.add(layer, std::move(weight), std::vector<float>(channels));
 }
 
-/// filter m = sum over k of coefficient [m, k] times basis k.
+/// Computes filter m as the sum over k of coefficient [m, k] times basis k.
 std::string add_filters(CheckpointImporter& importer, const std::string& name, const std::string& coefficients,
                         const Bases& bases) {
   const size_t out = bases.filters * bases.taps(), in = bases.filters * bases.count;
@@ -68,7 +68,7 @@ std::string add_filters(CheckpointImporter& importer, const std::string& name, c
                       std::vector<float>(out));
 }
 
-/// The checkpoint has inputs in the order [channel, filter], kDynamicFilter gives [filter, channel].
+/// The checkpoint orders the inputs as [channel, filter], whereas kDynamicFilter gives [filter, channel].
 Result<std::string> add_mix(CheckpointImporter& importer, const std::string& name, const std::string& key,
                             const std::string& input, size_t filters) {
   const std::string weight_key = key + ".compositional_coefficients";

@@ -7,13 +7,14 @@
 
 namespace e2lf::model {
 
-/// Whether the decoder under a key filters each pixel by filters of its own, as HyperE2VID's first one does.
+/// Returns true if the decoder under a key applies filters specific to each pixel, as the first one of HyperE2VID does.
 [[nodiscard]] bool is_dynamic_decoder(const CheckpointImporter& importer, const std::string& key);
 
-/// Such a decoder behind its upsampling. Voxel grid and last picture, at a quarter of the resolution, give coefficients
-/// (two 3x3 convolutions with batch normalisation and tanh) that weigh fixed bases; the sums are each pixel's filters.
-/// A 1x1 convolution mixes what they make of all channels. `input` is at a quarter of the resolution, too.
-/// Fails as the importer does, and with kShape where the numbers of bases, coefficients and filters do not fit.
+/// Imports such a decoder, which follows its upsampling. The voxel grid and the previous picture, at a quarter of the
+/// resolution, are mapped to coefficients (two 3x3 convolutions with batch normalisation and tanh) that weight fixed
+/// bases. The sums are the filters of each pixel. A 1x1 convolution mixes the filtered channels. `input` is at a
+/// quarter of the resolution, too. Fails as the importer does, and with kShape if the numbers of bases, coefficients
+/// and filters do not fit.
 [[nodiscard]] Result<std::string> import_dynamic_decoder(CheckpointImporter& importer, const std::string& name,
                                                          const std::string& key, const std::string& input);
 

@@ -15,28 +15,28 @@ namespace {
 
 enum class Family { kFireNet, kFireNetPlus, kUnet, kDynamicUnet, kTransformer };
 
-/// What the tensors of a network do not tell.
+/// The properties of a network that its tensors do not determine.
 struct Conventions {
   const char* name;
   Family family;
   bool normalises_voxels;
   bool ends_in_sigmoid;
-  size_t pad_multiple;  ///< 0: that of the layers
-  Tone tone;
+  size_t pad_multiple;  ///< 0: as the layers require
+  FrameTone tone;
 };
 
-// The configurations of EVREAL; FireNet's lacks the number of encoders, for which EVREAL then takes four.
-constexpr Conventions kConventions[] = {{"firenet", Family::kFireNet, true, false, 16, Tone::kNone},
-                                        {"firenet+", Family::kFireNetPlus, false, false, 1, Tone::kNone},
-                                        {"e2vid", Family::kUnet, true, true, 0, Tone::kRobust},
-                                        {"e2vid+", Family::kUnet, false, false, 0, Tone::kNone},
-                                        {"ssl-e2vid", Family::kUnet, false, false, 0, Tone::kExpRobust},
-                                        {"hypere2vid", Family::kDynamicUnet, false, false, 0, Tone::kNone},
-                                        {"et-net", Family::kTransformer, false, true, 0, Tone::kNone}};
+// The configurations of EVREAL. That of FireNet lacks the number of encoders, for which EVREAL then uses four.
+constexpr Conventions kConventions[] = {{"firenet", Family::kFireNet, true, false, 16, FrameTone::kNone},
+                                        {"firenet+", Family::kFireNetPlus, false, false, 1, FrameTone::kNone},
+                                        {"e2vid", Family::kUnet, true, true, 0, FrameTone::kRobust},
+                                        {"e2vid+", Family::kUnet, false, false, 0, FrameTone::kNone},
+                                        {"ssl-e2vid", Family::kUnet, false, false, 0, FrameTone::kExpRobust},
+                                        {"hypere2vid", Family::kDynamicUnet, false, false, 0, FrameTone::kNone},
+                                        {"et-net", Family::kTransformer, false, true, 0, FrameTone::kNone}};
 
 constexpr const char* kLastConv = "pred.conv2d.weight";
 
-/// Head, cell, block, cell, block, picture; `keys` name the first five.
+/// Imports head, cell, block, cell, block and output convolution. `keys` name the first five.
 Result<void> import_firenet(CheckpointImporter& importer, const std::vector<std::string>& keys) {
   importer.set_head(keys[0] + ".weight");
   Layer head{.name = "head", .inputs = {"input"}, .residual = {}, .relu = true};
@@ -49,8 +49,9 @@ Result<void> import_firenet(CheckpointImporter& importer, const std::vector<std:
   return {};
 }
 
-/// The recurrent U-Net: encoders that halve the resolution, each with a cell, residual blocks or transformers, and
-/// decoders that double it; what the encoders gave is added on the way back. `encoder` and `decoder` begin their keys.
+/// Imports the recurrent U-Net: encoders that halve the resolution, each with a cell; residual blocks or transformers;
+/// and decoders that double it, to which the outputs of the encoders are added. `encoder` and `decoder` are the
+/// prefixes of their keys.
 Result<void> import_unet(CheckpointImporter& importer, const std::string& encoder, const std::string& decoder) {
   importer.set_head("head.conv2d.weight");
   const auto conv_layer = [](const std::string& name, const std::string& input, size_t stride = 1) {
@@ -97,7 +98,7 @@ Result<void> import_unet(CheckpointImporter& importer, const std::string& encode
   return {};
 }
 
-/// What stands before all names ("net.", "unetrecurrent."), by the last layer, which every network has.
+/// Finds the prefix of all names ("net.", "unetrecurrent.") by means of the last layer, which every network has.
 std::optional<std::string> find_prefix(const Safetensors& tensors) {
   for (const auto& entry : tensors.tensors) {
     if (entry.first.ends_with(kLastConv))

@@ -59,10 +59,10 @@ TEST(ImportEventVideo, TheUnetHasTheParametersOfE2vidAndItsConventions) {
   const auto e2vid = import_tensors(unet_checkpoint({.is_normalised = true}));
   ASSERT_TRUE(e2vid.ok()) << e2vid.error().text();
   EXPECT_EQ(e2vid->name, "e2vid");
-  EXPECT_EQ(e2vid->tone, Tone::kRobust);
+  EXPECT_EQ(e2vid->tone, FrameTone::kRobust);
   EXPECT_TRUE(e2vid->normalises_voxels);
   EXPECT_EQ(e2vid->network, event_unet({.ends_in_sigmoid = true}));
-  EXPECT_EQ(import_tensors(unet_checkpoint({.is_normalised = false}), "ssl-e2vid")->tone, Tone::kExpRobust);
+  EXPECT_EQ(import_tensors(unet_checkpoint({.is_normalised = false}), "ssl-e2vid")->tone, FrameTone::kExpRobust);
 }
 
 TEST(ImportEventVideo, HyperE2vidHasItsParametersAndThoseThatBringTheContextToItsResolution) {
@@ -70,7 +70,7 @@ TEST(ImportEventVideo, HyperE2vidHasItsParametersAndThoseThatBringTheContextToIt
   ASSERT_TRUE(model.ok()) << model.error().text();
   EXPECT_EQ(model->name, "hypere2vid");
   EXPECT_FALSE(model->normalises_voxels);
-  EXPECT_EQ(model->tone, Tone::kNone);
+  EXPECT_EQ(model->tone, FrameTone::kNone);
   EXPECT_EQ(model->pad_multiple, 8U);
   EXPECT_TRUE(is_recurrent(model->network));
   // The published count, without batch normalisation; sampling at a quarter; 72 coefficients to 150 values of filters.
@@ -125,7 +125,7 @@ TEST(ImportEventVideo, EtNetHasItsParametersAndConventions) {
   ASSERT_TRUE(model.ok()) << model.error().text();
   EXPECT_EQ(model->name, "et-net");
   EXPECT_FALSE(model->normalises_voxels);
-  EXPECT_EQ(model->tone, Tone::kNone);
+  EXPECT_EQ(model->tone, FrameTone::kNone);
   EXPECT_EQ(model->pad_multiple, 8U);
   EXPECT_EQ(num_parameters(model->network), 22175361U);
   EXPECT_EQ(model->network, event_transformer());

@@ -23,7 +23,8 @@ bool has_layer(const CheckpointImporter& importer, const std::string& key) {
   return importer.has(key + ".linear1.weight");
 }
 
-/// Attention with the linear layers around it, added to `sum`; "<key>.in_proj_*" are of queries, keys and values.
+/// Adds attention with its linear layers and a skip connection from `sum`. "<key>.in_proj_*" hold the weights of
+/// queries, keys and values.
 Result<std::string> add_attention(CheckpointImporter& importer, const std::string& name, const std::string& key,
                                   const std::string& queries, const std::string& memory, const std::string& sum) {
   const std::string weight_key = key + ".in_proj_weight";
@@ -51,7 +52,7 @@ Result<std::string> add_attention(CheckpointImporter& importer, const std::strin
   return importer.linear({.name = name, .inputs = {look}, .residual = sum}, key + ".out_proj");
 }
 
-/// x + linear2(ReLU(linear1(norm(x)))).
+/// Adds x + linear2(ReLU(linear1(norm(x)))).
 Result<std::string> add_feed_forward(CheckpointImporter& importer, const std::string& name, const std::string& key,
                                      const std::string& norm, const std::string& x) {
   E2LF_ASSIGN_OR_RETURN(const std::string even, importer.layer_norm(cat(name, "_", norm), cat(key, ".", norm), x));
@@ -60,7 +61,7 @@ Result<std::string> add_feed_forward(CheckpointImporter& importer, const std::st
   return importer.linear({.name = name, .inputs = {inner}, .residual = x}, key + ".linear2");
 }
 
-/// Attention of pixels to one another.
+/// Adds self-attention between pixels.
 Result<std::string> add_self(CheckpointImporter& importer, const std::string& name, const std::string& key,
                              const std::string& x) {
   E2LF_ASSIGN_OR_RETURN(const std::string even, importer.layer_norm(name + "_norm1", key + ".norm1", x));
@@ -92,14 +93,14 @@ Result<std::string> add_decoder(CheckpointImporter& importer, size_t scale, cons
   return x;
 }
 
-/// A table of positions says nothing new where it is that of kPositionCode.
+/// Checks that a table of positions, if there is one, is that of kPositionCode, so that it need not be imported.
 Result<void> check_positions(CheckpointImporter& importer) {
   const std::string key = "position_embedding.pos_table";
   if (!importer.has(key)) return {};
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> shape, importer.shape(key, 3));
   const size_t channels = shape[2];
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> table, importer.values(key, shape[0] * shape[1] * channels));
-  constexpr double kTolerance = 1e-3;  // of angles in float32
+  constexpr double kTolerance = 1e-3;  // for angles in float32
   for (size_t i = 0; i < table.size(); ++i) {
     const size_t c = i % channels;
     const double exponent = static_cast<double>(c / 2 * 2) / static_cast<double>(channels);

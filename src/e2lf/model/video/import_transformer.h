@@ -8,14 +8,14 @@
 
 namespace e2lf::model {
 
-/// Whether a checkpoint has ET-Net's transformers between its encoders and decoders.
+/// Returns true if a checkpoint has the transformers of ET-Net between its encoders and decoders.
 [[nodiscard]] bool has_transformers(const CheckpointImporter& importer);
 
-/// These transformers. `cells` are the layers of the encoders, fine to coarse. What each gave is brought to the
-/// coarsest resolution, with a code of the position; there pixels look at one another (three layers in the published
-/// network), then at those of the next coarser encoder, too (two layers). The result is the mean of all that came out
-/// of either. The number of heads, which no tensor tells, is 8. Fails as the importer does, and with kShape and
-/// kUnsupported where the tensors are of another kind of transformer.
+/// Imports these transformers. `cells` are the layers of the encoders, from fine to coarse. The output of each is
+/// reduced to the coarsest resolution and gets a position code. Then self-attention (three layers in the published
+/// network) and cross-attention to the next coarser encoder (two layers) are applied. The result is the mean of the
+/// outputs of both stages. The number of heads, which no tensor determines, is 8. Fails as the importer does, and with
+/// kShape and kUnsupported if the tensors belong to another kind of transformer.
 [[nodiscard]] Result<std::string> import_transformers(CheckpointImporter& importer,
                                                       const std::vector<std::string>& cells);
 

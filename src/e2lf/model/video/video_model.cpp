@@ -13,8 +13,10 @@
 namespace e2lf::model {
 namespace {
 
-constexpr std::pair<Tone, const char*> kTones[] = {
-    {Tone::kNone, "none"}, {Tone::kRobust, "robust"}, {Tone::kStandard, "standard"}, {Tone::kExpRobust, "exp-robust"}};
+constexpr std::pair<FrameTone, const char*> kTones[] = {{FrameTone::kNone, "none"},
+                                                        {FrameTone::kRobust, "robust"},
+                                                        {FrameTone::kStandard, "standard"},
+                                                        {FrameTone::kExpRobust, "exp-robust"}};
 
 constexpr size_t kMaxPadMultiple = 1024;
 
@@ -41,7 +43,7 @@ Result<VideoModel> header_from(const Json& json, const std::string& location) {
   return model;
 }
 
-/// A tensor that nothing reads is a sign of another network than the one described.
+/// Rejects tensors that no layer reads, because they indicate another network than the one described.
 Result<void> check_all_used(const Weights& weights, const Safetensors& tensors, const std::string& file) {
   for (const auto& entry : tensors.tensors) {
     if (weights.contains(entry.first)) continue;
@@ -53,12 +55,12 @@ Result<void> check_all_used(const Weights& weights, const Safetensors& tensors, 
 
 }  // namespace
 
-const char* tone_name(Tone tone) {
+const char* tone_name(FrameTone tone) {
   return std::find_if(std::begin(kTones), std::end(kTones), [&](const auto& entry) { return entry.first == tone; })
       ->second;
 }
 
-Result<Tone> tone_from_name(const std::string& name) {
+Result<FrameTone> tone_from_name(const std::string& name) {
   std::vector<std::string> names;
   for (const auto& [tone, known] : kTones) {
     if (name == known) return tone;

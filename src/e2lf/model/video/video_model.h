@@ -11,43 +11,42 @@
 
 namespace e2lf::model {
 
-/// What happens to a frame after the network, before it is clamped to [0, 1]. Quantiles are of the frame, with linear
-/// interpolation between its sorted values.
-enum class Tone {
+/// The mapping applied to a frame after the network, before it is clamped to [0, 1]. Quantiles are those of the frame,
+/// with linear interpolation between its sorted values.
+enum class FrameTone {
   kNone,       ///< nothing
-  kRobust,     ///< (I - q1) / (q99 - q1), the 1 % and 99 % quantiles
-  kStandard,   ///< the same with the least and the largest value
+  kRobust,     ///< (I - q1) / (q99 - q1), where q1 and q99 are the 1 % and 99 % quantiles
+  kStandard,   ///< the same with the smallest and the largest value
   kExpRobust,  ///< exp(I), then kRobust
 };
 
-/// The words of model files: "none", "robust", "standard", "exp-robust".
-[[nodiscard]] const char* tone_name(Tone tone);
-[[nodiscard]] Result<Tone> tone_from_name(const std::string& name);
+/// Converts between a tone and its name in model files: "none", "robust", "standard" or "exp-robust".
+[[nodiscard]] const char* tone_name(FrameTone tone);
+[[nodiscard]] Result<FrameTone> tone_from_name(const std::string& name);
 
-/// A network that makes grey frames of the voxel grids (capture/measurement/voxel_grid.h) of a recording's windows, one
-/// after another; what it remembers goes from frame to frame. Its file is a model file that says "measurement":
-/// "voxel-grid".
+/// A network that makes grey frames from the voxel grids (capture/measurement/voxel_grid.h) of consecutive windows of a
+/// recording. Its memory is carried from frame to frame. It is stored as a model file with "measurement": "voxel-grid".
 struct VideoModel {
   std::string name;                ///< e.g. "firenet"
   size_t bins = 5;                 ///< of the voxel grid = input channels of the network
-  bool normalises_voxels = false;  ///< to mean 0 and deviation 1 of the voxels that are not zero, grid by grid
+  bool normalises_voxels = false;  ///< each grid, to mean 0 and standard deviation 1 of its non-zero voxels
   size_t pad_multiple = 1;         ///< images are padded with zeros to multiples of this many pixels
-  Tone tone = Tone::kNone;
+  FrameTone tone = FrameTone::kNone;
   Network network;  ///< one output channel at the resolution of the input
   Weights weights;
   Json provenance = Json::object();
 };
 
-/// Success when every field fits every other. `location` (a file) goes into errors.
+/// Checks that all fields are consistent. `location` names the file in errors.
 [[nodiscard]] Result<void> validate(const VideoModel& model, const std::string& location);
 
-/// Reads, decodes and writes its file; fails as read_model() and write_model() do, and with kUnsupported on a model of
-/// light fields.
+/// Read, decode and write the file of such a model. They fail as read_model() and write_model() do, and with
+/// kUnsupported on a model of light fields.
 [[nodiscard]] Result<VideoModel> read_video_model(const std::filesystem::path& path);
 [[nodiscard]] Result<VideoModel> decode_video_model(std::span<const uint8_t> bytes, const std::string& name);
 [[nodiscard]] Result<void> write_video_model(const std::filesystem::path& path, const VideoModel& model);
 
-/// The JSON of its file: everything but the weights.
+/// Returns the JSON of the file, which contains everything except the weights.
 [[nodiscard]] Json video_header_to_json(const VideoModel& model);
 
 }  // namespace e2lf::model

@@ -20,7 +20,7 @@ VideoModel small_model() {
   model.bins = 3;
   model.normalises_voxels = true;
   model.pad_multiple = 4;
-  model.tone = Tone::kExpRobust;
+  model.tone = FrameTone::kExpRobust;
   model.network = {
       3,
       {engine::conv("half", "input", 4, 5, true, "", 2), engine::cell("cell", Op::kConvGru, "half", 4, 3),

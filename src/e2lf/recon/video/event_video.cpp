@@ -8,7 +8,7 @@
 namespace e2lf::recon {
 namespace {
 
-/// Where the rows of planes lie in larger planes.
+/// The position of the rows of planes within larger planes.
 struct Frame {
   size_t height, width;  ///< of the inner planes
   size_t outer_height, outer_width;

@@ -11,19 +11,21 @@
 
 namespace e2lf::recon {
 
-/// Makes frames of the voxel grids of a recording, one after another: the network remembers those before.
+/// Makes frames from consecutive voxel grids of a recording. The network remembers the previous frames.
 class EventVideo {
  public:
-  /// For a sensor of that size in pixels. Fails as model::validate() and engine::Engine::create() do.
+  /// Prepares the network for a sensor of this size in pixels. Fails as model::validate() and engine::Engine::create()
+  /// do.
   [[nodiscard]] static Result<EventVideo> create(model::VideoModel model, size_t height, size_t width,
                                                  const engine::EngineOptions& options = {});
 
-  /// What the network makes of the next grid, [y, x], as it is: apply_tone() makes a picture of it. The grid is
-  /// normalised where the network wants that, and padded with zeros on all sides (the odd pixel above and to the left)
-  /// to the model's multiple; the frame is cut back. The grid has model().bins bins and the size of the sensor.
+  /// Returns the unprocessed output of the network for the next grid, [y, x]; apply_tone() turns it into a picture. The
+  /// grid is normalised if the model requires it, and padded with zeros on all sides (with the odd pixel above and to
+  /// the left) to the model's multiple; the frame is cropped accordingly. The grid must have model().bins bins and the
+  /// size of the sensor.
   [[nodiscard]] Result<std::vector<float>> next(capture::VoxelGrid grid);
 
-  /// Forgets what came before.
+  /// Resets the memory of previous frames.
   void reset() { state_ = engine::FrameState(); }
 
   [[nodiscard]] const model::VideoModel& model() const { return model_; }
@@ -35,7 +37,7 @@ class EventVideo {
   engine::Engine engine_;
   engine::FrameState state_;
   size_t height_, width_;                ///< of the sensor
-  size_t padded_height_, padded_width_;  ///< of what the network sees
+  size_t padded_height_, padded_width_;  ///< of the input of the network
 };
 
 }  // namespace e2lf::recon

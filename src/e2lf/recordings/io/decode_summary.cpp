@@ -71,6 +71,9 @@ void DecodeSummary::append(const DecodeSummary& later) {
   other_streams += later.other_streams;
   events_unplaced += later.events_unplaced;
   saturated += later.saturated;
+  live.most_behind_us = std::max(live.most_behind_us, later.live.most_behind_us);
+  live.pauses += later.live.pauses;
+  live.loses_events = live.loses_events || later.live.loses_events;
   sensor_events_in += later.sensor_events_in;
   sensor_events_sent += later.sensor_events_sent;
   for (size_t kind = 0; kind < kNumViolations; ++kind) {
@@ -133,6 +136,16 @@ std::string restart_text(const DecodeSummary& summary) {
   const uint64_t left = summary.num_restarts - places.size();
   return cat("the clock starts again ", summary.num_restarts == 1 ? "once" : cat(summary.num_restarts, " times"), ": ",
              join(places), left > 0 ? cat(", and ", left, " more") : "");
+}
+
+std::string live_text(const DecodeSummary& summary) {
+  const LiveBacklog& live = summary.live;
+  if (live.most_behind_us < kBehindUs && !live.loses_events) return "";
+  const std::string behind =
+      cat("processing fell up to ", static_cast<double>(live.most_behind_us / 100'000) * 0.1, " s behind the input");
+  if (live.pauses == 0) return behind + "; nothing is lost";
+  return cat(behind, ", and the input paused ", live.pauses == 1 ? "once" : cat(live.pauses, " times"),
+             live.loses_events ? "; the camera may have lost events in these pauses" : "; nothing is lost");
 }
 
 std::string sensor_text(const DecodeSummary& summary) {

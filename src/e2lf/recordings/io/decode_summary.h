@@ -59,6 +59,14 @@ struct Restart {
   bool operator==(const Restart&) const = default;
 };
 
+/// How far the processing of live input fell behind what arrived.
+struct LiveBacklog {
+  int64_t most_behind_us = 0;  ///< the longest time that bytes waited to be read; 0 for what is not live
+  uint64_t pauses = 0;         ///< how often the source was not read, since as many bytes waited as may
+  bool loses_events = false;   ///< the source may have lost events in these pauses, as the driver of a camera does
+  bool operator==(const LiveBacklog&) const = default;
+};
+
 /// What a reader met since it was opened or last sought. Times are as handed out (shifted when asked to).
 struct DecodeSummary {
   uint64_t events_on = 0;
@@ -79,6 +87,8 @@ struct DecodeSummary {
   uint64_t num_gaps = 0;
   std::vector<Restart> restarts;  ///< the first kMaxGaps of num_restarts
   uint64_t num_restarts = 0;
+
+  LiveBacklog live;
 
   /// What the sensor itself counted, where the encoding reports it: events that came in, and those it sent.
   uint64_t sensor_events_in = 0;
@@ -121,6 +131,13 @@ struct Loss {
 
 /// The account of restarts, for people, in one line; empty when there were none.
 [[nodiscard]] std::string restart_text(const DecodeSummary& summary);
+
+/// Live input that is read later than that has fallen behind.
+inline constexpr int64_t kBehindUs = 1'000'000;
+
+/// The account of how far the processing of live input fell behind, for people; empty where it kept pace to
+/// kBehindUs and nothing was lost.
+[[nodiscard]] std::string live_text(const DecodeSummary& summary);
 
 /// The account of what the sensor itself left out, for people; empty where it did not count.
 [[nodiscard]] std::string sensor_text(const DecodeSummary& summary);

@@ -14,19 +14,19 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr std::string_view kScheme = "tcp://";
+constexpr std::string_view kTcpScheme = "tcp://";
 
 Result<sockaddr_in> parse_address(const std::string& name) {
   const Error malformed{ErrorCode::kInvalidValue, "not a TCP address; write tcp://127.0.0.1:PORT", name};
   const size_t colon = name.rfind(':');
-  if (!name.starts_with(kScheme) || colon <= kScheme.size()) return malformed;
+  if (!name.starts_with(kTcpScheme) || colon <= kTcpScheme.size()) return malformed;
   uint16_t port = 0;
   const char* end = name.data() + name.size();
   const auto parsed = std::from_chars(name.data() + colon + 1, end, port);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
-  const std::string host = name.substr(kScheme.size(), colon - kScheme.size());
+  const std::string host = name.substr(kTcpScheme.size(), colon - kTcpScheme.size());
   if (parsed.ec != std::errc() || parsed.ptr != end || ::inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
     return malformed;
   }

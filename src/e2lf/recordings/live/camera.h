@@ -28,6 +28,10 @@ class Camera {
   /// Makes read() return soon; called by another thread.
   virtual void stop() = 0;
 
+  /// Whether what is not read yet is kept for as long as it takes, as by the sender of a pipe. The driver of a camera
+  /// keeps little, and loses the rest.
+  [[nodiscard]] virtual bool keeps_unread() const { return false; }
+
   /// What was left out of the events before they became bytes, e.g. of a damaged file that is replayed. Called by any
   /// thread.
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
@@ -51,9 +55,10 @@ void add_camera_plugin(const CameraPlugin& plugin);
 [[nodiscard]] bool is_camera_name(const std::string& name);
 
 /// Opens and starts a camera as a recording: bytes are taken from it by a thread of their own and wait, up to 64 MiB,
-/// until they are read, so that a slow reader loses nothing for a while. RecordingReader::arrival() tells when they
-/// came. Fails with kNotFound (no such plugin: names those there are), kInvalidValue (a name not of that form), and as
-/// the plugin and open_recording() do.
+/// until they are read, so that a slow reader loses nothing for a while. A reader that falls behind is told once in the
+/// log, and DecodeSummary::live counts it. RecordingReader::arrival() tells when they came. Fails with kNotFound (no
+/// such plugin: names those there are), kInvalidValue (a name not of that form), and as the plugin and open_recording()
+/// do.
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name,
                                                                    const OpenOptions& options = {});
 

@@ -10,7 +10,7 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr std::string_view kScheme = "camera://", kReplay = "replay:", kTcp = "tcp://";
+constexpr std::string_view kCameraScheme = "camera://", kReplay = "replay:", kTcp = "tcp://";
 
 struct Registry {
   std::mutex mutex;
@@ -37,7 +37,7 @@ struct CameraName {
 CameraName parse_name(const std::string& name) {
   if (name.starts_with(kReplay)) return {"replay", name.substr(kReplay.size())};
   if (name.starts_with(kTcp)) return {"tcp", name.substr(kTcp.size())};
-  const std::string rest = name.substr(kScheme.size());
+  const std::string rest = name.substr(kCameraScheme.size());
   const size_t slash = std::min(rest.find('/'), rest.size());
   return {rest.substr(0, slash), slash < rest.size() ? rest.substr(slash + 1) : ""};
 }
@@ -67,7 +67,7 @@ void add_camera_plugin(const CameraPlugin& plugin) {
 }
 
 bool is_camera_name(const std::string& name) {
-  return name.starts_with(kScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
+  return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
 }
 
 Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name, const OpenOptions& options) {

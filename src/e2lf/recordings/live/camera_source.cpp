@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/live/camera_source.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -46,6 +50,12 @@ class CameraSource final : public ByteSource {
       append_waiting();
     }
     if (buffer_.size() == begin_ && error_) return *error_;
+    const bool is_behind = backlog_.most_behind_us >= kBehindUs || backlog_.loses_events;
+    if (is_behind && !std::exchange(is_told_, true)) {
+      const std::string text = behind_text();
+      lock.unlock();  // who takes the message may wait for others
+      camera_->keeps_unread() ? log_info(text) : log_warning(text);
+    }
     return std::span<const uint8_t>(buffer_).subspan(begin_);
   }
   void consume(size_t count) override {
@@ -60,7 +70,12 @@ class CameraSource final : public ByteSource {
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
   std::string name() const override { return name_; }
-  DecodeSummary left_out() const override { return camera_->left_out(); }
+  DecodeSummary left_out() const override {
+    DecodeSummary all = camera_->left_out();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    all.live = backlog_;
+    return all;
+  }
   std::optional<Clock::time_point> arrival() const override { return arrival_; }
 
  private:
@@ -82,6 +97,10 @@ class CameraSource final : public ByteSource {
       has_ended_ = !more || !*more || is_stopped_;
       if (has_ended_) break;
       if (bytes.empty()) continue;
+      if (waiting_bytes_ >= kMaxWaitingBytes) {
+        ++backlog_.pauses;
+        backlog_.loses_events = !camera_->keeps_unread();
+      }
       changed_.wait(lock, [this] { return waiting_bytes_ < kMaxWaitingBytes || is_stopped_; });
       waiting_bytes_ += bytes.size();
       waiting_.push_back({std::move(bytes), now});
@@ -96,27 +115,42 @@ class CameraSource final : public ByteSource {
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
     begin_ = 0;
     for (const Chunk& chunk : waiting_) buffer_.insert(buffer_.end(), chunk.bytes.begin(), chunk.bytes.end());
+    const auto behind = Clock::now() - waiting_.front().arrival;
+    backlog_.most_behind_us = std::max<int64_t>(backlog_.most_behind_us,
+                                                std::chrono::duration_cast<std::chrono::microseconds>(behind).count());
     arrival_ = waiting_.back().arrival;
     waiting_.clear();
     waiting_bytes_ = 0;
     changed_.notify_all();
   }
 
+  /// What is said once to whom reads too slowly.
+  std::string behind_text() const {
+    return cat(name_, ": the input comes faster than it is processed: what is read now arrived ",
+               static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
+               " MiB wait in memory; beyond that ",
+               camera_->keeps_unread() ? "the sender waits, and nothing is lost"
+                                       : "the camera is not read, and its driver loses what it cannot keep",
+               ". Record the input to a file and process that, or choose a faster method");
+  }
+
   std::unique_ptr<Camera> camera_;
   std::string name_;
 
   // The reader's own.
+  bool is_told_ = false;
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0;
   uint64_t position_ = 0;
   std::optional<Clock::time_point> arrival_;  ///< of the last bytes of the buffer
 
   // Shared with the thread.
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Chunk> waiting_;
   size_t waiting_bytes_ = 0;
   bool has_ended_ = false, is_stopped_ = false;
+  LiveBacklog backlog_;
   std::optional<Error> error_;
 
   std::thread thread_;  ///< last: it uses all of the above

@@ -9,8 +9,8 @@
 
 namespace e2lf::recordings {
 
-/// Bytes that may wait between a camera and its reader; when there are more the camera is not read, and loses events as
-/// its driver does.
+/// Bytes that may wait between a camera and its reader; when there are more the camera is not read: see
+/// Camera::keeps_unread().
 inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 
 /// Starts a camera and the thread that takes its bytes. The source ends when the camera does, and stops it when it is

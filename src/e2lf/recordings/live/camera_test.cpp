@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/live/camera.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <future>
@@ -12,7 +13,9 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
+#include "testing/test_log.h"
 #include "testing/test_streams.h"
 
 namespace e2lf::recordings {
@@ -84,6 +87,44 @@ TEST(Camera, ItsBytesAreReadAsTheyComeAndItIsStoppedAtTheEnd) {
   }
   EXPECT_TRUE(ScriptedCamera::was_stopped);
   for (size_t i = 0; i < all.events.size(); ++i) ASSERT_EQ(all.events[i], stream.events[i]);
+}
+
+/// Delivers zeros without end, a MiB at a time.
+class FastCamera final : public Camera {
+ public:
+  explicit FastCamera(bool keeps_unread) : keeps_unread_(keeps_unread) {}
+  Result<void> start() override { return {}; }
+  Result<bool> read(std::vector<uint8_t>& bytes) override {
+    bytes.assign(size_t{1} << 20, 0);
+    return !is_stopped_;
+  }
+  void stop() override { is_stopped_ = true; }
+  bool keeps_unread() const override { return keeps_unread_; }
+
+ private:
+  bool keeps_unread_;
+  std::atomic<bool> is_stopped_ = false;
+};
+
+TEST(Camera, AReaderThatFallsBehindIsToldOnceAndItIsCounted) {
+  for (const bool keeps_unread : {true, false}) {
+    const TestLog log;
+    const auto source = start_camera_source(std::make_unique<FastCamera>(keeps_unread), "camera://fast").value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+    for (int i = 0; i < 3; ++i) {
+      const auto bytes = source->fetch(1).value();
+      EXPECT_LE(bytes.size(), 2 * kMaxWaitingBytes);
+      source->consume(bytes.size());
+    }
+    const char* const fate = keeps_unread ? "nothing is lost" : "its driver loses what it cannot keep";
+    EXPECT_NE(log.text().find(fate), std::string::npos) << log.text();
+    EXPECT_EQ(std::count(log.text().begin(), log.text().end(), '\n'), 1) << log.text();
+    const DecodeSummary summary = source->left_out();
+    EXPECT_GE(summary.live.most_behind_us, 1'000'000);
+    EXPECT_GE(summary.live.pauses, 1u);
+    EXPECT_EQ(summary.live.loses_events, !keeps_unread);
+    EXPECT_NE(live_text(summary).find(keeps_unread ? "nothing is lost" : "may have lost"), std::string::npos);
+  }
 }
 
 TEST(Camera, NamesThatAreNoneSayWhatThereIs) {

@@ -46,6 +46,8 @@ class ReplayCamera final : public Camera {
 
   void stop() override { is_stopped_ = true; }
 
+  bool keeps_unread() const override { return true; }
+
   DecodeSummary left_out() const override {
     const std::lock_guard lock(mutex_);
     return left_out_;

@@ -14,7 +14,7 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr size_t kReadBytes = size_t{1} << 16;
+constexpr size_t kCameraReadBytes = size_t{1} << 16;
 constexpr int kPollMs = 100;  // how long a stop may take
 
 /// Bytes of a pipe or socket as they come.
@@ -35,7 +35,7 @@ class DescriptorCamera final : public Camera {
       pollfd waiting = {descriptor_, POLLIN, 0};
       const int ready = ::poll(&waiting, 1, kPollMs);
       if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
-      bytes.resize(kReadBytes);
+      bytes.resize(kCameraReadBytes);
       const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) return Error{ErrorCode::kIo, cat("cannot read (", std::strerror(errno), ")"), name_};
@@ -46,6 +46,8 @@ class DescriptorCamera final : public Camera {
   }
 
   void stop() override { is_stopped_ = true; }
+
+  bool keeps_unread() const override { return true; }
 
  private:
   int descriptor_;

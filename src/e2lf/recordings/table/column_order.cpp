@@ -16,10 +16,6 @@ constexpr double kFallsRarely = 0.1, kFallsOften = 0.25;
 /// Fewer rows rise by chance.
 constexpr size_t kFewRows = 8;
 
-constexpr size_t of(Field field) {
-  return static_cast<size_t>(field);
-}
-
 /// The share of values that cannot be coordinates below a limit.
 double share_beyond(const std::vector<double>& values, size_t limit) {
   const double most = limit == 0 ? 65536.0 : static_cast<double>(limit);

@@ -10,10 +10,6 @@
 namespace e2lf::recordings::table {
 namespace {
 
-constexpr size_t of(Field field) {
-  return static_cast<size_t>(field);
-}
-
 /// Who said how a part of a table is to be read.
 enum class Reason { kOption, kFile, kFormat, kValues };
 

@@ -154,7 +154,7 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
   const std::string format = header.find("Format:").value_or("RAW");
   if (format != "RAW" && format != "PNGFrames") {
     return Error{ErrorCode::kUnsupported,
-                 cat("the packets are stored as ", printable(format), "; record or convert them as RAW"), name};
+                 cat("the packets are stored as ", one_line(format), "; record or convert them as RAW"), name};
   }
   std::map<int16_t, std::string> sources = sources_of(header);
   if (sources.empty()) sources[0] = "";
@@ -168,8 +168,8 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
     info.width = model->width;
     info.height = model->height;
   }
-  if (!chosen_source->second.empty()) info.header.emplace_back("source", printable(chosen_source->second));
-  if (const auto start = header.find("Start-Time:")) info.header.emplace_back("start_time", printable(*start));
+  if (!chosen_source->second.empty()) info.header.emplace_back("source", one_line(chosen_source->second));
+  if (const auto start = header.find("Start-Time:")) info.header.emplace_back("start_time", one_line(*start));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   const bool is_from_bottom = ("#" + header.lines[0]).starts_with("#!AER-DAT3.0");
   // Of one source all packets are, whatever number they bear.

@@ -243,9 +243,9 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   const Stream& events = event_streams[chosen];
   info.width = events.width;
   info.height = events.height;
-  if (!events.source.empty()) info.header.emplace_back("source", printable(events.source));
+  if (!events.source.empty()) info.header.emplace_back("source", one_line(events.source));
   for (const Stream& stream : header.streams)
-    info.header.emplace_back(cat("stream_", stream.id), printable(stream.type));
+    info.header.emplace_back(cat("stream_", stream.id), one_line(stream.type));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   auto blocks = std::make_unique<Aedat4Blocks>(std::move(source), header, std::move(decompressor), event_streams,
                                                events, !options.stream.empty());

@@ -224,11 +224,11 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
   std::vector<NamedStream> streams;
   for (const Topic& topic : topics) streams.push_back({cat(streams.size()), topic.name, ""});
   E2LF_ASSIGN_OR_RETURN(const size_t chosen, choose_stream(streams, options, name, info));
-  info.header = {{"topic", printable(topics[chosen].name)}, {"type", topics[chosen].type}};
+  info.header = {{"topic", one_line(topics[chosen].name)}, {"type", topics[chosen].type}};
   ChosenMessages messages(std::move(bag), topics[chosen], !options.stream.empty());
   E2LF_ASSIGN_OR_RETURN(const std::optional<EventMessage> first, messages.first());
   if (first) {
-    info.header.emplace_back("encoding", printable(std::string(first->encoding)));
+    info.header.emplace_back("encoding", one_line(std::string(first->encoding)));
     info.width = first->width;
     info.height = first->height;
   }
@@ -241,7 +241,7 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
     return Error{ErrorCode::kUnsupported,
                  "the events are in an encoding other than evt3, libcaer, libcaer_cmp, mono and trigger; record them "
                  "in one of these",
-                 cat(name, ": ", printable(topics[chosen].name))};
+                 cat(name, ": ", one_line(topics[chosen].name))};
   }
   std::string header = "% evt 3.0\n";
   if (info.width != 0 && info.height != 0) header += cat("% geometry ", info.width, "x", info.height, "\n");

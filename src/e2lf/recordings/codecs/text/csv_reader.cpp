@@ -54,8 +54,8 @@ bool is_remark(std::string_view line, const Layout& layout) {
 /// Reads a line that is not plainly an event: behind the mark of UTF-8 there may be one, and in lines of a file with
 /// other ends of lines many.
 void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, EventColumns& events, BadLines& bad) {
-  constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
-  if (line.starts_with(kUtf8Mark)) line.remove_prefix(kUtf8Mark.size());
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
   const bool has_ends = layout.line_end == '\n' && line.find('\r') < line.size() - 1;
   for (size_t begin = 0; begin < line.size();) {
     const size_t end = has_ends ? std::min(line.find('\r', begin), line.size()) : line.size();

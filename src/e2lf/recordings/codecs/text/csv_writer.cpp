@@ -15,7 +15,7 @@ namespace e2lf::recordings::text {
 namespace {
 
 /// Two coordinates, a polarity and a time with their separators, and room for stores of four bytes at the end.
-constexpr size_t kLongestLine = 5 + 5 + 1 + 21 + 4 + 8;
+constexpr size_t kLongestWrittenLine = 5 + 5 + 1 + 21 + 4 + 8;
 constexpr size_t kMinEventsPerThread = 4096;
 
 /// The numbers 0..9999 with four digits each.
@@ -93,7 +93,7 @@ class LineWriter {
   size_t upper_size_ = 0;
 };
 
-/// Writes events [begin, end) as lines and returns their end; `out` has kLongestLine for each.
+/// Writes events [begin, end) as lines and returns their end; `out` has kLongestWrittenLine for each.
 char* format_lines(const EventColumns& events, size_t begin, size_t end, bool is_seconds, char* out) {
   LineWriter writer(is_seconds);
   for (size_t i = begin; i < end; ++i) {
@@ -160,12 +160,12 @@ class CsvWriter final : public RecordingWriter {
   void format(const EventColumns& events) {
     const size_t count = events.size();
     const size_t parts = std::clamp<size_t>(count / kMinEventsPerThread, 1, 4 * static_cast<size_t>(num_threads()));
-    if (text_.buffer.size() < count * kLongestLine) text_.buffer.resize(count * kLongestLine);
+    if (text_.buffer.size() < count * kLongestWrittenLine) text_.buffer.resize(count * kLongestWrittenLine);
     text_.pieces.resize(parts);
     const auto begin_of = [&](size_t part) { return count * part / parts; };
     parallel_for(parts, 1, [&](size_t from, size_t to) {
       for (size_t i = from; i < to; ++i) {
-        char* const begin = text_.buffer.data() + begin_of(i) * kLongestLine;
+        char* const begin = text_.buffer.data() + begin_of(i) * kLongestWrittenLine;
         const char* const end = format_lines(events, begin_of(i), begin_of(i + 1), is_seconds_, begin);
         text_.pieces[i] = {reinterpret_cast<const uint8_t*>(begin), static_cast<size_t>(end - begin)};
       }

@@ -1,17 +1,43 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/flags/bundled_files.h"
+#include "e2lf/files/bundled_files.h"
 
 #include <algorithm>
+#include <dlfcn.h>
 
 #include "e2lf/base/text.h"
 
-namespace e2lf::cli {
+namespace e2lf {
 namespace fs = std::filesystem;
+namespace {
+
+/// The running program, or the shared object, as Python's, that holds this code.
+fs::path find_own_file() {
+  static const char here = 0;
+  Dl_info about{};
+  std::error_code error;
+  const fs::path loaded = ::dladdr(&here, &about) != 0 && about.dli_fname != nullptr ? about.dli_fname : "";
+  return loaded.filename().string().find(".so") != std::string::npos ? fs::canonical(loaded, error)
+                                                                     : fs::read_symlink("/proc/self/exe", error);
+}
+
+/// Where bundled files may lie, the nearest first. A program that lies in its source tree takes the files of that tree.
+std::vector<fs::path> find_folders() {
+  const fs::path tree = E2LF_SOURCE_TREE;
+  std::error_code error;
+  std::vector<fs::path> folders;
+  for (fs::path folder = find_own_file().parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
+    folders.push_back(fs::equivalent(folder, tree, error) ? tree : folder / "share/e2lf");
+  }
+  folders.push_back(tree);
+  return folders;
+}
+
+}  // namespace
 
 std::optional<fs::path> bundled_file(const std::string& path) {
+  static const std::vector<fs::path> folders = find_folders();
   std::error_code error;
-  const fs::path binary = fs::read_symlink("/proc/self/exe", error);
-  for (const fs::path& folder : {binary.parent_path() / "../share/e2lf", fs::path(E2LF_SOURCE_TREE)}) {
+  for (const fs::path& folder : folders) {
     if (fs::exists(folder / path, error)) return (folder / path).lexically_normal();
   }
   return std::nullopt;
@@ -34,9 +60,10 @@ std::vector<std::string> bundled_names(const BundledKind& kind) {
 }
 
 std::optional<fs::path> bundled_file_named(const BundledKind& kind, const std::string& name) {
-  if (name.empty() || name.find('/') != std::string::npos) return std::nullopt;
-  const std::string extension = name.ends_with(kind.extension) ? "" : kind.extension;
-  return bundled_file(cat(kind.folder, "/", name, extension));
+  const std::string folder = cat(kind.folder, "/");
+  const std::string own = name.starts_with(folder) ? name.substr(folder.size()) : name;
+  if (own.empty() || own.find('/') != std::string::npos) return std::nullopt;
+  return bundled_file(cat(folder, own, own.ends_with(kind.extension) ? "" : kind.extension));
 }
 
 std::string shown_name(const BundledKind& kind, const fs::path& path) {
@@ -54,4 +81,4 @@ Result<fs::path> find_file_or_bundled(const BundledKind& kind, const std::string
   return Error{ErrorCode::kNotFound, cat("there is no such ", kind.any, "; ", remedy), name};
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/capture/profile/profile_record.h"
 
 #include <gtest/gtest.h>
 
 namespace e2lf::capture {
 namespace {
 
-Camera test_camera() {
-  Camera camera;
+SensorProfile test_camera() {
+  SensorProfile camera;
   camera.name = "caf\xc3\xa9";
   camera.event_model = "pixel";
   for (size_t i = 0; i < kNumPixelConstants; ++i) camera.pixel.values[i] = 0.03125F + 0.001F * static_cast<float>(i);
@@ -17,7 +17,7 @@ Camera test_camera() {
   return camera;
 }
 
-void expect_same(const Camera& a, const Camera& b) {
+void expect_same(const SensorProfile& a, const SensorProfile& b) {
   EXPECT_EQ(to_json(a), to_json(b));
   EXPECT_EQ(a.pixel, b.pixel);
 }
@@ -59,7 +59,7 @@ TEST(ViewsRecord, ComesBackFromHeaderAndArray) {
 }
 
 TEST(CameraRecord, KeepsHowTheViewsComeOut) {
-  Camera camera;
+  SensorProfile camera;
   EXPECT_FALSE(to_json(camera).contains("views"));
   camera.views = Orientation{false, true};
   EXPECT_EQ(camera_from_json(to_json(camera), "x").value().views, camera.views);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recon/tone.h"
+#include "e2lf/recon/video/frame_tone.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ std::vector<float> ramp() {
 
 TEST(ApplyTone, RobustPutsTheQuantilesAtBlackAndWhite) {
   std::vector<float> frame = ramp();
-  apply_tone(model::Tone::kRobust, frame);
+  apply_frame_tone(model::FrameTone::kRobust, frame);
   EXPECT_EQ(frame[0], 0.0F);
   EXPECT_NEAR(frame[2], 0.0F, 1e-6);
   EXPECT_NEAR(frame[100], 0.5F, 1e-6);
@@ -37,22 +37,22 @@ TEST(ApplyTone, RobustPutsTheQuantilesAtBlackAndWhite) {
 TEST(ApplyTone, ExpRobustIsTheSameOfTheExponential) {
   std::vector<float> frame = ramp(), expected = ramp();
   for (float& value : frame) value = std::log(1.0F + value);
-  apply_tone(model::Tone::kExpRobust, frame);
-  apply_tone(model::Tone::kRobust, expected);
+  apply_frame_tone(model::FrameTone::kExpRobust, frame);
+  apply_frame_tone(model::FrameTone::kRobust, expected);
   for (size_t i = 0; i < frame.size(); ++i) EXPECT_NEAR(frame[i], expected[i], 1e-5);
 }
 
 TEST(ApplyTone, StandardTakesTheExtremesAndNoneOnlyClamps) {
   std::vector<float> frame = {-2.0F, 0.5F, 8.0F}, plain = frame;
-  apply_tone(model::Tone::kStandard, frame);
+  apply_frame_tone(model::FrameTone::kStandard, frame);
   EXPECT_EQ(frame, (std::vector<float>{0.0F, 0.25F, 1.0F}));
-  apply_tone(model::Tone::kNone, plain);
+  apply_frame_tone(model::FrameTone::kNone, plain);
   EXPECT_EQ(plain, (std::vector<float>{0.0F, 0.5F, 1.0F}));
 }
 
 TEST(ApplyTone, AFrameOfOneValueIsBlack) {
   std::vector<float> frame(5, 0.7F);
-  apply_tone(model::Tone::kRobust, frame);
+  apply_frame_tone(model::FrameTone::kRobust, frame);
   EXPECT_EQ(frame, std::vector<float>(5, 0.0F));
 }
 

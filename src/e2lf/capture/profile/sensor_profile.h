@@ -50,7 +50,7 @@ struct PixelConstants {
 };
 
 /// What is known of a camera: how its pixels make events, each constant with how far it may be off.
-struct Camera {
+struct SensorProfile {
   std::string name = "paper";
   std::string event_model = "reference-aware";  ///< or "quantised", "pixel"
   SensorConstants constants;                    ///< of the paper's models; for "pixel" eps and the mean threshold
@@ -69,28 +69,28 @@ struct Camera {
 /// Light that lit pattern n (0 = the second pattern) passes relative to its open cells at a place of the picture:
 /// transmission * exp(slope_x * x + slope_y * y). The middle of the picture is (0, 0), the middle of its right edge
 /// (1, 0), and y has the same unit.
-[[nodiscard]] float transmission_at(const Camera& camera, size_t n, float x, float y);
+[[nodiscard]] float transmission_at(const SensorProfile& camera, size_t n, float x, float y);
 
 /// Reads a camera file: {"name", "event_model", "constants": {"<key>": {"value", "uncertainty", "source"}, ...},
 /// "transmission": {"value": [..], "slope_x": [..], "slope_y": [..], "uncertainty", "source"}, "views": "turned" (see
 /// orientation_name)}. A camera of the paper's models has the keys eps, tau, sigma_w and sigma_z, one of "pixel" all of
 /// pixel_constant_key(). Fails with kNotFound, kFormat, kInvalidValue (unknown or missing keys, values that are not
 /// finite or out of range), naming the key.
-[[nodiscard]] Result<Camera> read_camera(const std::filesystem::path& path);
-[[nodiscard]] Result<Camera> camera_from_json(const Json& json, const std::string& location);
-[[nodiscard]] Json to_json(const Camera& camera);
+[[nodiscard]] Result<SensorProfile> read_camera(const std::filesystem::path& path);
+[[nodiscard]] Result<SensorProfile> camera_from_json(const Json& json, const std::string& location);
+[[nodiscard]] Json to_json(const SensorProfile& camera);
 
 /// The same camera without anything random between cycles: noise and dark events are 0.
-[[nodiscard]] Camera without_noise(Camera camera);
+[[nodiscard]] SensorProfile without_noise(SensorProfile camera);
 
-/// What a network is told of a camera, as numbers of about -1 to 1: see camera_traits().
-inline constexpr size_t kNumFixedTraits = 16;
-[[nodiscard]] inline size_t num_traits(size_t num_patterns) {
-  return kNumFixedTraits + num_patterns - 2;
+/// What a network is told of a camera, as numbers of about -1 to 1: see conditioning_vector().
+inline constexpr size_t kNumFixedConditions = 16;
+[[nodiscard]] inline size_t conditioning_size(size_t num_patterns) {
+  return kNumFixedConditions + num_patterns - 2;
 }
 
-/// The camera in the form in which traits are made of it, for one sample of training or one recording.
-struct TraitSource {
+/// The camera in the form in which conditioning are made of it, for one sample of training or one recording.
+struct ConditioningSource {
   bool pixel = false;          ///< "pixel" or one of the paper's models
   SensorConstants constants;   ///< of the paper's models
   float residue = 0.0F;        ///< of the paper's models: references start up to this many thresholds above black
@@ -99,12 +99,14 @@ struct TraitSource {
   size_t cycles = 1;                         ///< counts are means over so many cycles
 };
 
-/// The traits, num_traits(num_patterns) of them: a flag for "pixel", thresholds, noises, mismatch, residue, how far
-/// photoreceptor and amplifier lag (0: not at all), leak, events in the dark, cycles, transmission of patterns 3, 4,
+/// The conditioning, conditioning_size(num_patterns) of them: a flag for "pixel", thresholds, noises, mismatch,
+/// residue, how far photoreceptor and amplifier lag (0: not at all), leak, events in the dark, cycles, transmission of
+/// patterns 3, 4,
 /// ... relative to that of pattern 2. Constants that a model does not have are 0, where that means an ideal sensor.
-[[nodiscard]] std::vector<float> camera_traits(const TraitSource& source, size_t num_patterns);
+[[nodiscard]] std::vector<float> conditioning_vector(const ConditioningSource& source, size_t num_patterns);
 
-/// The traits of a camera at its stated values, for counts that are means over `cycles`.
-[[nodiscard]] std::vector<float> camera_traits(const Camera& camera, size_t num_patterns, size_t cycles = 1);
+/// The conditioning of a camera at its stated values, for counts that are means over `cycles`.
+[[nodiscard]] std::vector<float> conditioning_vector(const SensorProfile& camera, size_t num_patterns,
+                                                     size_t cycles = 1);
 
 }  // namespace e2lf::capture

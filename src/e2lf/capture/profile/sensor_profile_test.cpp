@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Json pixel_camera() {
        {{"value", {1.0, 1.1, 0.9}}, {"slope_x", {0.0, 0.25}}, {"slope_y", {0.0, -0.5, 0.5}}, {"uncertainty", 0.05}}}};
 }
 
-TEST(Camera, ReadsWhatItWrites) {
+TEST(SensorProfile, ReadsWhatItWrites) {
   const auto camera = camera_from_json(pixel_camera(), "mine.json");
   ASSERT_TRUE(camera) << camera.error().text();
   EXPECT_EQ(camera->name, "mine");
@@ -37,7 +37,7 @@ TEST(Camera, ReadsWhatItWrites) {
   EXPECT_EQ(again->transmission_slope_y, camera->transmission_slope_y);
 }
 
-TEST(Camera, TransmissionChangesOverTheField) {
+TEST(SensorProfile, TransmissionChangesOverTheField) {
   const auto camera = camera_from_json(pixel_camera(), "mine.json");
   ASSERT_TRUE(camera) << camera.error().text();
   EXPECT_FLOAT_EQ(transmission_at(*camera, 1, 0.0F, 0.0F), 1.1F);
@@ -46,7 +46,7 @@ TEST(Camera, TransmissionChangesOverTheField) {
   EXPECT_EQ(transmission_at(*camera, 3, 1.0F, 1.0F), 1.0F);
 }
 
-TEST(Camera, NamesTheConstantThatIsMissingUnknownOrOutOfRange) {
+TEST(SensorProfile, NamesTheConstantThatIsMissingUnknownOrOutOfRange) {
   const auto error_of = [](const Json& json) { return camera_from_json(json, "mine.json").error().text(); };
   Json json = pixel_camera();
   json["constants"].erase("leak");
@@ -68,21 +68,21 @@ TEST(Camera, NamesTheConstantThatIsMissingUnknownOrOutOfRange) {
   EXPECT_NE(error_of(json).find("event_model"), std::string::npos);
 }
 
-TEST(Camera, TraitsTellHowFarACameraIsFromAnIdealOne) {
-  Camera camera;
+TEST(SensorProfile, TraitsTellHowFarACameraIsFromAnIdealOne) {
+  SensorProfile camera;
   camera.constants = {.eps = 0.01F, .tau = 0.33F, .sigma_w = 0.1F, .sigma_z = 0.04F};
-  const auto traits = camera_traits(camera, 4);
-  ASSERT_EQ(traits.size(), num_traits(4));
-  EXPECT_EQ(traits[0], 0.0F);
-  EXPECT_NEAR(traits[1], 0.4F, 1e-5F);
-  EXPECT_FLOAT_EQ(traits[3], 1.0F);
-  EXPECT_FLOAT_EQ(traits[4], 1.0F);
+  const auto conditioning = conditioning_vector(camera, 4);
+  ASSERT_EQ(conditioning.size(), conditioning_size(4));
+  EXPECT_EQ(conditioning[0], 0.0F);
+  EXPECT_NEAR(conditioning[1], 0.4F, 1e-5F);
+  EXPECT_FLOAT_EQ(conditioning[3], 1.0F);
+  EXPECT_FLOAT_EQ(conditioning[4], 1.0F);
 
   camera.event_model = "pixel";
   camera.pixel[kReceptorRate] = 30.0F;
   camera.pixel[kAmplifierRate] = 1e9F;
   camera.transmission = {1.0F, 1.1F};
-  const auto of_pixel = camera_traits(camera, 4, 16);
+  const auto of_pixel = conditioning_vector(camera, 4, 16);
   EXPECT_EQ(of_pixel[0], 1.0F);
   EXPECT_FLOAT_EQ(of_pixel[9], 0.5F);
   EXPECT_NEAR(of_pixel[10], 0.0F, 1e-6F);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recon/tone.h"
+#include "e2lf/recon/video/frame_tone.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace e2lf::recon {
 namespace {
 
-/// The values at two quantiles to 0 and 1.
+/// Maps the values at two quantiles to 0 and 1.
 void stretch(std::span<float> frame, double low_share, double high_share) {
   std::vector<float> sorted(frame.begin(), frame.end());
   const float low = quantile(sorted, low_share), high = quantile(sorted, high_share);
@@ -31,20 +31,20 @@ float quantile(std::span<float> values, double share) {
   return *at + static_cast<float>(place - static_cast<double>(below)) * (above - *at);
 }
 
-void apply_tone(model::Tone tone, std::span<float> frame) {
+void apply_frame_tone(model::FrameTone tone, std::span<float> frame) {
   constexpr double kRobustShare = 0.01;
   if (frame.empty()) return;
   switch (tone) {
-    case model::Tone::kNone:
+    case model::FrameTone::kNone:
       break;
-    case model::Tone::kExpRobust:
+    case model::FrameTone::kExpRobust:
       for (float& value : frame) value = std::exp(value);
       stretch(frame, kRobustShare, 1.0 - kRobustShare);
       break;
-    case model::Tone::kRobust:
+    case model::FrameTone::kRobust:
       stretch(frame, kRobustShare, 1.0 - kRobustShare);
       break;
-    case model::Tone::kStandard:
+    case model::FrameTone::kStandard:
       stretch(frame, 0.0, 1.0);
       break;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/profile/camera_record.h"
+#include "e2lf/capture/profile/profile_record.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 namespace e2lf::capture {
 namespace {
 
-constexpr const char *kCamera = "e2lf_camera", *kViews = "e2lf_views";
+constexpr const char *kCameraKey = "e2lf_camera", *kViewsKey = "e2lf_views";
 
 /// The value of the first line with this key, or null.
 const std::string* find_line(const HeaderLines& header, const char* key) {
@@ -26,41 +26,41 @@ Result<std::string> text_from_npy(const NpyArray& array, const char* what, const
   return Error{ErrorCode::kShape, cat(what, " is no text; write it as an array of bytes, or leave it out"), location};
 }
 
-Result<Camera> camera_from_text(const std::string& text, const std::string& location) {
+Result<SensorProfile> camera_from_text(const std::string& text, const std::string& location) {
   E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, location));
   return camera_from_json(json, location);
 }
 
 }  // namespace
 
-HeaderLines camera_to_header(const Camera& camera) {
-  return {{kCamera, json_line(to_json(camera))}};
+HeaderLines camera_to_header(const SensorProfile& camera) {
+  return {{kCameraKey, json_line(to_json(camera))}};
 }
 
-Result<std::optional<Camera>> camera_from_header(const HeaderLines& header, const std::string& location) {
-  const std::string* const line = find_line(header, kCamera);
-  if (line == nullptr) return std::optional<Camera>();
-  E2LF_ASSIGN_OR_RETURN(Camera camera, camera_from_text(*line, cat(location, ": ", kCamera)));
+Result<std::optional<SensorProfile>> camera_from_header(const HeaderLines& header, const std::string& location) {
+  const std::string* const line = find_line(header, kCameraKey);
+  if (line == nullptr) return std::optional<SensorProfile>();
+  E2LF_ASSIGN_OR_RETURN(SensorProfile camera, camera_from_text(*line, cat(location, ": ", kCameraKey)));
   return std::optional(std::move(camera));
 }
 
-NpyArray camera_to_npy(const Camera& camera) {
+NpyArray camera_to_npy(const SensorProfile& camera) {
   return text_to_npy(json_line(to_json(camera)));
 }
 
-Result<Camera> camera_from_npy(const NpyArray& array, const std::string& location) {
+Result<SensorProfile> camera_from_npy(const NpyArray& array, const std::string& location) {
   E2LF_ASSIGN_OR_RETURN(const std::string text, text_from_npy(array, "the camera", location));
   return camera_from_text(text, location);
 }
 
 HeaderLines views_to_header(const Orientation& views) {
-  return {{kViews, orientation_name(views)}};
+  return {{kViewsKey, orientation_name(views)}};
 }
 
 Result<std::optional<Orientation>> views_from_header(const HeaderLines& header, const std::string& location) {
-  const std::string* const line = find_line(header, kViews);
+  const std::string* const line = find_line(header, kViewsKey);
   if (line == nullptr) return std::optional<Orientation>();
-  E2LF_ASSIGN_OR_RETURN(const Orientation views, orientation_from_name(*line, cat(location, ": ", kViews)));
+  E2LF_ASSIGN_OR_RETURN(const Orientation views, orientation_from_name(*line, cat(location, ": ", kViewsKey)));
   return std::optional(views);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/profile/camera.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +55,7 @@ Result<ValueWithUncertainty> read_constant(const Json& json, const std::string& 
   return result;
 }
 
-Result<void> read_pixel(OptionReader constants, Camera& camera) {
+Result<void> read_pixel(OptionReader constants, SensorProfile& camera) {
   for (size_t i = 0; i < kNumPixelConstants; ++i) {
     const char* key = kPixelKeys[i].key;
     E2LF_ASSIGN_OR_RETURN(const auto constant,
@@ -76,7 +76,7 @@ constexpr std::pair<KeyRange, float SensorConstants::*> kPaperKeys[] = {
     {{"sigma_z", 0.0F, 10.0F}, &SensorConstants::sigma_z},
 };
 
-Result<void> read_paper(OptionReader constants, Camera& camera) {
+Result<void> read_paper(OptionReader constants, SensorProfile& camera) {
   for (const auto& [range, field] : kPaperKeys) {
     E2LF_ASSIGN_OR_RETURN(const auto constant,
                           read_constant(constants.child(range.key), constants.child_location(range.key), range));
@@ -85,7 +85,7 @@ Result<void> read_paper(OptionReader constants, Camera& camera) {
   return constants.finish();
 }
 
-Result<void> read_transmission(const Json& json, const std::string& location, Camera& camera) {
+Result<void> read_transmission(const Json& json, const std::string& location, SensorProfile& camera) {
   if (json.is_null()) return {};
   std::string source;
   OptionReader reader(json, location);
@@ -124,7 +124,7 @@ float lag(float rate_hz) {
 
 }  // namespace
 
-float transmission_at(const Camera& camera, size_t n, float x, float y) {
+float transmission_at(const SensorProfile& camera, size_t n, float x, float y) {
   const auto entry = [n](const std::vector<float>& values, float otherwise) {
     return n < values.size() ? values[n] : otherwise;
   };
@@ -136,8 +136,8 @@ const char* pixel_constant_key(PixelConstant constant) {
   return kPixelKeys[static_cast<size_t>(constant)].key;
 }
 
-Result<Camera> camera_from_json(const Json& json, const std::string& location) {
-  Camera camera;
+Result<SensorProfile> camera_from_json(const Json& json, const std::string& location) {
+  SensorProfile camera;
   OptionReader reader(json, location + ": $");
   std::optional<std::string> views;
   reader.read("name", camera.name).read("event_model", camera.event_model).read("views", views);
@@ -159,12 +159,12 @@ Result<Camera> camera_from_json(const Json& json, const std::string& location) {
   return camera;
 }
 
-Result<Camera> read_camera(const std::filesystem::path& path) {
+Result<SensorProfile> read_camera(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
   return camera_from_json(json, path.string());
 }
 
-Json to_json(const Camera& camera) {
+Json to_json(const SensorProfile& camera) {
   Json constants = Json::object();
   if (camera.is_pixel()) {
     for (size_t i = 0; i < kNumPixelConstants; ++i) {
@@ -188,66 +188,67 @@ Json to_json(const Camera& camera) {
   return json;
 }
 
-Camera without_noise(Camera camera) {
+SensorProfile without_noise(SensorProfile camera) {
   camera.constants.sigma_w = camera.constants.sigma_z = 0.0F;
   for (const PixelConstant constant : {kNoise, kShotNoise, kDarkOff, kDarkOn}) camera.pixel[constant] = 0.0F;
   return camera;
 }
 
-std::vector<float> camera_traits(const TraitSource& source, size_t num_patterns) {
+std::vector<float> conditioning_vector(const ConditioningSource& source, size_t num_patterns) {
   E2LF_REQUIRE(num_patterns >= 2, "at least two patterns make an event image");
   E2LF_REQUIRE(source.cycles >= 1, "counts are of one cycle at least");
   const auto threshold = [](float tau) { return 4.0F * (tau / 0.3F - 1.0F); };
   const PixelConstants& pixel = source.values;
-  std::vector<float> traits;
+  std::vector<float> conditioning;
   if (source.pixel) {
-    traits = {1.0F,
-              threshold(pixel[kThresholdOn]),
-              threshold(pixel[kThresholdOff]),
-              pixel[kNoise] / 0.1F,
-              0.0F,
-              pixel[kMismatch] / 0.1F,
-              pixel[kMismatchEach] / 0.1F,
-              pixel[kResetSpan],
-              pixel[kResetOffset] / 0.1F,
-              lag(pixel[kReceptorRate]),
-              lag(pixel[kAmplifierRate]),
-              pixel[kLeak] * 500.0F,
-              pixel[kShotNoise] / 0.1F,
-              pixel[kDarkOff] * 20.0F,
-              pixel[kDarkOn] * 20.0F};
+    conditioning = {1.0F,
+                    threshold(pixel[kThresholdOn]),
+                    threshold(pixel[kThresholdOff]),
+                    pixel[kNoise] / 0.1F,
+                    0.0F,
+                    pixel[kMismatch] / 0.1F,
+                    pixel[kMismatchEach] / 0.1F,
+                    pixel[kResetSpan],
+                    pixel[kResetOffset] / 0.1F,
+                    lag(pixel[kReceptorRate]),
+                    lag(pixel[kAmplifierRate]),
+                    pixel[kLeak] * 500.0F,
+                    pixel[kShotNoise] / 0.1F,
+                    pixel[kDarkOff] * 20.0F,
+                    pixel[kDarkOn] * 20.0F};
   } else {
     const SensorConstants& paper = source.constants;
-    traits = {0.0F,
-              threshold(paper.tau),
-              threshold(paper.tau),
-              paper.sigma_w / 0.1F,
-              paper.sigma_z / 0.04F,
-              0.0F,
-              0.0F,
-              source.residue,
-              0.0F,
-              0.0F,
-              0.0F,
-              0.0F,
-              0.0F,
-              0.0F,
-              0.0F};
+    conditioning = {0.0F,
+                    threshold(paper.tau),
+                    threshold(paper.tau),
+                    paper.sigma_w / 0.1F,
+                    paper.sigma_z / 0.04F,
+                    0.0F,
+                    0.0F,
+                    source.residue,
+                    0.0F,
+                    0.0F,
+                    0.0F,
+                    0.0F,
+                    0.0F,
+                    0.0F,
+                    0.0F};
   }
-  traits.push_back(0.25F * std::log2(static_cast<float>(source.cycles)));
-  E2LF_REQUIRE(traits.size() == kNumFixedTraits, "every trait has its place");
+  conditioning.push_back(0.25F * std::log2(static_cast<float>(source.cycles)));
+  E2LF_REQUIRE(conditioning.size() == kNumFixedConditions, "every trait has its place");
   const auto transmission = [&](size_t k) { return k < source.transmission.size() ? source.transmission[k] : 1.0F; };
-  for (size_t k = 1; k + 1 < num_patterns; ++k) traits.push_back(5.0F * (transmission(k) / transmission(0) - 1.0F));
-  return traits;
+  for (size_t k = 1; k + 1 < num_patterns; ++k)
+    conditioning.push_back(5.0F * (transmission(k) / transmission(0) - 1.0F));
+  return conditioning;
 }
 
-std::vector<float> camera_traits(const Camera& camera, size_t num_patterns, size_t cycles) {
-  return camera_traits({.pixel = camera.is_pixel(),
-                        .constants = camera.constants,
-                        .values = camera.pixel,
-                        .transmission = camera.transmission,
-                        .cycles = cycles},
-                       num_patterns);
+std::vector<float> conditioning_vector(const SensorProfile& camera, size_t num_patterns, size_t cycles) {
+  return conditioning_vector({.pixel = camera.is_pixel(),
+                              .constants = camera.constants,
+                              .values = camera.pixel,
+                              .transmission = camera.transmission,
+                              .cycles = cycles},
+                             num_patterns);
 }
 
 }  // namespace e2lf::capture
