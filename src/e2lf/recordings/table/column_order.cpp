@@ -13,6 +13,8 @@ namespace {
 constexpr double kMaxDamaged = 0.1;
 /// A column that falls so rarely may be times out of order; coordinates fall more often than kFallsOften.
 constexpr double kFallsRarely = 0.1, kFallsOften = 0.25;
+/// No sensor is wider (px).
+constexpr size_t kWidestSensor = 8192;
 /// Fewer rows rise by chance.
 constexpr size_t kFewRows = 8;
 
@@ -99,6 +101,7 @@ std::optional<OrderGuess> find_order(std::span<const std::vector<double>> column
     return rows > 0 && (!is_polarity[order[of(Field::kP)]] || !fits(order, 0, 0));
   });
   if (orders.empty()) return std::nullopt;
+  narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, kWidestSensor, kWidestSensor); });
   // A sensor that is too small for every order leaves out events, which is said elsewhere.
   narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, width, height); });
 

@@ -16,7 +16,7 @@ namespace e2lf::recordings {
 /// The text in front of a RAW file's event words: lines "% key value", ended by "% end" or by the first line that is
 /// not one of them. Keys that name the encoding: `format EVT3;height=720;width=1280`, `evt 3.0`, `geometry 1280x720`.
 struct RawHeader {
-  RecordingInfo info;      ///< format "evt2", "evt2.1", "evt3", or empty when the header does not say
+  RecordingInfo info;      ///< format "evt2", "evt2.1", "evt3", "evt4", or empty when the header does not say
   std::string endianness;  ///< "little", "legacy" or empty: a hint only, files are known to be wrong
   size_t num_bytes = 0;    ///< where the event words begin
 };
