@@ -117,6 +117,19 @@ TEST(Npz, PassesOverMembersThatAreNoArrays) {
   EXPECT_TRUE(read->empty());
 }
 
+TEST(Npz, PassesOverTextBesideNumbers) {
+  ZipWriter writer;
+  Bytes member = encode_npy(make_npy<int32_t>({1}, std::vector<int32_t>{7}));
+  const std::string number_type = "<i4", text_type = "<U1";
+  std::copy(text_type.begin(), text_type.end(),
+            std::search(member.begin(), member.end(), number_type.begin(), number_type.end()));
+  writer.add("camera.npy", member, false);
+  writer.add("x.npy", encode_npy(make_npy<int32_t>({1}, std::vector<int32_t>{7})), false);
+  const auto read = decode_npz(writer.finish(), "x");
+  ASSERT_TRUE(read.ok()) << read.error().text();
+  EXPECT_EQ(read->size(), 1U);
+}
+
 TEST(Npz, EqualArraysGiveEqualBytes) {
   EXPECT_EQ(encode_npz(some_arrays()), encode_npz(some_arrays()));
 }

@@ -290,6 +290,18 @@ TEST(DatOfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
   EXPECT_EQ(chunked.summary.num_violations(), 0U);
 }
 
+TEST(Aedat4OfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
+  const EventBatch first = part_of(6'000, 1000, 600'000, 1), second = part_of(6'000, 500, 700'000, 2);
+  Bytes bytes = aedat4_of(first, EventBatch());
+  const Bytes later = aedat4_of(second, EventBatch());
+  bytes.insert(bytes.end(), later.begin(), later.end());
+  int64_t shift_us = 0;
+  const EventBatch expected = continued(first, second, shift_us);
+  const Decoded decoded = decode(bytes, 1);
+  EXPECT_TRUE(decoded.batch.events == expected.events);
+  EXPECT_EQ(decoded.summary.num_violations(), 0U);
+}
+
 TEST(DatOfTwoParts, TakesTheTriggersOfEachPartFromTheFileBesideIt) {
   const TestFolder folder;
   const EventBatch first = part_of(60'000, 1000, 6'000'000, 1), second = part_of(60'000, 500, 6'000'000, 2);

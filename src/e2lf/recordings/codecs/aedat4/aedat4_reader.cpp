@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cstring>
 #include <iterator>
 #include <optional>
 
@@ -54,11 +55,12 @@ class Aedat4Blocks final : public EventBlocks {
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
     const uint64_t position = source_->position();
-    if (header_.table_position != 0 && position >= header_.table_position) return false;
+    if (header_.table_position != 0 && position >= header_.table_position) return pass_over_table();
     E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
     if (bytes.empty()) return false;
     if (bytes.size() < kPacketHeader) return give_up(Violation::kTruncated, summary);
     const auto packet = parse_packet(bytes);
+    if (!packet && begins_header(bytes)) return read_appended_header();
     // Without a file table, a foreign packet is where a proper end would be; nothing tells where the next begins.
     if (!packet) return give_up(Violation::kMisaligned, summary);
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
@@ -77,6 +79,7 @@ class Aedat4Blocks final : public EventBlocks {
   /// Goes from packet header to packet header once, unpacking nothing, then bisects the packets of events.
   Result<void> seek_before(int64_t t_us) override {
     has_given_up_ = false;
+    header_.table_position = first_table_position_;
     if (!has_noted_) E2LF_RETURN_IF_ERROR(note_packets());
     const auto time_at = [&](uint64_t i) -> Result<int64_t> {
       E2LF_ASSIGN_OR_RETURN(const EventBatch packet, read_packet(event_packets_[i], Use::kEvents));
@@ -105,6 +108,45 @@ class Aedat4Blocks final : public EventBlocks {
   }
 
  private:
+  static bool begins_header(std::span<const uint8_t> bytes) {
+    const size_t count = std::min(bytes.size(), kVersionLine.size());
+    return std::memcmp(bytes.data(), kVersionLine.data(), count) == 0;
+  }
+
+  /// Goes behind the table of the packets to the header of a recording that was appended; false where there is none.
+  Result<bool> pass_over_table() {
+    constexpr size_t kSearchedBytes = size_t{1} << 16;
+    for (;;) {
+      E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kSearchedBytes));
+      const auto line = std::search(bytes.begin(), bytes.end(), kVersionLine.begin(), kVersionLine.end());
+      if (line != bytes.end()) {
+        source_->consume(static_cast<size_t>(line - bytes.begin()));
+        return read_appended_header();
+      }
+      const bool has_ended = bytes.size() < kSearchedBytes;
+      source_->consume(has_ended ? bytes.size() : bytes.size() - kVersionLine.size());
+      if (has_ended) return false;
+    }
+  }
+
+  /// Reads the header of an appended recording, whose streams are taken for those of the first one.
+  Result<bool> read_appended_header() {
+    const uint64_t begin = source_->position();
+    E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kVersionLine.size() + 4));
+    const auto size = header_size(bytes);
+    if (!size || *size > kMaxHeaderBytes) return false;
+    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(*size));
+    E2LF_ASSIGN_OR_RETURN(const Header header, parse_header(bytes, source_->name()));
+    if (header.compression != header_.compression) {
+      return Error{ErrorCode::kUnsupported,
+                   "the recording that was appended here is compressed in another way; split the file here",
+                   cat(source_->name(), ": byte ", begin)};
+    }
+    header_.table_position = header.table_position == 0 ? 0 : begin + header.table_position;
+    source_->consume(header.bytes);
+    return true;
+  }
+
   struct Packet {
     Use use = Use::kNone;
     size_t bytes = 0;  ///< with its header
@@ -198,6 +240,7 @@ class Aedat4Blocks final : public EventBlocks {
 
   std::unique_ptr<ByteSource> source_;
   Header header_;
+  uint64_t first_table_position_ = header_.table_position;
   std::unique_ptr<Decompressor> decompressor_;
   std::vector<std::pair<int32_t, Use>> uses_;
   std::vector<uint8_t> unpacked_;
