@@ -38,7 +38,7 @@ Result<void> read_input(const Json& json, const std::string& location, std::vect
   return {};
 }
 
-/// Reads the fields that an object has; absent ones keep their values. The first error stays.
+/// Reads the fields that an object contains; absent ones keep their values. The first error is kept.
 class FieldReader {
  public:
   FieldReader(const Json& object, const std::string& location) : reader_(object, location) {}
@@ -208,7 +208,7 @@ Result<void> check_train(const TrainConfig& train, const std::string& location) 
 
 Result<Config> config_from_json(const Json& json, const std::string& location) {
   Config config;
-  // Without darkness first, counts tell changes of the intensity but not the intensity.
+  // Without a black first pattern, counts measure changes of the intensity, but not the intensity.
   const Json& patterns = json.is_object() && json.contains("patterns") ? json["patterns"] : Json();
   const bool is_black_first = !patterns.is_object() || patterns.value("black_first", Json(true)) != Json(false);
   if (!is_black_first) std::erase_if(config.input, is_intensity);
