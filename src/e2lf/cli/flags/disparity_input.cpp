@@ -43,7 +43,7 @@ Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
                path.string()};
 }
 
-/// The files of the maps in `path`, in the order of the cycles.
+/// Returns the files of the maps in `path`, in the order of the cycles.
 std::vector<fs::path> files_of(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
@@ -53,7 +53,7 @@ std::vector<fs::path> files_of(const fs::path& path) {
   return files;
 }
 
-/// What the record of `e2lf depth` says; a map of another program has none.
+/// Returns the view that the record of `e2lf depth` states; maps of other programs have no record.
 depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
   std::error_code error;
   const auto record = read_json(fs::is_directory(path, error) ? path / "run.json" : record_path_beside(path));

@@ -18,7 +18,7 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// Fails where a file or folder is not there or may not be looked into.
+/// Fails if a file or folder does not exist or may not be read.
 Result<void> check_readable(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error) && !error) {
@@ -30,7 +30,7 @@ Result<void> check_readable(const fs::path& path) {
                path.string()};
 }
 
-/// The verb that wrote a run.json; empty where it is not of our writing.
+/// Returns the verb that wrote a run.json, or an empty string if e2lf did not write it.
 std::string verb_of(const fs::path& record) {
   const auto json = read_json(record);
   const Json::json_pointer verb("/verb");
@@ -63,7 +63,7 @@ Result<FileKind> folder_kind(const fs::path& path) {
                path.string()};
 }
 
-/// Events one by one: records, or rows of t, x, y, p in some order.
+/// Returns whether an array is a list of events: records, or rows of t, x, y, p in some order.
 bool is_event_list(const NpyArray& array) {
   return !array.fields.empty() || (array.shape.size() == 2 && array.shape[1] == 4);
 }
@@ -84,13 +84,13 @@ Result<FileKind> archive_kind(const fs::path& path) {
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
 }
 
-/// A MATLAB file before version 7.3; later ones are HDF5 files.
+/// Returns whether a MATLAB file contains event images. Files since version 7.3 are HDF5 files and contain none.
 bool holds_event_images(const fs::path& path) {
   const auto names = mat_variables(path);
   return names && std::find(names->begin(), names->end(), "events") != names->end();
 }
 
-/// What can be done with a thing where something else is wanted.
+/// Returns what can be done with an input where another kind is required.
 std::string use_of(FileKind kind, const fs::path& path) {
   switch (kind) {
     case FileKind::kRecording:

@@ -85,7 +85,7 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   open.to_us = flags.to_us;
   open.range = flags.is_relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   open.threads = 0;
-  // Who waits for a camera hears of damage at once; of a file, the account at the end says it all.
+  // With a camera, damage is reported at once; for a file, the summary at the end is sufficient.
   open.policy = flags.is_strict  ? recordings::DecodePolicy::kStrict
                 : is_live(input) ? recordings::DecodePolicy::kReport
                                  : recordings::DecodePolicy::kSkip;

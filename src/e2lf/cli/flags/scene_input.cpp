@@ -10,7 +10,7 @@ namespace e2lf::cli {
 Result<lightfield::LightField> load_scene(const std::filesystem::path& path, const SceneOptions& options,
                                           bool is_quiet) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
-  // What is nothing else passes for a recording: reading it tells more.
+  // A file of no other kind is taken for a recording; reading it gives a better error.
   if (kind != FileKind::kLightField && kind != FileKind::kRecording) {
     return other_kind_error(path, kind, "a light field");
   }

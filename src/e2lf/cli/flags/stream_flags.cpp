@@ -25,7 +25,7 @@ Result<StreamScene> still_scene(const fs::path& input, const SceneOptions& optio
   return result;
 }
 
-/// One light field after the other; the last one stays.
+/// Returns a scene that shows one light field after another; the last one remains.
 Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const SceneOptions& options, bool is_quiet) {
   std::vector<fs::path> fields;
   std::error_code error;
