@@ -15,7 +15,7 @@ void warn(ConvertReport& report, const std::string& message) {
   report.warnings.push_back(message);
 }
 
-/// Why there is nothing to write.
+/// Returns the error that explains why there is nothing to write.
 Error nothing_to_convert(const RecordingReader& reader) {
   const OpenOptions& options = reader.options();
   const std::vector<Loss> left_out = losses(reader.summary());

@@ -24,8 +24,7 @@ namespace e2lf::cli {
 using Recover = std::function<std::string(const std::filesystem::path& partial, const std::filesystem::path& kept)>;
 
 struct OutputRules {
-  std::vector<std::filesystem::path> inputs =
-      {};  ///< the inputs of the verb; empty names and names that are not paths are ignored
+  std::vector<std::filesystem::path> inputs = {};  ///< the verb's inputs; names that are no paths are ignored
   bool overwrite = false;
   std::string ending = {};  ///< the required extension of the file if there is one format: ".png"
   bool streams = false;  ///< whether the format is written front to back, so that "-", devices and pipes are possible

@@ -77,8 +77,7 @@ struct SensorNoise {
   /// x]; none if undefined. After the change to black, the last event of a pixel leaves its reference anywhere between
   /// 0 and 1.
   torch::Tensor residue = {};
-  torch::Tensor image =
-      {};  ///< noise of intensity images: standard normal, of their shape; undefined if there are none
+  torch::Tensor image = {};  ///< noise of intensity images: standard normal; undefined if there are none
 };
 
 /// Draws w and z from torch's generator.

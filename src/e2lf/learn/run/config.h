@@ -14,14 +14,13 @@
 namespace e2lf::learn {
 
 struct DataConfig {
-  std::string file;  ///< made by `e2lf pack`; if empty, only procedural textures are used
-  std::vector<std::string>
-      validation;  ///< light fields for evaluation, never used for training; if empty, synthesised ones
-  std::vector<std::string> exclude;  ///< light fields neither trained on nor evaluated during training
-  double synthetic_share = 0.5;      ///< share of samples from the synthesiser
-  uint64_t patch_stride = 0;         ///< patches begin at multiples of this; 0 = anywhere
-  uint64_t pool = 256;               ///< number of synthesised light fields that are kept
-  double pool_per_step = 1.0;        ///< number of them that are replaced per step
+  std::string file;                     ///< made by `e2lf pack`; if empty, only procedural textures are used
+  std::vector<std::string> validation;  ///< scenes for evaluation, never used for training; if empty, synthesised
+  std::vector<std::string> exclude;     ///< light fields neither trained on nor evaluated during training
+  double synthetic_share = 0.5;         ///< share of samples from the synthesiser
+  uint64_t patch_stride = 0;            ///< patches begin at multiples of this; 0 = anywhere
+  uint64_t pool = 256;                  ///< number of synthesised light fields that are kept
+  double pool_per_step = 1.0;           ///< number of them that are replaced per step
   SynthesiserOptions synthesiser;
 };
 
