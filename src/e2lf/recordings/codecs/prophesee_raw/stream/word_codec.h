@@ -18,9 +18,8 @@ namespace e2lf::recordings {
 ///   Check            the state of the check, which runs ahead of decoding; its `heartbeat` is 0 or more if the stream
 ///                    repeats its time continually
 ///   check            returns the number of plausible words; the next one, if any, needs a closer look
-///   count_bad        returns the number of invalid words, up to `enough`; few mean that the stream is aligned. The
-///   size
-///                    of the sensor is ignored, because headers are known to be wrong about it
+///   count_bad        returns the number of invalid words, up to `enough`; few mean that the stream is aligned. Ignores
+///                    the size of the sensor, because headers are known to be wrong about it
 ///   classify         returns what is implausible about the word at which check() stopped
 ///   judge_time       determines from the following words whether an unexpected time word is correct; kRestart if it
 ///                    steps back and most of them continue from it
