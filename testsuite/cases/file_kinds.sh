@@ -30,7 +30,7 @@ for input in scene.npy field.npz demo/scene; do
 done
 fails 1 "this is a model" "$E2LF" reconstruct "$model" -m "$model" -o out
 fails 1 "this is a folder of cycles" "$E2LF" reconstruct cycles -m "$model" -o out
-fails 1 "this is event images" "$E2LF" convert events.npz out
+fails 1 "these are event images" "$E2LF" convert events.npz out
 fails 1 "this is a model" "$E2LF" convert "$model" out
 fails 1 "name one, as cycles/cycle_00000" "$E2LF" convert cycles out
 fails 1 "name one, as cycles/cycle_00000" "$E2LF" eval demo/scene cycles
@@ -50,6 +50,6 @@ data = bytearray(open("stored.npz", "rb").read())
 data[len(data) // 2] ^= 255
 open("damaged.npz", "wb").write(data)
 PY
-fails 1 "this is event images" "$E2LF" convert damaged.npz out
+fails 1 "these are event images" "$E2LF" convert damaged.npz out
 fails 1 "checksum" "$E2LF" info damaged.npz
 absent out page.html

@@ -87,7 +87,7 @@ absent unknown.npz
 # Event images of another size are not those of a light field.
 "$E2LF" simulate demo/scene -o demo.npz --quiet
 "$E2LF" demo -o small --width 80 --height 64 --quiet
-fails 1 "are not of a light field" "$E2LF" eval small/scene small/scene --events demo.npz
+fails 1 "do not belong to a light field" "$E2LF" eval small/scene small/scene --events demo.npz
 # What info tells of triggers, of a sensor of unknown size, and of packed data.
 "$E2LF" info recording.raw --json >info.json
 check "$(json info.json "j['trigger_channels'][0]['rising'] > 0 and j['trigger_channels'][0]['rising_period_us'] > 0 and j['extents']['width'] <= 96")"
