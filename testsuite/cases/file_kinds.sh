@@ -36,11 +36,11 @@ fails 1 "name one, as cycles/cycle_00000" "$E2LF" convert cycles out
 fails 1 "name one, as cycles/cycle_00000" "$E2LF" eval demo/scene cycles
 fails 1 "no such file" "$E2LF" convert none out
 mkdir empty
-fails 1 "the folder holds neither" "$E2LF" info empty
-fails 1 "the folder holds neither" "$E2LF" convert empty out
-fails 1 "the folder holds neither" "$E2LF" reconstruct empty -m "$model" -o out
+fails 1 "the folder contains neither" "$E2LF" info empty
+fails 1 "the folder contains neither" "$E2LF" convert empty out
+fails 1 "the folder contains neither" "$E2LF" reconstruct empty -m "$model" -o out
 if grep -q -- --export <<<"$("$E2LF" view --help)"; then
-  fails 1 "the folder holds neither" "$E2LF" view empty --export page.html
+  fails 1 "the folder contains neither" "$E2LF" view empty --export page.html
 fi
 # An archive is told by its headers: the data behind them are not read for it.
 py - <<'PY'

@@ -17,6 +17,6 @@ fails 2 "e2lf: reconstruct: --output is missing: folder to write; for example" "
 fails 2 "did you mean" "$E2LF" model imprt
 fails 2 "did you mean --passes?" "$E2LF" reconstruct events.npz -m e2lf-n4 -o out --pases 4
 fails 2 "--seed" "$E2LF" train "$TESTSUITE/../configs/first-run.json" -o run --seed 7
-fails 1 "holds neither" "$E2LF" info "$TESTSUITE"
+fails 1 "contains neither" "$E2LF" info "$TESTSUITE"
 fails 2 "E2LF_MAX_ISA" env E2LF_MAX_ISA=avx9000 "$E2LF" codes show
 fails 1 "check the path" "$E2LF" info nowhere

@@ -19,7 +19,7 @@ ln -s ../secret.txt linked/secret.txt
 exists light.html light.html.run.json
 fails 1 "(--overwrite)" "$E2LF" view light.npy --export light.html
 mkdir empty
-fails 1 "holds neither event images" "$E2LF" view empty --export none.html
+fails 1 "contains neither event images" "$E2LF" view empty --export none.html
 fails 1 "check the path" "$E2LF" view nowhere
 absent none.html
 "$E2LF" view light.npy other.npy --export compare.html --quiet

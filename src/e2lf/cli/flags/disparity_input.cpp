@@ -33,7 +33,7 @@ Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
     E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
     E2LF_ASSIGN_OR_RETURN(image, depth::decode_pfm(bytes, path.string()));
   } else {
-    return Error{ErrorCode::kUnsupported, "no disparity map; give .npy, .pfm or a folder of `e2lf depth`",
+    return Error{ErrorCode::kUnsupported, "this is not a disparity map; give .npy, .pfm or a folder of `e2lf depth`",
                  path.string()};
   }
   if (image.width == shape.width && image.height == shape.height) return image;

@@ -26,8 +26,7 @@ Result<void> check_readable(const fs::path& path) {
   }
   if (!error && fs::is_directory(path, error)) fs::directory_iterator(path, error);
   if (!error) return {};
-  return Error{ErrorCode::kIo, cat("cannot be looked into (", error.message(), "); check its permissions"),
-               path.string()};
+  return Error{ErrorCode::kIo, cat("cannot be opened (", error.message(), "); check its permissions"), path.string()};
 }
 
 /// Returns the verb that wrote a run.json, or an empty string if e2lf did not write it.
@@ -58,8 +57,8 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
   return Error{ErrorCode::kFormat,
-               "the folder holds neither event images (event_image_00000.npy ...) nor views of a light field; name "
-               "what is in it",
+               "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; name "
+               "a file or folder in it",
                path.string()};
 }
 
@@ -103,13 +102,13 @@ std::string use_of(FileKind kind, const fs::path& path) {
     case FileKind::kCycles:
       return cat(": name one of them, as ", (path / "cycle_00000").string());
     case FileKind::kTrainingRun:
-      return ": its model is a .safetensors in the folder, `e2lf resume` goes on with it";
+      return ": its model is a .safetensors in the folder, `e2lf resume` continues it";
     case FileKind::kDisplay:
       return ": its codes.json is for --codes, its schedule.json for --schedule";
     case FileKind::kModel:
-      return ": a model is for -m";
+      return ": models are given with -m";
     case FileKind::kResults:
-      return ": `e2lf info` says what made it";
+      return ": `e2lf info` states what made it";
   }
   return "";
 }
@@ -133,7 +132,7 @@ const char* kind_text(FileKind kind) {
     case FileKind::kTrainingRun:
       return "a training run";
     case FileKind::kDisplay:
-      return "the pictures that an aperture display shows";
+      return "the images for an aperture display";
     case FileKind::kResults:
       return "a folder of results";
   }

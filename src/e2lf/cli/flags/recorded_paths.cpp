@@ -50,7 +50,7 @@ Error missing(const std::string& recorded, const std::string& flag, const fs::pa
   std::error_code error;
   const bool is_absolute = fs::path(recorded).is_absolute();
   const std::string tried = is_absolute
-                                ? "there is no such file or folder any more"
+                                ? "the file or folder no longer exists"
                                 : cat("it is neither in ", folder.string(), ", where the run was started, nor in ",
                                       fs::current_path(error).string(), ", the current folder");
   return {ErrorCode::kNotFound, cat("an input of the earlier run is missing: ", tried, "; name it with ", flag),

@@ -21,7 +21,8 @@ Result<lightfield::LightField> load_scene(const std::filesystem::path& path, con
   E2LF_ASSIGN_OR_RETURN(lightfield::LightField scene, read_with_progress(path, read, is_quiet));
   if (!options.filter) return scene;
   if (scene.shape().channels == 1) {
-    return Error{ErrorCode::kInvalidValue, "the light field is grey; colour filters need one in colour", path.string()};
+    return Error{ErrorCode::kInvalidValue, "the light field is grey; colour filters require one in colour",
+                 path.string()};
   }
   return sensor::light_behind(*options.filter, scene);
 }

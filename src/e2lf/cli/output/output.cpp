@@ -67,7 +67,7 @@ bool is_within(fs::path inner, const fs::path& outer) {
 Result<fs::path> resolve(const fs::path& named) {
   const fs::path path = named.has_filename() ? named : named.parent_path();
   std::error_code error;
-  if (path.empty()) return Error{ErrorCode::kInvalidValue, "the output has no name; give it one", "--output"};
+  if (path.empty()) return Error{ErrorCode::kInvalidValue, "the output has no name; give one", "--output"};
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
     return exists(path, "the output is a link to nothing; remove it or name another output");
   }
@@ -137,11 +137,11 @@ bool is_same_content(const fs::path& a, const fs::path& b) {
 
 Error foreign_side(const fs::path& side, const fs::path& target, bool is_ours) {
   const std::string name = target.filename().string();
-  return exists(side,
-                !is_ours ? cat("this file would belong to ", name,
-                               ", but e2lf did not write it, so it is not replaced; move it away or name "
-                               "another output")
-                         : cat("this file would belong to ", name, "; move it away, give --overwrite or another name"));
+  return exists(side, !is_ours ? cat("this file would belong to ", name,
+                                     ", but e2lf did not write it, so it is not replaced; move it away or name "
+                                     "another output")
+                               : cat("this file would belong to ", name,
+                                     "; move it away, give --overwrite or name another output"));
 }
 
 Error shared_triggers(const fs::path& triggers, const fs::path& target, const fs::path& owner) {
@@ -195,7 +195,7 @@ Workspace::OnDead keeper(const fs::path& target, SideFile side_file, const Recov
 Result<void> move_into_place(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) == 0) return {};
   return Error{ErrorCode::kIo,
-               cat("cannot put the file in place (", std::strerror(errno), "); check the disk and the path"),
+               cat("cannot move the file to its place (", std::strerror(errno), "); check the disk and the path"),
                to.string()};
 }
 
@@ -349,7 +349,7 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
   E2LF_ASSIGN_OR_RETURN(path_, resolve(named));
   std::error_code error;
   if (is_there(path_) && !fs::is_directory(path_, error)) {
-    return exists(path_, "the output is a folder, and a file has this name; name another");
+    return exists(path_, "the output is a folder, but a file with this name exists; name another output");
   }
   E2LF_RETURN_IF_ERROR(check_folder_name(path_));
   std::vector<std::string> listed;
@@ -357,7 +357,7 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
     const auto earlier = is_our_record(path_ / "run.json") ? read_json(path_ / "run.json") : Json::object();
     if (!earlier || earlier->value("verb", "") != verb_) {
       return exists(path_,
-                    cat("this folder is not one of e2lf ", verb_, " (it holds no run.json of it); name another"));
+                    cat("this folder was not written by e2lf ", verb_, " (it holds no run.json of it); name another"));
     }
     if (earlier->contains("files")) listed = earlier->value("files", std::vector<std::string>());
   }

@@ -55,14 +55,15 @@ bool holds_a_false_start(const std::filesystem::path& folder, const Config& conf
 Result<void> check_is_free(const std::filesystem::path& folder, const Config& config) {
   if (holds_a_false_start(folder, config)) return {};
   if (!check_output(folder / "config.json", /*overwrite=*/false)) {
-    return Error{ErrorCode::kExists, "this folder holds a run already; `e2lf resume` it, or name another",
+    return Error{ErrorCode::kExists,
+                 "this folder already contains a run; continue it with `e2lf resume`, or name another folder",
                  folder.string()};
   }
   std::vector<std::string> names = RunLog::file_names();
   names.insert(names.end(), {kCheckpoint, config.name + ".safetensors"});
   for (const std::string& name : names) {
     if (check_output(folder / name, /*overwrite=*/false)) continue;
-    return Error{ErrorCode::kExists, "training would write over this file; move it away or name another folder",
+    return Error{ErrorCode::kExists, "training would overwrite this file; move it away or name another folder",
                  (folder / name).string()};
   }
   return {};
@@ -138,7 +139,7 @@ Result<void> check_export(const std::filesystem::path& run, const std::filesyste
   for (const std::string& name : names) {
     std::error_code error;
     if (!std::filesystem::equivalent(run / name, model, error)) continue;
-    return Error{ErrorCode::kInvalidValue, "the model would take the place of a file of the run; name another output",
+    return Error{ErrorCode::kInvalidValue, "the model would replace a file of the run; name another output",
                  model.string()};
   }
   return {};

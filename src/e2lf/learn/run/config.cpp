@@ -223,11 +223,12 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   if (!measurement) return invalid(measurement.error().message, location + ".input");
   E2LF_RETURN_IF_ERROR(check_patterns(config.patterns, *measurement, location + ".patterns"));
   if (!config.sensor.camera.empty() && !capture::has_events(*measurement)) {
-    return invalid("a camera of physical pixels makes events, and input has none; leave it out",
+    return invalid("a camera with physical pixels generates events, but `input` contains none; leave the camera out",
                    location + ".sensor.camera");
   }
   if (*measurement == capture::MeasurementKind::kLensArray && config.train.patch % capture::kLensPixels != 0) {
-    return invalid("a patch is no whole number of lenses; make it a multiple of 8", location + ".train.patch");
+    return invalid("a patch must contain an integral number of lenses; make it a multiple of 8",
+                   location + ".train.patch");
   }
   E2LF_RETURN_IF_ERROR(check_network(config.network, location + ".network"));
   E2LF_RETURN_IF_ERROR(check_train(config.train, location + ".train"));

@@ -171,7 +171,7 @@ Result<Peers> Peers::meet() {
     peers.group_->store = c10::make_intrusive<c10d::TCPStore>(meeting.address, options);
   } catch (const std::exception& error) {
     return Error{ErrorCode::kIo,
-                 cat("not all of the ", meeting.size, " processes met; start them within ", kPatience.count(),
+                 cat("not all of the ", meeting.size, " processes joined; start them within ", kPatience.count(),
                      " s of each other with the same WORLD_SIZE (", first_line(error.what()), ")"),
                  cat(meeting.address, ":", meeting.port)};
   }
@@ -262,8 +262,8 @@ Result<void> Peers::sum(const torch::Tensor& tensor) const {
 
 Error Peers::lost(const std::exception& error) {
   return Error{ErrorCode::kIo,
-               cat("a peer ended or was silent for ", kPatience.count(),
-                   " s; `e2lf resume` goes on from the last checkpoint, with any number of processes (",
+               cat("a peer ended or did not respond for ", kPatience.count(),
+                   " s; `e2lf resume` continues from the last checkpoint, with any number of processes (",
                    first_line(error.what()), ")"),
                "data-parallel training"};
 }

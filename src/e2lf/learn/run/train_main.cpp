@@ -13,13 +13,11 @@ namespace {
 
 void print_usage(std::FILE* where) {
   std::fputs(
-      "usage: e2lf-train train CONFIG.json -o RUN [--set key=value]...\n"
-      "       e2lf-train resume RUN [--set key=value]...\n"
-      "       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed data)\n"
-      "       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n"
-      "--report FILE: also write a page (.html) or its tables (.csv, .tex), with train and resume; --overwrite\n"
-      "replaces it\n"
-      "--quiet: no progress\n",
+      "usage: e2lf-train train CONFIG.json -o RUN [--set key=value]...\n       e2lf-train resume RUN [--set "
+      "key=value]...\n       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed "
+      "data)\n       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n--report FILE: also write a page "
+      "(.html) or its tables (.csv, .tex), with train and resume; --overwrite\nreplaces it\n--quiet: do not show the "
+      "progress\n",
       where);
 }
 
@@ -80,7 +78,7 @@ int main(int argc, char** argv) {
     } else if (argument == "--quiet") {
       quiet = true;
     } else if (argument.starts_with("-")) {
-      std::fprintf(stderr, "e2lf-train: there is no option %s\n", argument.c_str());
+      std::fprintf(stderr, "e2lf-train: unknown option %s\n", argument.c_str());
       return usage_error();
     } else {
       names.push_back(argument);

@@ -59,7 +59,7 @@ Result<torch::Tensor> read_codes(const std::string& name, size_t fewest, const P
     return Error{ErrorCode::kShape,
                  cat("no codes of ", fewest < most ? "at most " : "", most, " patterns of 8x8 cells ",
                      patterns.whole_cycle ? "that begin with black " : "",
-                     "in this file, as patterns.num_patterns asks for; name another"),
+                     "in this file, as patterns.num_patterns requires; name another file"),
                  path.string()};
   }
   return to_tensor(*codes, device);
@@ -126,7 +126,7 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   if (config.train.batch % static_cast<uint64_t>(peers.size()) != 0) {
     return Error{ErrorCode::kInvalidValue,
                  cat("a batch of ", config.train.batch, " cannot be split evenly between ", peers.size(),
-                     " processes; make it a multiple"),
+                     " processes; make it a multiple of this number"),
                  "train.batch"};
   }
   E2LF_ASSIGN_OR_RETURN(const torch::Device device, open_device(config.device));
