@@ -71,7 +71,7 @@ absent strict.npz strict.npz.run.json
 printf '%%geometry:64,48\n' >empty.csv
 fails 1 "no event and no trigger" "$E2LF" convert empty.csv empty.npz
 fails 1 "is empty" "$E2LF" convert sorted.csv range.npz --from-us 2 --to-us 1
-fails 1 "in that time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
+fails 1 "in this time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
 absent empty.npz range.npz
 "$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --json >absolute.json
 first=$(head -1 sorted.csv | cut -d, -f4)

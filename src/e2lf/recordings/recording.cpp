@@ -137,15 +137,15 @@ Result<void> RecordingReader::apply_policy() {
   const DecodeSummary before = left_out_before();
   if (options_.policy == DecodePolicy::kStrict && before.num_violations() > 0) return violation_error(before, name_);
   if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time + before.events_before_time > 0) {
-    return Error{ErrorCode::kFormat,
-                 "events stand in front of the first time, which strict reading refuses; without it they are left out "
-                 "and counted",
-                 name_};
+    return Error{
+        ErrorCode::kFormat,
+        "there are events before the first time, which strict reading refuses; otherwise they are left out and counted",
+        name_};
   }
   if (options_.policy == DecodePolicy::kStrict && summary_.other_streams + before.other_streams > 0) {
     return Error{ErrorCode::kInvalidValue,
                  cat("there are several streams of events, ", join(info_.streams),
-                     ", and strict reading leaves none out; choose one"),
+                     ", and strict reading does not leave any out; select one"),
                  name_, Setting::kStream};
   }
   for (size_t i = 0; i < kNumViolations; ++i) {
@@ -256,7 +256,7 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
 }
 
 Result<void> RecordingReader::seek_before(int64_t) {
-  return Error{ErrorCode::kUnsupported, cat("a ", info_.format, " recording cannot be sought; read it from the start"),
+  return Error{ErrorCode::kUnsupported, cat("a ", info_.format, " recording is not seekable; read it from the start"),
                name_};
 }
 

@@ -115,8 +115,8 @@ Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
   if (source == nullptr) return TriggerFeed();
   E2LF_ASSIGN_OR_RETURN(const bool is_recording, holds_events(*source));
   if (is_recording) {
-    log_warning(cat(side_trigger_path(recording).string(), ": holds events and not the triggers of ",
-                    recording.filename().string(), ": leaving it out; give one of them another name"));
+    log_warning(cat(side_trigger_path(recording).string(), ": this file contains events and not the triggers of ",
+                    recording.filename().string(), ", so it is left out; give one of them another name"));
     return TriggerFeed();
   }
   return make_side_trigger_feed(std::move(source));

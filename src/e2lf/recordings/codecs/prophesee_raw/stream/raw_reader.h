@@ -93,8 +93,8 @@ class RawReader final : public RecordingReader {
     const auto header = read_raw_header(*source_, options);
     if (!header) {
       return Error{header.error().code,
-                   cat("another recording begins here that does not fit to the one in front of it (",
-                       header.error().message, "); cut the file into its parts here"),
+                   cat("another recording begins here that does not match the one before it (", header.error().message,
+                       "); split the file here"),
                    cat(name_, ": byte ", byte)};
     }
     loops_before_ += stream_.time_loops();

@@ -72,8 +72,9 @@ class RawWriter final : public RecordingWriter {
       last_us = std::max(last_us, batch.triggers.back().t);
     }
     if (first_us < 0 || (latest_us_ < 0 && first_us > Encoder::kMaxFirstUs && !batch.empty())) {
-      return Error{ErrorCode::kInvalidValue, cat("time ", first_us, " us cannot be held by this format; begin at zero"),
-                   name_, Setting::kShiftTime};
+      return Error{ErrorCode::kInvalidValue,
+                   cat("time ", first_us, " us cannot be stored in this format; begin at zero"), name_,
+                   Setting::kShiftTime};
     }
     for (const Trigger& trigger : batch.triggers) {
       if (trigger.id <= Encoder::kMaxTriggerId) continue;
@@ -103,7 +104,7 @@ class RawWriter final : public RecordingWriter {
       if (t_us - last_us > Encoder::kMaxPauseUs) {
         return Error{ErrorCode::kInvalidValue,
                      cat("the pause from ", last_us, " to ", t_us, " us is longer than the ", Encoder::kMaxPauseUs,
-                         " us this encoding holds; split the recording or write HDF5"),
+                         " us that this encoding can store; split the recording or write HDF5"),
                      name_};
       }
       last_us = t_us;
