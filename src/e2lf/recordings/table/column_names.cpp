@@ -9,7 +9,7 @@
 namespace e2lf::recordings::table {
 namespace {
 
-/// The words of a text in lower case; the Greek letter of "us" becomes a Latin one.
+/// Returns the words of a text in lower case; the Greek letter in "us" is replaced by a Latin one.
 std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words(1);
   for (size_t i = 0; i < text.size(); ++i) {
@@ -105,7 +105,7 @@ ColumnName parse_column_name(std::string_view name) {
     const bool fits = known.is_prefix ? words[0].starts_with(known.name) : words[0] == known.name;
     if (!fits) continue;
     if (words.size() == 2) result.unit = parse_time_unit(words[1]);
-    // Another second word makes it another thing: "t_offset".
+    // Any other second word changes the meaning: "t_offset".
     if (words.size() == 2 && (known.field != Field::kT || result.unit == TimeUnit::kAuto)) return result;
     result.field = known.field;
     result.rank = static_cast<size_t>(&known - kNames);
