@@ -61,7 +61,7 @@ Result<Handle> open_file(ByteSource& source) {
     file = e2lf::hdf5::open_bytes(std::move(bytes));
   }
   if (!file.valid()) {
-    return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file; it is damaged or not complete",
+    return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file, which is damaged or incomplete",
                  source.name()};
   }
   return file;
@@ -108,7 +108,8 @@ Result<DatasetShape> open_any(hid_t file, const std::string& name, const std::st
   DatasetShape shape;
   shape.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!shape.dataset.valid()) {
-    return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; is it an event recording?"), location};
+    return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; it may not be an event recording"),
+                 location};
   }
   E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
   return shape;

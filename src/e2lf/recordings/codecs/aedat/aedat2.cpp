@@ -123,7 +123,7 @@ Result<Camera> find_camera(ByteSource& source, const TextHeader& header, const O
   if (!find_camera_model(chip)) {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kDetectBytes));
     chip = name_by_addresses(bytes.first(std::min(bytes.size(), kDetectBytes)));
-    info.assumptions.push_back({cat("the header names no camera that is known; by its addresses it is a ", chip)});
+    info.assumptions.push_back({cat("the header names no known camera; its addresses are those of a ", chip)});
   }
   const CameraModel model = *find_camera_model(chip);
   camera.bits = model.is_davis ? kDavis : kDvs128;
@@ -147,7 +147,7 @@ Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource>
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersionLine)) {
-    return Error{ErrorCode::kFormat, cat("not an AEDAT 2 recording; its first line would be ", kVersionLine), name};
+    return Error{ErrorCode::kFormat, cat("this is not an AEDAT 2 recording, whose first line is ", kVersionLine), name};
   }
   E2LF_ASSIGN_OR_RETURN(Camera camera, find_camera(*source, header, options));
   auto blocks = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height);

@@ -149,7 +149,8 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersion)) {
-    return Error{ErrorCode::kFormat, cat("not an AEDAT 3 recording; its first line would begin with ", kVersion), name};
+    return Error{ErrorCode::kFormat, cat("this is not an AEDAT 3 recording, whose first line begins with ", kVersion),
+                 name};
   }
   const std::string format = header.find("Format:").value_or("RAW");
   if (format != "RAW" && format != "PNGFrames") {

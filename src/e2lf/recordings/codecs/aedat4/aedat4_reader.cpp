@@ -227,7 +227,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kVersionLine.size() + 4));
   const auto size = header_size(bytes);
   if (!size || *size > kMaxHeaderBytes) {
-    return Error{ErrorCode::kFormat, "not an AEDAT4 recording, or its header is damaged", name};
+    return Error{ErrorCode::kFormat, "this is not an AEDAT4 recording, or its header is damaged", name};
   }
   E2LF_ASSIGN_OR_RETURN(bytes, source->fetch(*size));
   E2LF_ASSIGN_OR_RETURN(Header header, parse_header(bytes, name));

@@ -53,7 +53,7 @@ Result<Header> read_header(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
   std::optional<Header> header = parse_header(head.first(std::min(head.size(), kDetectBytes)));
   if (!header) {
-    return Error{ErrorCode::kFormat, "not a DAT recording; a header of % lines and 8-byte records are needed",
+    return Error{ErrorCode::kFormat, "this is not a DAT recording, which has a header of % lines and 8-byte records",
                  source.name()};
   }
   source.consume(header->bytes);

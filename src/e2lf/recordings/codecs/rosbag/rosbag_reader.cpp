@@ -214,10 +214,10 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
                                                   const std::string& name, const OpenOptions& options) {
   const std::vector<Topic> topics = topics_to_read(*bag);
   if (topics.empty()) {
-    return Error{ErrorCode::kFormat,
-                 "the bag has no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); is it the one "
-                 "that was meant?",
-                 name};
+    return Error{
+        ErrorCode::kFormat,
+        "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); name another bag",
+        name};
   }
   RecordingInfo info;
   info.format = format;
