@@ -12,7 +12,7 @@ namespace e2lf::recordings::table {
 /// The meaning of a column's name.
 struct ColumnName {
   std::optional<Field> field;       ///< empty if the name is unknown
-  TimeUnit unit = TimeUnit::kAuto;  ///< unit of times: "t_ns", "t (ns)", "timestamp[ns]"
+  TimeUnit unit = TimeUnit::kAuto;  ///< unit of times: "t_ns", "t (ns)", "timestampNs"; also known for unknown names
   bool is_xy = false;               ///< "xy": the column contains both coordinates
   size_t rank = 0;                  ///< of two columns for one field, the one with the lower rank is used
 };

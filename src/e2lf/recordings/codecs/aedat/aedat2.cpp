@@ -8,6 +8,7 @@
 #include "e2lf/recordings/codecs/aedat/aedat.h"
 #include "e2lf/recordings/codecs/aedat/text_header.h"
 #include "e2lf/recordings/codecs/dat/time_unwrapper.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::aedat {
@@ -151,7 +152,8 @@ Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource>
   }
   E2LF_ASSIGN_OR_RETURN(Camera camera, find_camera(*source, header, options));
   auto blocks = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height);
-  return make_block_reader(std::move(blocks), std::move(camera.info), name, options);
+  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(camera.info), name,
+                           options);
 }
 
 }  // namespace e2lf::recordings::aedat

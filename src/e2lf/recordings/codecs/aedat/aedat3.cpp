@@ -9,6 +9,7 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/aedat/aedat.h"
 #include "e2lf/recordings/codecs/aedat/text_header.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/stream_choice.h"
 
@@ -176,7 +177,7 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
   const int16_t number = sources.size() == 1 ? kAnySource : chosen_source->first;
   auto blocks = std::make_unique<Aedat3Blocks>(std::move(source), number, !options.stream.empty(),
                                                is_from_bottom ? info.height : 0);
-  return make_block_reader(std::move(blocks), std::move(info), name, options);
+  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(info), name, options);
 }
 
 }  // namespace e2lf::recordings::aedat

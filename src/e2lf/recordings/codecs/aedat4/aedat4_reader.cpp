@@ -9,6 +9,7 @@
 #include "e2lf/recordings/codecs/aedat4/aedat4.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_header.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_packets.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/restart.h"
 #include "e2lf/recordings/stream_choice.h"
@@ -250,7 +251,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   auto blocks = std::make_unique<Aedat4Blocks>(std::move(source), header, std::move(decompressor), event_streams,
                                                events, !options.stream.empty());
-  return make_block_reader(std::move(blocks), std::move(info), name, options);
+  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(info), name, options);
 }
 
 }  // namespace e2lf::recordings::aedat4

@@ -6,6 +6,7 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/codecs/dat/dat_seek.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/event_gate.h"
 #include "e2lf/recordings/io/unpacked_source.h"
@@ -192,7 +193,8 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   }
   const std::string name = source->name();
   auto blocks = std::make_unique<DatBlocks>(std::move(source), header);
-  return make_block_reader(std::move(blocks), std::move(header.info), name, options, std::move(triggers));
+  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(header.info), name,
+                           options, std::move(triggers));
 }
 
 }  // namespace e2lf::recordings::dat
