@@ -9,8 +9,7 @@ namespace e2lf::recordings::evt3 {
 namespace {
 
 constexpr int64_t kHeartbeatUs = 16;
-constexpr int64_t kMaxStep =
-    512;  // largest step of TIME_HIGH when loops are counted: a quarter of what would be read as a step back
+constexpr int64_t kMaxStep = 512;  // of TIME_HIGH when loops are counted: a quarter of a step back
 constexpr uint32_t kVectorPixels = 32;
 
 uint16_t make_word(Type type, uint32_t payload) {
