@@ -107,8 +107,10 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measure
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
-    const capture::Measurement extended = extend(measurement, shifts[pass]);
-    E2LF_ASSIGN_OR_RETURN(Planes planes, run(extended, cycles, part_of(progress, pass, shifts.size())));
+    const bool is_shifted = shifts[pass] != GridShift();
+    const capture::Measurement extended = is_shifted ? extend(measurement, shifts[pass]) : capture::Measurement();
+    E2LF_ASSIGN_OR_RETURN(Planes planes,
+                          run(is_shifted ? extended : measurement, cycles, part_of(progress, pass, shifts.size())));
     if (shifts.size() == 1 && planes.height == shape.height && planes.width == shape.width) {
       return lightfield::LightField(shape, std::move(planes.values));
     }

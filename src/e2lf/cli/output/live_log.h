@@ -7,9 +7,6 @@
 
 namespace e2lf::cli {
 
-/// From the end of the last pattern of a cycle until the bytes that completed it arrived; 0 for what is not live.
-[[nodiscard]] double behind_s(const cycles::Cycle& cycle);
-
 /// Tells of live input while it comes, since its end is not known: on stderr a line for each cycle that is done, and
 /// totals at the end. Terminal or not; nothing with --quiet.
 class LiveLog {

@@ -12,6 +12,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/result_folder.h"
 
 namespace e2lf::cli {
 
@@ -33,6 +34,7 @@ class RunRecord {
 
   /// A result or an estimate worth keeping, e.g. the gain that was chosen.
   void note(const std::string& key, Json value) { notes_[key] = std::move(value); }
+  void note(const Json& notes) { notes_.update(notes); }
 
   /// The value that an option which leaves it open (a default of the model's, "auto") came to, so that the run can be
   /// made again from its record.
@@ -63,9 +65,6 @@ class RunRecord {
   Json resolved_ = Json::object();
   Clock::time_point step_begin_ = Clock::now();
 };
-
-/// "<output>.run.json", where a verb that writes one file puts its record.
-[[nodiscard]] std::filesystem::path record_path_beside(const std::filesystem::path& output);
 
 /// The SHA-256 of a file in hex, as sha256sum prints it; for a folder, of its sorted "hash  name" lines.
 [[nodiscard]] Result<std::string> sha256_of(const std::filesystem::path& path, const ProgressFn& progress = {});
