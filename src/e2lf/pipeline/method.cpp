@@ -12,22 +12,18 @@ namespace e2lf::pipeline {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_network(const std::string& algorithm) {
-  return algorithm == "network";
-}
-
 /// Sets the network that was trained for the patterns, if none is named.
 Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, std::optional<fs::path>& path) {
   if (choice.model) return {};
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
   if (!known) {
     return Error{ErrorCode::kInvalidValue,
-                 "nothing says which patterns the camera showed; name the model that was trained for them", ""};
+                 "nothing says which patterns the camera showed; give the model that was trained for them", ""};
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network, bundled_network(known->codes, opened.camera));
   if (!network) {
     return Error{ErrorCode::kNotFound,
-                 "no bundled network was trained for these patterns; name one that was, or use the inversion", ""};
+                 "no bundled network was trained for these patterns; give one that was, or use the inversion", ""};
   }
   path = std::move(network->path);
   choice.model = std::move(network->model);
@@ -96,11 +92,11 @@ Result<model::Model> read_network(const fs::path& path) {
 }
 
 Result<OpenedMethod> open_method(MethodChoice choice) {
-  const bool has_model = is_network(choice.algorithm) && choice.model;
-  if (choice.measurement != capture::MeasurementKind::kEventImages && !has_model) {
+  const bool is_network = choice.algorithm == "network";
+  if (choice.measurement != capture::MeasurementKind::kEventImages && !(is_network && choice.model)) {
     return Error{ErrorCode::kInvalidValue,
                  cat("this is the measurement ", capture::measurement_name(choice.measurement),
-                     "; name a network that was trained for it"),
+                     "; give a network that was trained for it"),
                  ""};
   }
   OpenedMethod opened;
@@ -108,7 +104,7 @@ Result<OpenedMethod> open_method(MethodChoice choice) {
   opened.camera = choice.camera ? choice.camera : choice.events.camera;
   if (opened.camera) opened.camera_told_by = choice.camera ? ToldBy::kCaller : ToldBy::kEvents;
   opened.views = choice.camera && choice.camera->views ? choice.camera->views : choice.events.views;
-  E2LF_RETURN_IF_ERROR(is_network(choice.algorithm) ? open_network(choice, opened) : open_classical(choice, opened));
+  E2LF_RETURN_IF_ERROR(is_network ? open_network(choice, opened) : open_classical(choice, opened));
   return opened;
 }
 
@@ -146,15 +142,12 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
 
 namespace {
 
-/// The light field of the same network with its own sensor profile is made when it is asked for.
+/// The same network with its own sensor profile.
 std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
   if (!opened.rival) return std::nullopt;
-  auto method = [network = opened.network, camera = opened.rival](const capture::Measurement& measured,
-                                                                  const ProgressFn&) -> Result<lightfield::LightField> {
-    model::Model model = network->model();
-    model.camera = camera;
-    E2LF_ASSIGN_OR_RETURN(const auto rival, recon::Reconstructor::create(std::move(model)));
-    return rival.reconstruct(measured);
+  auto method = [network = opened.network->with_camera(*opened.rival)](const capture::Measurement& measured,
+                                                                       const ProgressFn& progress) {
+    return network.reconstruct(measured, progress);
   };
   return recon::Rival{std::move(method), {opened.codes->codes, opened.codes->constants, {}, opened.rival}};
 }

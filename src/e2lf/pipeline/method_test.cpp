@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/pipeline/method.h"
 
+#include <algorithm>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/flags/cycle_input.h"
 
+#include "e2lf/base/text.h"
 #include "e2lf/cli/flags/file_kind.h"
 
 namespace e2lf::cli {
@@ -15,6 +16,8 @@ Error by_flag(Error error, const std::filesystem::path& input) {
   for (const auto& [option, flag] : kFlags) {
     if (error.location != option) continue;
     error.location = flag != nullptr ? flag : input.string();
+    const size_t it = flag != nullptr ? error.message.find("leave it out") : std::string::npos;
+    if (it != std::string::npos) error.message.replace(it, 12, cat("leave ", flag, " out"));
     break;
   }
   return error;
