@@ -4,10 +4,12 @@
     python3 bench/calibrate/twin.py --e2lf build/dev/bin/e2lf --codes codes.json -m models/e2lf-n4-capture.safetensors \\
         --draws 3 SCENE ...
 
-The true camera is drawn around `evk4-lcos` within its stated uncertainties (draw 0 is `evk4-lcos` itself). It records
-five cycles of the scene; `e2lf calibrate` starts from `evk4-lcos`. The first cycle is reconstructed with the starting,
-the found and the true camera. Prints a line for each: PSNR in dB as computed, and with the gain that suits each result
-best. A scene that cannot be calibrated has a line with the reason. Needs python3-numpy.
+Each constant of the true camera lies at one end of the 95 % range that `evk4-lcos` states for it, that is, two standard
+deviations off; the draw decides which end (draw 0 is `evk4-lcos` itself). The camera records five cycles of the scene,
+and `e2lf calibrate` starts from `evk4-lcos`. The first cycle is reconstructed with the starting, the found and the true
+camera. Prints a line for each: PSNR in dB as computed, and with the gain that suits each result best, which is what is
+left where brightness does not matter. A scene that cannot be calibrated has a line with the reason. Needs
+python3-numpy.
 """
 
 import argparse
@@ -23,13 +25,13 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def draw(camera: dict, rng: np.random.Generator) -> dict:
-    """The camera with each constant somewhere within its uncertainty."""
+    """Returns the camera with each constant at one end of its range."""
     drawn = json.loads(json.dumps(camera))
     for constant in drawn["constants"].values():
-        constant["value"] *= float(np.exp(rng.uniform(-1, 1) * constant.get("uncertainty", 0)))
+        constant["value"] *= float(np.exp(rng.choice((-1, 1)) * constant.get("uncertainty", 0)))
     transmission = drawn["transmission"]
     for k in range(1, len(transmission["value"])):
-        transmission["value"][k] *= float(np.exp(rng.uniform(-1, 1) * transmission["uncertainty"]))
+        transmission["value"][k] *= float(np.exp(rng.choice((-1, 1)) * transmission["uncertainty"]))
     return drawn
 
 

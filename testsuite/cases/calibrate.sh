@@ -42,6 +42,16 @@ py compare.py
 exists mine.json.run.json
 "$E2LF" simulate scene.npy --codes codes.npy --camera mine.json -o again.npz --quiet
 
+# Of a whole cycle, the first transitions after black are used.
+py - <<'PY'
+import numpy as np
+shares = [0, 0.125, 0.75, 0.25, 1, 0.875, 0.25, 0.75, 0]
+np.save("whole.npy", np.multiply.outer(shares, np.ones((8, 8))).astype(np.float32))
+PY
+"$E2LF" simulate scene.npy --codes whole.npy --camera evk4-lcos --cycles 4 --seed 5 -o whole.npz --quiet
+"$E2LF" calibrate whole.npz --even --camera guess.json --hold receptor_rate_hz,leak -o whole.json --quiet 2>messages.txt
+check "abs($(json whole.json "j['constants']['threshold_on']['value']") / 0.405 - 1) < 0.05"
+
 fails 1 'already' "$E2LF" calibrate events.npz --camera guess.json -o mine.json
 fails 1 'model pixel' "$E2LF" calibrate events.npz --camera paper -o x.json
 fails 1 'threshold_on' "$E2LF" calibrate events.npz --hold threshold_onn -o x.json

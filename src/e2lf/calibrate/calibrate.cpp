@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 
 #include "e2lf/base/text.h"
@@ -17,7 +16,7 @@ namespace {
 constexpr double kDetermined = 0.5;  // ratio of standard deviation to spread below which a constant is determined
 // Areas found by search have systematic errors (selection by noise, textures, parallax), so that more pixels of a row
 // contain no more information.
-const double kFoundRowSamples = std::getenv("E2LF_ROW") ? std::atof(std::getenv("E2LF_ROW")) : 400.0;
+constexpr double kFoundRowSamples = 400.0;
 constexpr double kNearBound = 1e-3;
 constexpr size_t kGroups = 8;
 constexpr double kShareOfOwnError = 0.1;  // the share of the misfit of a row that may be due to the model's own error
@@ -83,18 +82,6 @@ Eigen::VectorXd deviations(const Eigen::MatrixXd& information, const Eigen::Vect
   matrix.diagonal() += spreads.cwiseAbs2().cwiseInverse();
   const Eigen::MatrixXd inverse = matrix.ldlt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
   return inverse.diagonal().cwiseMax(0.0).cwiseSqrt();
-}
-
-/// Returns the keys of the constants that the data do not determine while no other constant is held.
-std::vector<std::string> undetermined_beside_others(const std::vector<Parameter>& parameters,
-                                                    const Eigen::MatrixXd& information) {
-  std::vector<std::string> keys;
-  const Eigen::VectorXd spreads = spreads_of(parameters);
-  const Eigen::VectorXd ratios = deviations(information, spreads).cwiseQuotient(spreads);
-  for (size_t i = 0; i < parameters.size(); ++i) {
-    if (ratios[static_cast<Eigen::Index>(i)] > kDetermined) keys.push_back(parameters[i].key);
-  }
-  return keys;
 }
 
 /// Returns the keys of the constants that the data do not determine. The least determined one is removed repeatedly
@@ -205,10 +192,13 @@ struct Solution {
   Eigen::VectorXd deviation;  ///< of each determined parameter
 };
 
-/// Fits all parameters; then again with the deviance divided by the misfit found and, where areas are even and the
-/// model is accurate enough, with more weight for many samples; and again without the parameters that are not
-/// determined.
-Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, bool is_even) {
+/// Fits all parameters; then again with the deviance divided by the misfit found. Where areas are even, the second fit
+/// gives more weight to many samples if the model is accurate enough, and a third one omits the parameters that are not
+/// determined. Where areas were found by search, the receptor's rate keeps its value: the result would mostly follow
+/// from the remaining texture, and an error in it changes the brightness. The prior decides how far the others move.
+Solution solve(const Calibrator& calibrator, std::vector<Parameter> all, bool is_even) {
+  const std::string receptor_rate = capture::pixel_constant_key(capture::PixelConstant::kReceptorRate);
+  if (!is_even) std::erase_if(all, [&](const Parameter& each) { return each.key == receptor_rate; });
   const Model first = calibrator.first_model();
   FitOptions options{.most_row_samples = is_even ? kRowSamples : kFoundRowSamples};
   Fit fit = calibrator.fit(all, first, options, 0);
@@ -216,10 +206,7 @@ Solution solve(const Calibrator& calibrator, const std::vector<Parameter>& all, 
   if (is_even && trusted > options.most_row_samples) options.most_row_samples = trusted;
   options.misfit = fit.misfit.weighted;
   fit = calibrator.fit(all, fit.model, options, 1);
-  const std::vector<std::string> open =
-      is_even
-          ? undetermined(all, fit.information)
-          : (std::getenv("E2LF_MAP") ? std::vector<std::string>() : undetermined_beside_others(all, fit.information));
+  const std::vector<std::string> open = is_even ? undetermined(all, fit.information) : std::vector<std::string>();
   std::vector<Parameter> determined;
   for (const Parameter& each : all) {
     if (std::find(open.begin(), open.end(), each.key) == open.end()) {

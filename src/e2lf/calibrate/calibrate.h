@@ -25,7 +25,7 @@ struct Estimate {
   std::string key;
   double value = 0.0;
   double low = 0.0, high = 0.0;  ///< 95 % interval; if not determined, the range of the starting camera
-  bool is_determined = false;    ///< the data contain at least twice the information of the starting camera
+  bool is_determined = false;    ///< fitted, rather than kept from the starting camera: see calibrate()
 };
 
 struct Calibration {
@@ -41,9 +41,10 @@ struct Calibration {
 /// Estimates the constants of a camera of the event model "pixel" from static scenes that were coded by known patterns.
 /// Constants that the data do not determine keep their values in `start`. A constant is determined if its standard
 /// deviation is at most half of the uncertainty stated in `start`, or of a plausible spread if none is stated. If
-/// several constants are correlated in even areas, the least determined one is held, until the rest is determined. In
-/// areas that were found by search, none of them counts as determined. The standard deviation is the larger of two: the
-/// one from the curvature, widened by the misfit, and the jackknife over eight parts of the picture.
+/// several constants are correlated, the least determined one is held, until the rest is determined. This holds for
+/// even areas. In areas that were found by search, the receptor's rate keeps its value, and all others take their most
+/// likely values, which stay near those of `start` unless the data contradict them. The standard deviation is the
+/// larger of two: the one from the curvature, widened by the misfit, and the jackknife over eight parts of the picture.
 ///
 /// Fails with kShape (scenes that do not match each other or the patterns, see check_scenes), and kInvalidValue
 /// (`start` has another event model, patterns do not begin with black, unknown keys, or too few flat areas).

@@ -142,6 +142,24 @@ TEST(Calibrate, MovesAConstantThatIsDeterminedToTheTruthAndWarnsOfTheJumpByName)
   EXPECT_TRUE(from_truth->warnings.empty());
 }
 
+TEST(Calibrate, AnOrdinarySceneMovesThresholdsToTheTruthAndKeepsTheReceptorsRate) {
+  const auto truth = plain_camera();
+  auto guess = truth;
+  guess.pixel[kReceptorRate] *= 0.8F;
+  guess.pixel[kThresholdOn] *= 1.1F;
+  guess.pixel[kThresholdOff] *= 0.9F;
+  guess.uncertainty[kThresholdOn] = guess.uncertainty[kThresholdOff] = 0.1F;
+  const auto found = calibrate({simulate(truth, patches(0.02F, 0.6F), 5)}, capture::default_codes(), guess, {});
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_EQ(found->camera.pixel[kReceptorRate], guess.pixel[kReceptorRate]);
+  EXPECT_FALSE(by_key(*found).at("receptor_rate_hz").is_determined);
+  for (const auto constant : {kThresholdOn, kThresholdOff}) {
+    const float before = std::abs(guess.pixel[constant] / truth.pixel[constant] - 1.0F);
+    EXPECT_LT(std::abs(found->camera.pixel[constant] / truth.pixel[constant] - 1.0F), 0.7F * before)
+        << capture::pixel_constant_key(constant);
+  }
+}
+
 TEST(FitParameters, SpreadAsTheStartingCameraStatesOrAsPlausible) {
   auto camera = plain_camera();
   camera.uncertainty[kThresholdOn] = 0.196F;

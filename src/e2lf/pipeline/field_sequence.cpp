@@ -51,10 +51,12 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (check_ && capture::has_events(measurement.kind)) {
     E2LF_ASSIGN_OR_RETURN(field.error, recon::event_error(*check_, field.light_field, 1.0F, measurement.events));
-    const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
-    if (is_first_) {
+    if (is_first_ && judging_ != Judging::kNone) {
+      // The images of intensities have no signs.
+      const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
+      const bool has_changes = judging_ == Judging::kChanges && is_of_events;
       E2LF_ASSIGN_OR_RETURN(field.judgement, recon::judge(*check_, field.light_field, measurement.events, rival_,
-                                                          tries_changes_ && is_of_events ? method_ : recon::Method()));
+                                                          has_changes ? method_ : recon::Method()));
     }
     is_first_ = false;
   }

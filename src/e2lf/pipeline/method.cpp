@@ -112,6 +112,10 @@ bool OpenedMethod::are_patterns_the_models() const {
   return network && are_patterns_told(codes) && network->model().codes && *network->model().codes == codes->codes;
 }
 
+std::optional<capture::Codes> OpenedMethod::codes_of_signs() const {
+  return codes && camera && !camera->is_pixel() ? std::optional(codes->codes) : std::nullopt;
+}
+
 Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   if (!network && use.passes > 1) {
     return Error{ErrorCode::kInvalidValue, cat("the method ", algorithm, " makes one pass; leave it out"), "passes"};
@@ -152,6 +156,14 @@ std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
   return recon::Rival{std::move(method), {opened.codes->codes, opened.codes->constants, {}, opened.rival}};
 }
 
+/// Returns how the check is judged. A method that does not know the camera leaves an error that says nothing about the
+/// polarity or the order of the events.
+Judging judging_of(const OpenedMethod& opened) {
+  const bool is_told = opened.network && model::is_told_the_camera(opened.network->model());
+  if (!opened.camera || (opened.camera->is_pixel() && !is_told)) return Judging::kNone;
+  return opened.algorithm == "regularised" ? Judging::kNoise : Judging::kChanges;
+}
+
 }  // namespace
 
 Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone, bool is_checked) {
@@ -168,7 +180,7 @@ Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse&
     if (is_pixel) check->pixels = method.camera;
     rival = rival_of(method);
   }
-  return FieldSequence(std::move(ready), tone, std::move(check), std::move(rival), method.algorithm != "regularised");
+  return FieldSequence(std::move(ready), tone, std::move(check), std::move(rival), judging_of(method));
 }
 
 }  // namespace e2lf::pipeline

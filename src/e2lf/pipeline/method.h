@@ -48,6 +48,11 @@ struct OpenedMethod {
   /// Returns true if the network was trained for the patterns of the events, as far as anybody tells them.
   [[nodiscard]] bool are_patterns_the_models() const;
 
+  /// Returns the patterns from which the signs of the events follow, or nothing. Slow pixels still follow the change to
+  /// black when the first pattern is lit: in dim light most of their first events are OFF, so that only the signs of
+  /// the paper's event model are known.
+  [[nodiscard]] std::optional<capture::Codes> codes_of_signs() const;
+
   /// Returns the method for such a use. Fails with kInvalidValue if it makes one pass or takes one cycle; the location
   /// is "passes" or "cycles".
   [[nodiscard]] Result<recon::Method> ready(const MethodUse& use = {}) const;
@@ -61,8 +66,9 @@ struct OpenedMethod {
 [[nodiscard]] Result<OpenedMethod> open_method(MethodChoice choice);
 
 /// Begins a sequence of light fields. Each is compared with its events if `is_checked` and somebody tells the patterns,
-/// unless it is made of several cycles or in colour. A black level that `tone` leaves open is 0 unless physical pixels
-/// leave it open, too, and brightness is not to be measured. Fails as OpenedMethod::ready() does.
+/// unless it is made of several cycles or in colour; the first is judged if the method knows the camera. A black level
+/// that `tone` leaves open is 0 unless physical pixels leave it open, too, and brightness is not to be measured. Fails
+/// as OpenedMethod::ready() does.
 [[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone,
                                                   bool is_checked);
 

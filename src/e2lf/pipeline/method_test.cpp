@@ -91,7 +91,7 @@ TEST(OpenMethod, PatternsOfNobodyAreTheUsualOnes) {
   EXPECT_EQ(opened->codes->codes, usual_patterns().value());
 }
 
-TEST(OpenSequence, ChecksFieldsWhosePatternsAreToldAndFindsBlackOfPhysicalPixels) {
+TEST(OpenSequence, ChecksFieldsWhosePatternsAreTold) {
   const capture::Codes codes = *bundled("e2lf-n4").codes;
   const auto told = open_method({.algorithm = "inversion", .codes = codes});
   auto checked = open_sequence(*told, {}, {.black = std::nullopt}, /*is_checked=*/true);
@@ -100,6 +100,29 @@ TEST(OpenSequence, ChecksFieldsWhosePatternsAreToldAndFindsBlackOfPhysicalPixels
   EXPECT_FALSE(open_sequence(*told, {}, {}, /*is_checked=*/false)->next(some_events())->error);
   const auto assumed = open_method({.algorithm = "inversion"});
   EXPECT_FALSE(open_sequence(*assumed, {}, {}, /*is_checked=*/true)->next(some_events())->error);
+}
+
+TEST(OpenSequence, JudgesOnlyMethodsThatKnowTheCamera) {
+  const capture::Codes codes = *bundled("e2lf-n4").codes;
+  const auto first = [](const OpenedMethod& method) {
+    return *open_sequence(method, {}, {}, true)->next(some_events());
+  };
+  const auto nobody = open_method({.algorithm = "inversion", .codes = codes});
+  EXPECT_FALSE(first(*nobody).judgement);
+  EXPECT_FALSE(nobody->codes_of_signs());
+  const auto paper = open_method({.algorithm = "inversion", .codes = codes, .camera = capture::SensorProfile{}});
+  EXPECT_TRUE(first(*paper).judgement);
+  EXPECT_EQ(paper->codes_of_signs(), codes);
+  const auto pixels = open_method({.algorithm = "inversion", .codes = codes, .camera = pixel_camera()});
+  EXPECT_TRUE(first(*pixels).error);
+  EXPECT_FALSE(first(*pixels).judgement);
+  EXPECT_FALSE(pixels->codes_of_signs());
+  const auto told = open_method({.model = bundled("e2lf-n4-camera"), .codes = codes, .camera = pixel_camera()});
+  EXPECT_TRUE(first(*told).judgement);
+}
+
+TEST(OpenSequence, FindsBlackOfPhysicalPixelsUnlessBrightnessIsMeasured) {
+  const capture::Codes codes = *bundled("e2lf-n4").codes;
   const auto pixels = open_method({.algorithm = "inversion", .codes = codes, .camera = pixel_camera()});
   EXPECT_FALSE(open_sequence(*pixels, {}, {.black = std::nullopt}, true)->tone().black);
   EXPECT_EQ(open_sequence(*pixels, {}, {.gain = 1.0F, .black = std::nullopt}, true)->tone().black, 0.0F);

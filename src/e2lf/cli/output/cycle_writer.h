@@ -21,7 +21,7 @@ struct CycleWriterOptions {
   std::string format;           ///< of write_reconstruction()
   bool is_quiet = false;
   std::optional<capture::Orientation> views = {};  ///< how they come out
-  std::optional<capture::Codes> codes = {};        ///< that were shown, where that is known
+  std::optional<capture::Codes> codes = {};        ///< from which the signs of the events follow
 };
 
 /// Reconstructs cycles and writes each; what has been done so far.

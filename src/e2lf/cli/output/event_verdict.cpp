@@ -33,6 +33,10 @@ void print_event_error(const Json& cycle) {
     std::printf(", by %.3f if references start %.2f thresholds above the first intensity", least["value"].get<double>(),
                 residue);
   }
+  if (!cycle.contains("check")) {
+    std::printf("\n");
+    return;
+  }
   const Json& check = cycle["check"];
   std::printf("; %.1f times what noise makes: %s\n", check["ratio"].get<double>(),
               check["verdict"] == "good"    ? "good"

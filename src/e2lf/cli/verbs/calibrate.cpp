@@ -9,6 +9,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/calibrate/count_distribution.h"
 #include "e2lf/calibrate/report.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/cycle_input.h"
@@ -82,6 +83,26 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
     return Error{ErrorCode::kNotFound, "nothing tells the patterns of the events; give --codes FILE", ""};
   }
   return std::move(known->codes);
+}
+
+/// Keeps the first transitions after black of longer sequences, such as whole cycles: the later ones do not affect
+/// them.
+void keep_first_transitions(capture::Codes& codes, std::vector<calibrate::StillScene>& scenes) {
+  constexpr size_t kKept = calibrate::kMostTransitions;
+  const auto is_longer = [&](const calibrate::StillScene& scene) {
+    return std::ranges::all_of(scene.cycles, [&](const capture::EventImages& cycle) {
+      return cycle.transitions > kKept && cycle.transitions + 1 == codes.num_patterns;
+    });
+  };
+  if (!std::ranges::all_of(scenes, is_longer)) return;
+  codes.values.resize((kKept + 1) * codes.pattern_size());
+  codes.num_patterns = kKept + 1;
+  for (calibrate::StillScene& scene : scenes) {
+    for (capture::EventImages& cycle : scene.cycles) {
+      cycle.counts.resize(kKept * cycle.image_size());
+      cycle.transitions = kKept;
+    }
+  }
 }
 
 /// Fails where two outputs, or an output and the record of the camera file, have one name.
@@ -194,9 +215,10 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
     E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, verb, record));
     sources.push_back(std::move(source));
   }
-  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, common_codes(arguments, sources, record));
+  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, record));
   std::vector<calibrate::StillScene> scenes;
   for (Source& source : sources) scenes.push_back(std::move(source.scene));
+  keep_first_transitions(codes, scenes);
   start.name = arguments.name.empty() ? arguments.output.stem().string() : arguments.name;
   record.end_step("read");
 

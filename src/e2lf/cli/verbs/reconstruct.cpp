@@ -186,7 +186,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                       .format = arguments.format,
                       .is_quiet = common.quiet,
                       .views = arguments.orientation.after(method.views),
-                      .codes = method.codes ? std::optional(method.codes->codes) : std::nullopt},
+                      .codes = method.codes_of_signs()},
                      std::move(sequence));
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
