@@ -157,10 +157,10 @@ std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
 }
 
 /// Returns how the check is judged. A method that does not know the camera leaves an error that says nothing about the
-/// polarity or the order of the events.
+/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own.
 Judging judging_of(const OpenedMethod& opened) {
-  const bool is_told = opened.network && model::is_told_the_camera(opened.network->model());
-  if (!opened.camera || (opened.camera->is_pixel() && !is_told)) return Judging::kNone;
+  if (!opened.camera) return opened.network ? Judging::kNoise : Judging::kNone;
+  if (opened.camera->is_pixel() && !opened.takes_sums()) return Judging::kNone;
   return opened.algorithm == "regularised" ? Judging::kNoise : Judging::kChanges;
 }
 

@@ -66,7 +66,7 @@ struct OpenedMethod {
 [[nodiscard]] Result<OpenedMethod> open_method(MethodChoice choice);
 
 /// Begins a sequence of light fields. Each is compared with its events if `is_checked` and somebody tells the patterns,
-/// unless it is made of several cycles or in colour; the first is judged if the method knows the camera. A black level
+/// unless it is made of several cycles or in colour; the first is judged if the method knows its camera. A black level
 /// that `tone` leaves open is 0 unless physical pixels leave it open, too, and brightness is not to be measured. Fails
 /// as OpenedMethod::ready() does.
 [[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone,

@@ -110,6 +110,7 @@ TEST(OpenSequence, JudgesOnlyMethodsThatKnowTheCamera) {
   const auto nobody = open_method({.algorithm = "inversion", .codes = codes});
   EXPECT_FALSE(first(*nobody).judgement);
   EXPECT_FALSE(nobody->codes_of_signs());
+  EXPECT_TRUE(first(*open_method({.model = bundled("e2lf-n4"), .codes = codes})).judgement);
   const auto paper = open_method({.algorithm = "inversion", .codes = codes, .camera = capture::SensorProfile{}});
   EXPECT_TRUE(first(*paper).judgement);
   EXPECT_EQ(paper->codes_of_signs(), codes);

@@ -114,7 +114,8 @@ auto network_fields(Network& network) {
     visit("type", network.type, "\"unet\", or \"recnet\" for the network of the paper");
     visit("widths", network.widths, "channels of each level");
     visit("blocks", network.blocks, "residual blocks of each level");
-    visit("head_width", network.head_width, "channels at full resolution");
+    visit("head_width", network.head_width,
+          "channels at full resolution, 0 = no layers there, for networks that must be fast");
     visit("head_blocks", network.head_blocks, "residual blocks at full resolution");
   };
 }
