@@ -65,7 +65,7 @@ class CameraSource final : public ByteSource {
   }
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t) override {
-    return Error{ErrorCode::kUnsupported, "a live source cannot be sought; record it to a file first", name_};
+    return Error{ErrorCode::kUnsupported, "a live source is not seekable; record it to a file first", name_};
   }
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
@@ -126,11 +126,11 @@ class CameraSource final : public ByteSource {
 
   /// What is said once to whom reads too slowly.
   std::string behind_text() const {
-    return cat(name_, ": the input comes faster than it is processed: what is read now arrived ",
+    return cat(name_, ": the input arrives faster than it is processed: what is read now arrived ",
                static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
                " MiB wait in memory; beyond that ",
                camera_->keeps_unread() ? "the sender waits, and nothing is lost"
-                                       : "the camera is not read, and its driver loses what it cannot keep",
+                                       : "the camera is not read, and its driver loses what it cannot buffer",
                ". Record the input to a file and process that, or choose a faster method");
   }
 

@@ -99,7 +99,8 @@ Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& serial
     return Error{ErrorCode::kNotFound, "no such camera; check its connection and the HAL's plugins", serial};
   }
   auto opened = std::make_unique<MetavisionCamera>(std::move(device));
-  if (!opened->can_stream()) return Error{ErrorCode::kUnsupported, "the camera gives no stream of events", serial};
+  if (!opened->can_stream())
+    return Error{ErrorCode::kUnsupported, "the camera does not provide a stream of events", serial};
   std::unique_ptr<Camera> camera = std::move(opened);
   return camera;
 } catch (const std::exception& error) {
