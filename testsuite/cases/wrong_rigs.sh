@@ -66,22 +66,40 @@ PY
 grep -q "before its trigger.*--edge" err.txt || fail "$(cat err.txt delayed.json)"
 check "0 <= $(json right.json "j['onset_us']") < 1000"
 check "abs($(json right.json "j['onset_us']") - $(json delayed.json "j['onset_us']") - 1500) < 250"
+# B3: what is inverted by the option alone is said to be so.
+"$E2LF" accumulate rig.raw -o twice.npz --invert-polarity --quiet 2>err.txt
+grep -q "leave it out if it was given" err.txt || fail "$(cat err.txt)"
+# B5: options that do not fit are named, and triggers that are there.
+fails 1 "leave it out" "$E2LF" accumulate rig.raw -o out.npz --first-pattern 1
+fails 1 "give --source triggers" "$E2LF" accumulate rig.raw -o out.npz --source bursts
+"$E2LF" accumulate rig.raw -o once.npz --one-trigger-per-cycle --quiet 2>err.txt
+if grep -q "polarity is inverted" err.txt; then fail "$(cat err.txt)"; fi
+grep -q "leave the option out" err.txt || fail "$(cat err.txt)"
 # B3: event images with inverted signs, where their file names the patterns.
+network=e2lf-n4-camera
 py - <<'PY'
 import numpy as n
 arrays = dict(n.load("right.npz"))
 arrays["events"] = -arrays["events"]
 n.savez("negative.npz", **arrays)
 PY
-"$E2LF" reconstruct negative.npz -m e2lf-n4-camera -o negative --format npy --quiet 2>err.txt
-grep -qE "(polarity is inverted|with inverted polarity).*--invert-polarity" err.txt || fail "$(cat err.txt)"
-"$E2LF" reconstruct negative.npz -m e2lf-n4-camera -o turned --invert-polarity --format npy --quiet 2>err.txt
+"$E2LF" reconstruct negative.npz -m "$network" -o negative --format npy --quiet 2>err.txt
+grep -q "with inverted polarity.*--invert-polarity" err.txt || fail "$(cat err.txt)"
+"$E2LF" reconstruct negative.npz -m "$network" -o turned --invert-polarity --format npy --quiet 2>err.txt
 if grep -q inverted err.txt; then fail "$(cat err.txt)"; fi
 "$E2LF" reconstruct right.npz -m e2lf-n4-camera -o plain --format npy --quiet 2>err.txt
 if grep -q inverted err.txt; then fail "$(cat err.txt)"; fi
+# In dim light, slow pixels make more OFF events than ON events after black.
+"$E2LF" simulate demo/scene -m "$network" --camera evk4-lcos --scene-gain 0.1 -o dim.npz --quiet
+"$E2LF" reconstruct dim.npz -m "$network" -o dim --format npy --quiet 2>err.txt
+if grep -q inverted err.txt; then fail "$(cat err.txt)"; fi
 cmp turned/cycle_00000/lightfield.npy plain/cycle_00000/lightfield.npy || fail "the light fields differ"
+# B7: a method that does not know the camera says nothing about the polarity or the order of right events.
+"$E2LF" reconstruct right.npz --method inversion -o rough --format npy >rough.txt 2>err.txt
+if grep -q "explained much better\|likely wrong" err.txt; then fail "$(cat err.txt)"; fi
+if grep -q "what noise makes" rough.txt; then fail "$(cat rough.txt)"; fi
 # B5: what is there against what the schedule expects, and the option that helps.
-"$E2LF" codes render -m "$network" -o display --quiet
+"$E2LF" codes render -m e2lf-n4 -o display --quiet
 py - <<'PY'
 import json
 schedule = json.load(open("display/schedule.json"))

@@ -9,52 +9,55 @@ namespace e2lf::compare {
 
 template <typename Visitor>
 void visit_method(MethodConfig& method, Visitor& visit) {
-  visit("name", method.name, "as the tables have it");
-  visit(
-      "algorithm", method.algorithm,
-      "or `inversion`, `regularised`, [which need no model](#methods-without-a-network), or `event-video`, [a scan of "
-      "views](#a-scan-of-views)");
+  visit("name", method.name, "name in the tables");
+  visit("algorithm", method.algorithm,
+        "`network`; `inversion` or `regularised`, [which need no model](#methods-without-a-network); or `event-video`, "
+        "[a scan of views](#a-scan-of-views)");
   visit("model", method.model,
-        "a model file, or the folder of [the release](models.md#the-release); it says what is measured. Of "
-        "`event-video` a "
-        "[model of frames](video.md#networks)");
+        "a model file, which determines the measurement, or the folder of [the release](models.md#the-release); for "
+        "`event-video`, a [model of frames](video.md#networks)");
   visit("codes", method.codes,
-        "patterns: a model file, a file of codes, the release's folder; empty: the model's, without a model the "
-        "built-in ones");
+        "the patterns: a model file, a file of codes or the folder of the release; if empty, those of the model, or "
+        "the built-in patterns without a model");
   visit("camera", method.camera,
-        "the camera that a network conditioned on the sensor profile receives; empty: the camera of the sensor");
-  visit("passes", method.passes, "as `e2lf reconstruct --passes`");
-  visit("gain", method.gain, "multiplies the result");
-  visit("fit_gain", method.fit_gain, "multiply it by the factor that suits it best instead");
-  visit("precision", method.precision, "arithmetic of the network; or `bfloat16`, `auto`");
-  visit("optional", method.optional, "leave the method out where its files are not there");
+        "the camera that a network conditioned on the sensor profile receives; if empty, the camera of the sensor");
+  visit("passes", method.passes, "the number of passes, as in `e2lf reconstruct --passes`");
+  visit("gain", method.gain, "a factor on the result");
+  visit("fit_gain", method.fit_gain, "scales each result by its least-squares factor instead");
+  visit("precision", method.precision, "the arithmetic of the network: `float32`, `bfloat16` or `auto`");
+  visit("optional", method.optional, "skips the method if its files are missing");
 }
 
 template <typename Visitor>
 void visit_group(GroupConfig& group, Visitor& visit) {
-  visit("name", group.name, "as the tables have it");
+  visit("name", group.name, "name in the tables");
   visit("scenes", group.scenes,
-        "light fields of any format; `demo` or `demo:SEED` for a rendered one; the last part of a path may hold `*`");
-  visit("stand_in", group.stand_in, "scenes to take where none of these is there");
-  visit("width", group.width, "of the middle part that is taken, px; 0: all, of `demo` 512");
-  visit("height", group.height, "likewise; of `demo` 384");
-  visit("step", group.step, "take every so many views");
-  visit("reverse_rows", group.reverse_rows, "view rows are stored bottom to top, as in some Stanford scenes");
-  visit("optional", group.optional, "leave the group out where neither its scenes nor those that stand in are there");
+        "light fields of any format, or `demo` or `demo:SEED` for a rendered scene; the last component of a path may "
+        "contain `*`");
+  visit("stand_in", group.stand_in, "scenes to use if none of `scenes` exists");
+  visit("width", group.width,
+        "the width of the central crop in px; 0 takes the whole view, which is 512 px wide for `demo`");
+  visit("height", group.height,
+        "the height of the crop in px; 0 takes the whole view, which is 384 px high for `demo`");
+  visit("step", group.step, "takes every Nth view, which multiplies the disparity by N");
+  visit("reverse_rows", group.reverse_rows,
+        "the rows of views are stored from bottom to top, as in some Stanford scenes");
+  visit("optional", group.optional, "skips the group if neither `scenes` nor `stand_in` exist");
 }
 
 template <typename Visitor>
 void visit_sensor(SensorConfig& sensor, Visitor& visit) {
-  visit("name", sensor.name, "as the tables have it");
-  visit("camera", sensor.camera, "a camera file, or one of the bundled: `paper`, `ideal`, `evk4-lcos`");
-  visit("tau", sensor.tau, "contrast threshold in place of the camera's; not for physical pixels");
-  visit("sigma_w", sensor.sigma_w, "noise of the log intensity, likewise");
-  visit("sigma_z", sensor.sigma_z, "noise of the threshold, likewise");
-  visit("sigma_i", sensor.sigma_i, "noise of intensity images; not given: 0.005");
-  visit("gain", sensor.gain, "brightness of the scenes; results are divided by it");
-  visit("residue", sensor.residue, "as `e2lf simulate --residue`; not for physical pixels");
-  visit("cycles", sensor.cycles, "of which one light field is made");
-  visit("fit_gain", sensor.fit_gain, "`fit_gain` for every method: for cameras that a network was not made for");
+  visit("name", sensor.name, "name in the tables");
+  visit("camera", sensor.camera, "a camera file, or the name of a bundled one: `paper`, `ideal`, `evk4-lcos`");
+  visit("tau", sensor.tau, "overrides the contrast threshold of the camera; not for physical pixels");
+  visit("sigma_w", sensor.sigma_w, "overrides the noise of the log intensity; not for physical pixels");
+  visit("sigma_z", sensor.sigma_z, "overrides the noise of the threshold; not for physical pixels");
+  visit("sigma_i", sensor.sigma_i, "noise of intensity images; 0.005 if not given");
+  visit("gain", sensor.gain, "a factor on the brightness of the scenes, by which the results are divided again");
+  visit("residue", sensor.residue, "the residue, as in `e2lf simulate --residue`; not for physical pixels");
+  visit("cycles", sensor.cycles, "the number of cycles from which each light field is reconstructed");
+  visit("fit_gain", sensor.fit_gain,
+        "sets `fit_gain` for every method, for cameras that the networks were not trained for");
 }
 
 template <typename Visitor>
@@ -63,9 +66,9 @@ void visit_config(Config& config, Visitor& visit) {
   visit.list("methods", config.methods, [](auto& method, auto& inner) { visit_method(method, inner); });
   visit.list("scenes", config.scenes, [](auto& group, auto& inner) { visit_group(group, inner); });
   visit.list("sensors", config.sensors, [](auto& sensor, auto& inner) { visit_sensor(sensor, inner); });
-  visit("seeds", config.seeds, "of the noise; figures are means over them");
+  visit("seeds", config.seeds, "the seeds of the noise, over which the figures are averaged");
   visit("metrics", config.metrics, "see [metrics](#metrics)");
-  visit("pictures", config.pictures, "keep pictures of the first seed for the page");
+  visit("pictures", config.pictures, "keeps the images of the first seed for the page");
 }
 
 }  // namespace e2lf::compare

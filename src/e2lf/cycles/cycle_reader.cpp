@@ -110,7 +110,21 @@ class CycleReader::Impl {
                                    .one_trigger_per_cycle = options_.one_trigger_per_cycle};
       report.advice = trigger_advice(triggers_, options_.schedule, asked, last_us_);
     }
+    if (report.complete == 0 && report.advice.empty()) report.advice = advice_of_options();
     return report;
+  }
+
+  /// The option that most likely keeps triggers, which match the schedule, from forming cycles; empty if there is none.
+  std::string advice_of_options() const {
+    if (options_.source == CycleSource::kBursts && !triggers_.inputs().empty()) {
+      return "the events of slow pixels do not show each change of pattern; the recording has triggers, so give "
+             "--source "
+             "triggers";
+    }
+    if (options_.tracker.first_pattern && options_.source != CycleSource::kSchedule) {
+      return "no cycle begins as --first-pattern says; leave it out, so that the intervals and the events tell";
+    }
+    return "";
   }
 
   recordings::DecodeSummary summary() const {

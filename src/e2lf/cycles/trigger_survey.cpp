@@ -145,12 +145,11 @@ std::string survey_text(const TriggerSurvey& survey, const Schedule& schedule) {
   for (const auto& [id, input] : survey.inputs()) {
     const auto& times_us = input.rising >= input.falling ? input.rising_us : input.falling_us;
     inputs.push_back(cat("channel ", id, " has ", input.rising, " rising and ", input.falling, " falling edges",
-                         times_us.size() > 1 ? cat(", one every ", ms(median(intervals_of(times_us)))) : ""));
+                         times_us.size() > 1 ? cat(", mostly ", ms(median(intervals_of(times_us))), " apart") : ""));
   }
-  const auto patterns = static_cast<double>(schedule.size());
   return cat("triggers: ", inputs.empty() ? "none" : join(inputs, "; "), "; the schedule expects ", schedule.size(),
-             " in ", ms(static_cast<double>(schedule.cycle_us())), ", one every ",
-             ms(static_cast<double>(schedule.cycle_us()) / patterns), " on average");
+             " in ", ms(static_cast<double>(schedule.cycle_us())), ", mostly ", ms(median(intervals_of(schedule))),
+             " apart");
 }
 
 std::string trigger_advice(const TriggerSurvey& survey, const Schedule& schedule, const SurveyOptions& options,

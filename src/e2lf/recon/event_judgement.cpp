@@ -17,6 +17,7 @@ constexpr double kWrongRatio = 1.5;
 constexpr double kRivalRatio = 1.2;        // of the error to the rival's
 constexpr double kLeastNoiseError = 0.05;  // counts: a camera without noise still rounds
 constexpr double kChangedRatio = 0.97;     // of the error of changed events to that of the given ones
+constexpr double kClearRatio = 0.8;        // the same, where the given events are explained as well
 constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // ratios of events that are right
 constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
 constexpr uint64_t kSeed = 1;
@@ -121,11 +122,11 @@ Result<void> compare_with_changed(const EventCheck& check, const Method& method,
 
 Verdict verdict_of(const EventJudgement& judgement) {
   if (judgement.rival_error && judgement.error > kRivalRatio * *judgement.rival_error) return Verdict::kRivalBetter;
-  // Events that are explained as well as their noise allows are left in peace: one right scene in twenty is explained
-  // better in another order.
+  // One right scene in twenty is explained a little better in another order, so that events that are explained as well
+  // as their noise allows need a clear difference.
   const bool is_explained = judgement.ratio >= kLeastExplained && judgement.ratio <= kMostExplained;
-  if (!is_explained && !judgement.change.empty() &&
-      judgement.changed_error < kChangedRatio * judgement.unchanged_error) {
+  const double needed = is_explained ? kClearRatio : kChangedRatio;
+  if (!judgement.change.empty() && judgement.changed_error < needed * judgement.unchanged_error) {
     return Verdict::kChangedBetter;
   }
   if (judgement.ratio > kWrongRatio) return Verdict::kWrong;

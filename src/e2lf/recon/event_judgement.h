@@ -46,7 +46,8 @@ struct EventJudgement {
 /// Judges a light field by its events in a window of at most 512 px a side in the middle of the picture. The rival's
 /// light field is made there too. Where there is a `method`, it also makes light fields of the events with inverted
 /// signs, in reversed order and rotated, in a window of at most 192 px: wrong signs or a wrong order that `events` may
-/// have. Fails as event_error() and the methods do.
+/// have. The method must know the camera of `check`, otherwise the ratio and the comparison say nothing about the
+/// events. Fails as event_error() and the methods do.
 [[nodiscard]] Result<EventJudgement> judge(const EventCheck& check, const lightfield::LightField& light_field,
                                            const capture::EventImages& events, const std::optional<Rival>& rival,
                                            const Method& method = {});

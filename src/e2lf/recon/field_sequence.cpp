@@ -59,10 +59,12 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (check_ && capture::has_events(measurement.kind)) {
     E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, measurement.events));
-    const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
-    if (is_first_) {
-      E2LF_ASSIGN_OR_RETURN(field.judgement, judge(*check_, field.light_field, measurement.events, rival_,
-                                                   tries_changes_ && is_of_events ? method_ : Method()));
+    if (is_first_ && judging_ != Judging::kNone) {
+      // The images of intensities have no signs.
+      const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
+      E2LF_ASSIGN_OR_RETURN(field.judgement,
+                            judge(*check_, field.light_field, measurement.events, rival_,
+                                  judging_ == Judging::kChanges && is_of_events ? method_ : Method()));
     }
     is_first_ = false;
   }

@@ -32,20 +32,25 @@ struct Tone {
   std::optional<float> black = 0.0F;  ///< nothing = auto_black()
 };
 
+/// How FieldSequence judges the comparison with the events at the first light field.
+enum class Judging {
+  kNone,     ///< not at all, for methods that do not know the camera
+  kNoise,    ///< by the noise of the camera
+  kChanges,  ///< and by light fields of changed events, which takes several more runs of the method on a small window
+};
+
 /// Light fields of cycles, one after the other. Their brightness is found at the first with events and kept, so that a
 /// sequence does not flicker.
 class FieldSequence {
  public:
   /// `check`: nothing = no comparison with the events. `rival`: another camera that judge() compares with.
-  /// `tries_changes`: judge() also makes light fields of changed events, which takes several more runs of the method on
-  /// a small window.
   FieldSequence(Method method, Tone tone, std::optional<EventCheck> check, std::optional<Rival> rival = {},
-                bool tries_changes = false)
+                Judging judging = Judging::kNone)
       : method_(std::move(method)),
         tone_(tone),
         check_(std::move(check)),
         rival_(std::move(rival)),
-        tries_changes_(tries_changes) {}
+        judging_(judging) {}
 
   /// The comparison with the events is made where there are some. Fails as the method and event_error() do.
   [[nodiscard]] Result<Field> next(const capture::Measurement& measurement, const ProgressFn& progress = {});
@@ -58,7 +63,8 @@ class FieldSequence {
   Tone tone_;
   std::optional<EventCheck> check_;
   std::optional<Rival> rival_;
-  bool tries_changes_ = false, is_first_ = true;
+  Judging judging_ = Judging::kNone;
+  bool is_first_ = true;
 };
 
 }  // namespace e2lf::recon

@@ -91,7 +91,7 @@ std::vector<std::string> event_doubts(const EventImages& images, const Codes* co
   if (codes != nullptr && is_polarity_inverted(images, *codes)) {
     doubts.emplace_back(
         "the polarity is inverted: a pattern that opens cells, as the first one after black, makes OFF events; give "
-        "--invert-polarity");
+        "--invert-polarity, or leave it out if it was given");
   }
   // The change from black to the first pattern alone makes ON events only.
   if (images.transitions > 1 && sum.all() >= kEnough && (sum.on == 0 || sum.off == 0)) {

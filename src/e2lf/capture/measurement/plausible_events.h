@@ -15,7 +15,8 @@ namespace e2lf::capture {
 /// Why the event images of a cycle are hardly those of a scene, each reason a sentence that says what was found; none
 /// where they may well be. Looked for are images without events, fewer events than one in fifty pixels, counts beyond
 /// 100 in half of an image, counts of one sign alone and, where `codes` names the patterns, counts of the wrong sign
-/// where a pattern opens or closes cells and does nothing else, as after black.
+/// where a pattern opens or closes cells and does nothing else, as after black. Name the patterns for pixels that follow
+/// a change at once only: slow ones still make OFF events of the change to black.
 [[nodiscard]] std::vector<std::string> event_doubts(const EventImages& images, const Codes* codes = nullptr);
 
 /// Whether the counts have the opposite sign of what the patterns say: at least kClearlyWrong of the events of the

@@ -172,8 +172,10 @@ namespace {
 /// Cycles whose signs contradict the schedule, with the option that mends it.
 void warn_of_signs(const fs::path& input, const cycles::CycleReport& report) {
   if (report.inverted > 0) {
-    log_warning(cat(input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
-                    " cycles: the change from black to the first pattern makes OFF events; give --invert-polarity"));
+    log_warning(
+        cat(input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
+            " cycles: the change from black to the first pattern makes OFF events; give --invert-polarity, or leave it "
+            "out if it was given"));
   }
   if (report.half_cycle_off > 0) {
     log_warning(cat(input.string(), ": the patterns of ", report.half_cycle_off, " of ", report.complete,
@@ -203,18 +205,19 @@ void warn_of_onset(const fs::path& input, const cycles::CycleReport& report) {
   constexpr int64_t kEarliestUs = -250, kLatestUs = 2'000;
   if (!report.onset_us || (*report.onset_us >= kEarliestUs && *report.onset_us <= kLatestUs)) return;
   const bool is_late = *report.onset_us < 0;
-  log_warning(cat(input.string(), ": the events of each pattern set in ", std::abs(*report.onset_us), " us ",
-                  is_late ? "before" : "after", " its trigger, so that some of them are counted for the pattern ",
-                  is_late ? "before" : "behind",
-                  "; is the other edge of the trigger the right one (--edge), or does the ", "trigger come ",
-                  is_late ? "late" : "early", "?"));
+  log_warning(
+      cat(input.string(), ": the events change ", std::abs(*report.onset_us), " us ", is_late ? "before" : "after",
+          " the trigger of each pattern, so that some of them are counted for the pattern ",
+          is_late ? "before" : "behind", "; is the other edge of the trigger the right one (--edge), or does the ",
+          "trigger come ", is_late ? "late" : "early", "?"));
 }
 
 }  // namespace
 
 void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& report,
                            const cycles::Schedule& schedule) const {
-  warn_of_signs(input, report);
+  // Patterns that are taken for others have other signs.
+  if (report.advice.empty()) warn_of_signs(input, report);
   warn_of_late_edges(input, report, schedule);
   warn_of_onset(input, report);
   if (report.complete > 0 && !report.advice.empty()) {

@@ -207,6 +207,14 @@ Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCo
   return std::optional(std::move(check));
 }
 
+/// How the check is judged. A method that does not know the camera leaves an error that says nothing about the polarity
+/// or the order of the events. `is_told`: the method is a network that is told the camera.
+recon::Judging judging_of(const ReconstructArguments& arguments, bool is_told,
+                          const std::optional<capture::SensorProfile>& camera) {
+  if (!camera || (camera->is_pixel() && !is_told)) return recon::Judging::kNone;
+  return arguments.method == "regularised" ? recon::Judging::kNoise : recon::Judging::kChanges;
+}
+
 /// Black is looked for where physical pixels leave it open and brightness is not to be measured.
 Result<recon::Tone> tone_of(const ReconstructArguments& arguments,
                             const std::optional<capture::SensorProfile>& camera) {
@@ -363,6 +371,10 @@ void print_event_error(const Json& cycle) {
     std::printf(", by %.3f if references start %.2f thresholds above the first intensity", least["value"].get<double>(),
                 residue);
   }
+  if (!cycle.contains("check")) {
+    std::printf("\n");
+    return;
+  }
   const Json& check = cycle["check"];
   std::printf("; %.1f times what noise makes: %s\n", check["ratio"].get<double>(),
               check["verdict"] == "good"    ? "good"
@@ -460,6 +472,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   const std::string filter =
       arguments.colour_filter.empty() ? recorded_colour_filter(arguments.input) : arguments.colour_filter;
   std::optional<recon::Rival> rival = rival_of(arguments, model, codes, camera);
+  const bool is_told = arguments.method == "network" && model::is_told_the_camera(*model);
   E2LF_ASSIGN_OR_RETURN(recon::Method method, arguments.method == "network"
                                                   ? network_method(arguments, std::move(*model), codes, camera, record)
                                                   : classical_method(arguments, codes, camera, record));
@@ -469,7 +482,10 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.resolve("colour-filter", filter);
   }
   record.end_step("open");
-  const auto shown = codes ? std::optional(codes->codes) : std::nullopt;
+  // Slow pixels still follow the change to black when the first pattern is lit: in dim light most of their first events
+  // are OFF, so that only the signs of the paper's event model are known.
+  const bool are_signs_known = codes && camera && !camera->is_pixel();
+  const auto signs_of = are_signs_known ? std::optional(codes->codes) : std::nullopt;
   const std::optional<Json> known_constants = codes ? std::optional(constants_json(*codes)) : std::nullopt;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
   // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
@@ -483,8 +499,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     E2LF_ASSIGN_OR_RETURN(LiveView started, LiveView::start(name.filename().string(), output.path(), arguments.port));
     view.emplace(std::move(started));
   }
-  CycleWriter writer(arguments, common, views, shown,
-                     {std::move(method), tone, std::move(check), std::move(rival), arguments.method != "regularised"});
+  const recon::Judging judging = judging_of(arguments, is_told, camera);
+  CycleWriter writer(arguments, common, views, signs_of,
+                     {std::move(method), tone, std::move(check), std::move(rival), judging});
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());
