@@ -7,13 +7,14 @@
 
 namespace e2lf::live {
 
-Result<std::unique_ptr<LiveReader>> LiveReader::open(const OpenCycles& open, const std::filesystem::path& recordings) {
+Result<std::unique_ptr<LiveReader>> LiveReader::open(const OpenCycles& open, const ReadingOptions& options) {
   auto reader = std::make_unique<LiveReader>();
+  reader->options_ = options;
   E2LF_ASSIGN_OR_RETURN(reader->cycles_,
                         open([self = reader.get()](const recordings::EventBatch& batch) { self->see(batch); }));
   const recordings::RecordingInfo& info = reader->cycles_->recording().info();
   reader->preview_.emplace(info.width, info.height);
-  reader->recorder_.emplace(recordings, info);
+  reader->recorder_.emplace(options.recordings, info);
   return reader;
 }
 
@@ -21,7 +22,13 @@ void LiveReader::see(const recordings::EventBatch& batch) {
   constexpr std::chrono::milliseconds kReportPeriod{500};
   const Clock::time_point now = Clock::now();
   statistics_.add_batch(batch, now);
-  recorder_->write(batch);
+  if (options_.is_inverted && recorder_->is_recording()) {
+    sent_ = batch;
+    for (uint8_t& p : sent_.events.p) p = p != 0 ? 0 : 1;
+    recorder_->write(sent_);
+  } else {
+    recorder_->write(batch);
+  }
   preview_->add(batch);
   // A file has no arrival: it is there when it is read.
   if (!batch.events.empty()) {
@@ -33,10 +40,11 @@ void LiveReader::see(const recordings::EventBatch& batch) {
 }
 
 Result<bool> LiveReader::next(LiveCycle& cycle) {
-  if (stop_requested()) return false;
+  if (stop_requested() || (options_.max_cycles != 0 && taken_ == options_.max_cycles)) return false;
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> next, cycles_->next());
   statistics_.set_report(cycles_->report(), cycles_->summary());
   if (!next) return false;
+  ++taken_;
   statistics_.add_cycle(next->confidence);
   cycle.number = next->number;
   cycle.begin_us = next->begin_us;

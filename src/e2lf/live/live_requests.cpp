@@ -49,7 +49,7 @@ Look look_of(const Parameters& parameters) {
 }
 
 Answer picture(Session& session, const Parameters& parameters) {
-  constexpr std::chrono::milliseconds kPatience{1000};
+  constexpr std::chrono::milliseconds kPatience{250};
   const auto shown = session.picture(look_of(parameters), number<uint64_t>(parameters, "after").value_or(0), kPatience);
   if (!shown) return {204, "text/plain", ""};
   const FieldReport& field = shown->field;

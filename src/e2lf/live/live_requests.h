@@ -21,7 +21,7 @@ using Parameters = std::map<std::string, std::string>;
 /// Answers the requests of the page about a session. A picture is four bytes (little-endian) with the length of a JSON
 /// header, the header, and grey pixels of 8 bits: {"width", "height", ...} of the picture and, behind it, of the two
 /// EPIs of `x` by `views` and `views` by `y` pixels.
-///   picture?after=N&x=&y=&focus=&radius=&row=&column=   the newest picture, or 204 if none comes within a second
+///   picture?after=N&x=&y=&focus=&radius=&row=&column=   the newest picture, or 204 if none comes soon
 ///   events                                              the newest events, or 204
 ///   statistics                                          Session::json() and "recording": Recorder::json()
 /// and, as commands (POST): record?on=1|0, average?cycles=K, size?to=auto|full|half, brightness.

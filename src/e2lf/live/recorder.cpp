@@ -77,6 +77,11 @@ Result<void> Recorder::end() {
   return finish();
 }
 
+bool Recorder::is_recording() const {
+  const std::lock_guard lock(mutex_);
+  return writer_ != nullptr;
+}
+
 void Recorder::write(const recordings::EventBatch& batch) {
   const std::lock_guard lock(mutex_);
   if (!writer_) return;

@@ -26,6 +26,8 @@ class Recorder {
   /// Ends the recording, if there is one. Fails with kIo.
   [[nodiscard]] Result<void> end();
 
+  [[nodiscard]] bool is_recording() const;
+
   /// Appends a batch during a recording. What cannot be written ends the recording; json() tells of it.
   void write(const recordings::EventBatch& batch);
 

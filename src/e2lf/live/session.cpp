@@ -101,7 +101,6 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   if (is_half) sum_blocks(cycle.counts.events, half_.events);
   E2LF_RETURN_IF_ERROR(
       maker_.make(is_half ? half_ : cycle.counts, cycle.cycles * (is_half ? kPixelsPerBlock : 1), field.light_field));
-  if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);
   const bool has_events = !capture::is_without_events(cycle.counts.events);
   const double cycle_s = cycle.cycle_s;
   std::swap(field.cycle, cycle);
@@ -115,6 +114,7 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   field.black = black_.value_or(0.0F);
   field.gain = gain_.value_or(1.0F);
   lock.unlock();
+  if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);
   if (changes && options_.on_size) options_.on_size(size);
   return {};
 }
@@ -214,9 +214,11 @@ Json Session::json() {
   Json json = reader_->statistics().json();
   json["average"] = reader_->average();
   json["has_ended"] = has_ended();
+  const cycles::Schedule& schedule = reader_->cycles().schedule();
+  json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
   const std::lock_guard lock(settings_mutex_);
   json["size"] = size_name(size_.size());
-  json["network"] = maker_.reconstructor().model().name;
+  json["network"] = model().name;
   json["gain"] = gain_ ? Json(*gain_) : Json();
   json["black"] = black_ ? Json(*black_) : Json();
   json["error"] = error_ ? Json(error_->text()) : Json();

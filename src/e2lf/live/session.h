@@ -65,10 +65,11 @@ class Session {
   [[nodiscard]] bool has_ended() const;
 
   [[nodiscard]] LiveReader& reader() { return *reader_; }
+  [[nodiscard]] const model::Model& model() const { return maker_.reconstructor().model(); }
   void set_size(const SizeChoice& size);
   /// Finds gain and black level again at the next light field.
   void measure_tone();
-  /// All figures: see Statistics::json(), with "size", "average" and "has_ended".
+  /// All figures: see Statistics::json(), with "size", "average", "has_ended" and the schedule.
   [[nodiscard]] Json json();
 
   /// Looks at the light fields as `look` says, and waits up to `patience` for a picture that is newer than `after` and

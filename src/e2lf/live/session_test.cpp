@@ -46,17 +46,18 @@ void write_recording(const std::filesystem::path& path, uint64_t cycles) {
   ASSERT_TRUE(writer->finish().ok());
 }
 
-std::unique_ptr<LiveReader> open_replay(const std::filesystem::path& path) {
-  const OpenCycles open = [path](const auto& on_batch) -> Result<cycles::CycleReader> {
-    cycles::CycleOptions options;
-    options.source = cycles::CycleSource::kTriggers;
-    options.schedule = cycles::plain_schedule(4, 20'000);
-    options.tracker.first_pattern = 0;
-    options.on_batch = on_batch;
+std::unique_ptr<LiveReader> open_replay(const std::filesystem::path& path, const ReadingOptions& options = {}) {
+  const OpenCycles open = [path, &options](const auto& on_batch) -> Result<cycles::CycleReader> {
+    cycles::CycleOptions cycles;
+    cycles.source = cycles::CycleSource::kTriggers;
+    cycles.schedule = cycles::plain_schedule(4, 20'000);
+    cycles.tracker.first_pattern = 0;
+    cycles.on_batch = on_batch;
+    cycles.invert_polarity = options.is_inverted;
     E2LF_ASSIGN_OR_RETURN(auto camera, recordings::open_camera("replay:" + path.string()));
-    return cycles::CycleReader::open(std::move(camera), options);
+    return cycles::CycleReader::open(std::move(camera), cycles);
   };
-  return LiveReader::open(open, {}).value();
+  return LiveReader::open(open, options).value();
 }
 
 TEST(FieldMaker, MakesTheLightFieldOfTheReconstructorInTheSameMemory) {
@@ -114,6 +115,26 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   EXPECT_EQ(frozen->gain, expected.gain);
   EXPECT_EQ(frozen->black, expected.black);
   EXPECT_TRUE(std::ranges::equal(frozen->light_field.data(), expected.light_field.data()));
+}
+
+TEST(LiveReader, RecordsWhatWasSentAndStopsAfterTheCyclesThatAreWanted) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 3);
+  for (const bool is_inverted : {false, true}) {
+    const auto reader = open_replay(folder / "a.raw", {folder / ".", is_inverted, 2});
+    ASSERT_TRUE(reader->recorder().begin().ok());
+    LiveCycle cycle;
+    EXPECT_TRUE(reader->next(cycle).value());
+    EXPECT_TRUE(reader->next(cycle).value());
+    EXPECT_FALSE(reader->next(cycle).value());
+    ASSERT_TRUE(reader->recorder().end().ok());
+    const auto recorded = recordings::open_recording(reader->recorder().json()["file"].get<std::string>()).value();
+    const recordings::EventBatch got = recordings::read_all(*recorded).value();
+    recordings::EventBatch sent = recordings::read_all(*recordings::open_recording(folder / "a.raw").value()).value();
+    ASSERT_GT(got.events.size(), sent.events.size() / 2);
+    sent.events.p.resize(got.events.size());
+    EXPECT_EQ(got.events.p, sent.events.p) << "inverted: " << is_inverted;
+  }
 }
 
 TEST(Session, HalfSizeTakesTheSumsOfBlocksAsFourCycles) {
