@@ -39,6 +39,7 @@ const std::vector<VerbEntry>& verbs() {
       {"epi", "light field -> picture of a cut through its views", run_epi},
       {"animate", "light field -> film that moves around or through the focus, or a quilt", run_animate},
       {"view", "look at light fields, events, recordings and models in a browser", run_view},
+      {"live", "look at light fields while the camera records", run_live},
       {"pack", "light fields and photographs -> one file to train on", run_pack},
       {"train", "learn aperture patterns and a network together", run_train},
       {"resume", "continue a training run", run_resume},

@@ -15,6 +15,7 @@ Result<std::unique_ptr<LiveReader>> LiveReader::open(const OpenCycles& open, con
   const recordings::RecordingInfo& info = reader->cycles_->recording().info();
   reader->preview_.emplace(info.width, info.height);
   reader->recorder_.emplace(options.recordings, info);
+  reader->statistics_.set_report(reader->cycles_->report(), reader->cycles_->summary());
   return reader;
 }
 

@@ -5,6 +5,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/files/bundled_files.h"
 
@@ -30,6 +31,43 @@ Result<std::optional<model::Model>> bundled_network(const capture::Codes& codes,
     return model;
   }
   return std::optional<model::Model>();
+}
+
+Result<std::optional<model::Model>> find_bundled_network(const fs::path& events, const CodesSource& source,
+                                                         const RecordedSetup& setup,
+                                                         const std::optional<capture::SensorProfile>& camera,
+                                                         RunRecord& record) {
+  std::optional<capture::Codes> codes = setup.codes;
+  if (!source.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(source.codes));
+  }
+  if (!codes) {
+    return Error{ErrorCode::kInvalidValue,
+                 "nothing says which patterns the camera showed; give the model that was trained for them with -m",
+                 events.string()};
+  }
+  E2LF_ASSIGN_OR_RETURN(auto model, bundled_network(*codes, camera, record));
+  if (!model) {
+    return Error{ErrorCode::kNotFound,
+                 "no bundled network was trained for these patterns; give one that was with -m, or use --method "
+                 "inversion",
+                 events.string()};
+  }
+  return model;
+}
+
+Result<CycleFlags> wanted_cycles(CycleFlags flags, const CodesSource& source,
+                                 const std::optional<model::Model>& model) {
+  std::optional<capture::Codes> codes = model ? model->codes : std::nullopt;
+  if (model) flags.num_wanted = model->num_patterns;
+  if (!source.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(source.codes));
+    if (!model) flags.num_wanted = codes->num_patterns;
+  }
+  if (codes && codes->num_patterns >= 2) {
+    flags.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
+  }
+  return flags;
 }
 
 bool are_patterns_told(const std::optional<KnownCodes>& known) {

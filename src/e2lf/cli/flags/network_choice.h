@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/output/run_record.h"
@@ -18,6 +19,16 @@ namespace e2lf::cli {
 [[nodiscard]] Result<std::optional<model::Model>> bundled_network(const capture::Codes& codes,
                                                                   const std::optional<capture::SensorProfile>& camera,
                                                                   RunRecord& record);
+
+/// The bundled network for some events, by the patterns of --codes or those that the events' file names. Fails with
+/// kInvalidValue where nothing names them, and with kNotFound where no bundled network was trained for them.
+[[nodiscard]] Result<std::optional<model::Model>> find_bundled_network(
+    const std::filesystem::path& events, const CodesSource& source, const RecordedSetup& setup,
+    const std::optional<capture::SensorProfile>& camera, RunRecord& record);
+
+/// What cycles of a recording must have for the patterns that are named. Fails as read_patterns().
+[[nodiscard]] Result<CycleFlags> wanted_cycles(CycleFlags flags, const CodesSource& source,
+                                               const std::optional<model::Model>& model);
 
 /// Whether anything but the model itself tells which patterns the camera showed.
 [[nodiscard]] bool are_patterns_told(const std::optional<KnownCodes>& known);

@@ -46,6 +46,15 @@ Result<std::optional<float>> parse_black(const std::string& black) {
   return value;
 }
 
+Result<recon::Tone> tone_of(const std::string& gain, const std::string& black,
+                            const std::optional<capture::SensorProfile>& camera) {
+  recon::Tone tone;
+  E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(gain));
+  E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(black));
+  if (!tone.black && (tone.gain || !camera || !camera->is_pixel())) tone.black = 0.0F;
+  return tone;
+}
+
 Result<void> write_reconstruction(const fs::path& folder, LightField& light_field, const std::string& format,
                                   const capture::Orientation& views, const ProgressFn& progress) {
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightFieldFormat stored, lightfield::parse_format(format));

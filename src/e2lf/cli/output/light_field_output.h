@@ -8,7 +8,9 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/capture/profile/orientation.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
+#include "e2lf/recon/field_sequence.h"
 
 namespace e2lf::cli {
 
@@ -16,6 +18,11 @@ namespace e2lf::cli {
 [[nodiscard]] Result<std::optional<float>> parse_gain(const std::string& gain);
 /// The same of --black: a number that is finite and at least 0.
 [[nodiscard]] Result<std::optional<float>> parse_black(const std::string& black);
+
+/// What --gain and --black say. Black is looked for where physical pixels leave it open and brightness is not to be
+/// measured. Fails as parse_gain() and parse_black().
+[[nodiscard]] Result<recon::Tone> tone_of(const std::string& gain, const std::string& black,
+                                          const std::optional<capture::SensorProfile>& camera);
 
 /// Writes a reconstructed light field into an existing folder: its views in `format` ("png", "png16": VV_UU.png; "npy":
 /// lightfield.npy, not clamped), contact_sheet.png and epi.png. All pictures are upright, where the views come out as

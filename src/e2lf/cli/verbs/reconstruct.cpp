@@ -13,7 +13,6 @@
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/cycle_input.h"
 #include "e2lf/cli/flags/cycle_options.h"
@@ -54,45 +53,6 @@ struct ReconstructArguments {
 
 double seconds(CycleClock::duration duration) {
   return std::chrono::duration<double>(duration).count();
-}
-
-/// A bundled network that was trained for the patterns of the events.
-Result<std::optional<model::Model>> find_bundled_network(const ReconstructArguments& arguments,
-                                                         const RecordedSetup& setup,
-                                                         const std::optional<capture::SensorProfile>& camera,
-                                                         RunRecord& record) {
-  std::optional<capture::Codes> codes = setup.codes;
-  if (!arguments.codes.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(arguments.codes.codes));
-  }
-  if (!codes) {
-    return Error{ErrorCode::kInvalidValue,
-                 "nothing says which patterns the camera showed; give the model that was trained for them with -m",
-                 arguments.input.string()};
-  }
-  E2LF_ASSIGN_OR_RETURN(auto model, bundled_network(*codes, camera, record));
-  if (!model) {
-    return Error{ErrorCode::kNotFound,
-                 "no bundled network was trained for these patterns; give one that was with -m, or use --method "
-                 "inversion",
-                 arguments.input.string()};
-  }
-  return model;
-}
-
-/// What cycles of a recording must have for the patterns that are named.
-Result<CycleFlags> wanted_cycles(const ReconstructArguments& arguments, const std::optional<model::Model>& model) {
-  CycleFlags flags = arguments.cycles;
-  std::optional<capture::Codes> codes = model ? model->codes : std::nullopt;
-  if (model) flags.num_wanted = model->num_patterns;
-  if (!arguments.codes.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(arguments.codes.codes));
-    if (!model) flags.num_wanted = codes->num_patterns;
-  }
-  if (codes && codes->num_patterns >= 2) {
-    flags.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
-  }
-  return flags;
 }
 
 /// The network told the camera that it was made for, where --camera names another one. Its light field is made when it
@@ -213,16 +173,6 @@ recon::Judging judging_of(const ReconstructArguments& arguments, bool is_told,
                           const std::optional<capture::SensorProfile>& camera) {
   if (!camera || (camera->is_pixel() && !is_told)) return recon::Judging::kNone;
   return arguments.method == "regularised" ? recon::Judging::kNoise : recon::Judging::kChanges;
-}
-
-/// Black is looked for where physical pixels leave it open and brightness is not to be measured.
-Result<recon::Tone> tone_of(const ReconstructArguments& arguments,
-                            const std::optional<capture::SensorProfile>& camera) {
-  recon::Tone tone;
-  E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
-  E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
-  if (!tone.black && (tone.gain || !camera || !camera->is_pixel())) tone.black = 0.0F;
-  return tone;
 }
 
 Json check_json(const recon::EventJudgement& judgement) {
@@ -451,7 +401,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
-  E2LF_ASSIGN_OR_RETURN(const CycleFlags cycles, wanted_cycles(arguments, model));
+  E2LF_ASSIGN_OR_RETURN(const CycleFlags cycles, wanted_cycles(arguments.cycles, arguments.codes, model));
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(arguments.input, cycles, arguments.cycles_per_field, verb));
   if (input.is_without_events()) {
     return Error{
@@ -466,7 +416,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   const bool is_camera_named = !arguments.camera.empty() && camera->views;
   const auto views = arguments.orientation.after(is_camera_named ? camera->views : setup.views);
   if (!model && arguments.method == "network") {
-    E2LF_ASSIGN_OR_RETURN(model, find_bundled_network(arguments, setup, camera, record));
+    E2LF_ASSIGN_OR_RETURN(model, find_bundled_network(arguments.input, arguments.codes, setup, camera, record));
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> codes, find_codes(arguments.codes, model, setup.codes, record));
   const std::string filter =
@@ -491,7 +441,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
   if (!are_patterns_told(codes) || arguments.cycles_per_field > 1 || !filter.empty()) codes.reset();
   if (known_constants) record.note("constants", *known_constants);
-  E2LF_ASSIGN_OR_RETURN(const recon::Tone tone, tone_of(arguments, camera));
+  E2LF_ASSIGN_OR_RETURN(const recon::Tone tone, tone_of(arguments.gain, arguments.black, camera));
   E2LF_ASSIGN_OR_RETURN(auto check, event_check(codes, camera));
   std::optional<LiveView> view;
   if (arguments.view) {
