@@ -50,7 +50,7 @@ const figures = (page) => page.evaluate(() => Object.fromEntries([...document.qu
 
 export const tests = {
   'light fields at the pace of the cycles, and a frozen one is that of reconstruct': () => withInstrument((address, statistics) =>
-    withPage(`${address}#tab=1&x=0.5&y=0.5`, {}, async (page) => {
+    withPage(`${address}#tab=1`, {}, async (page) => {
       const shown = async () => Number(await page.evaluate(() => document.querySelector('.pane')?.dataset.cycle ?? -1));
       await until('a light field comes', async () => (await shown()) >= 0);
       // The picture of view (4, 4), and of another one when that is asked for: pixel for pixel.
@@ -88,7 +88,7 @@ export const tests = {
       await until('a picture of events comes', async () => (await page.locator('dl dt', { hasText: 'best so far' }).count()) === 1);
       assert.deepEqual(await sizeOf(page, '.live canvas.picture'), [64, 48]);
       const values = new Set((await Promise.all([5, 20, 35].map((y) => rowOf(page, '.live canvas.picture', y)))).flat());
-      assert.ok(values.size > 2 && values.has(128), 'ON, OFF and nothing');
+      assert.ok(Math.min(...values) < 128 && Math.max(...values) > 128, `ON and OFF events: ${[...values]}`);
       await page.getByRole('button', { name: 'Record' }).click();
       await until('it records', async () => (await statistics()).recording.bytes > 10_000);
       await page.getByRole('button', { name: 'Stop recording' }).click();

@@ -369,8 +369,7 @@ export class LightFieldScreen implements Screen {
 
   close(): void {
     this.isClosed = true;
-    const { gl } = this.context.painter;
-    for (const views of new Set([this.first, this.second])) gl.deleteTexture(views.texture);
+    for (const views of new Set([this.first, this.second])) views.close();
     this.disparity?.close();
   }
 }
