@@ -39,6 +39,7 @@ const std::vector<VerbEntry>& verbs() {
       {"epi", "light field -> epipolar plane image", run_epi},
       {"animate", "light field -> film with a moving viewpoint or focus, or a quilt", run_animate},
       {"view", "show light fields, events, recordings and models in a browser", run_view},
+      {"live", "show light fields while the camera records", run_live},
       {"pack", "light fields and photographs -> one file for training", run_pack},
       {"train", "learn aperture patterns and a network jointly", run_train},
       {"resume", "continue a training run", run_resume},
