@@ -29,6 +29,8 @@ const std::vector<VerbEntry>& verbs() {
       {"accumulate", "recording -> event images per pattern cycle", run_accumulate},
       {"simulate", "light field -> event images or a recording", run_simulate},
       {"reconstruct", "event images or a recording -> light field", run_reconstruct},
+      {"record", "a live camera, pipe or socket -> a recording, byte for byte", run_record},
+      {"camera", "list and check live cameras", run_camera},
       {"video", "a recording -> grey frames, by a network or plainly", run_video},
       {"calibrate", "event images of still scenes -> the constants of a camera", run_calibrate},
       {"eval", "compare a reconstruction with the truth", run_eval},

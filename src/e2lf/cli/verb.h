@@ -49,12 +49,17 @@ class Verb {
   /// second one, and the first one of any other verb, ends the process at once.
   void stop_gently() { stops_gently_ = true; }
 
+  /// Notes what ended live input before its end (LiveBacklog::failure; empty = nothing did): run() says it and returns
+  /// 3 where the work succeeds, as what came before is written.
+  void note_failed_input(const std::string& failure) const { failed_input_ = failure; }
+
   /// Fails with kInvalidValue where an option of this help group was given another value than its default, though it
   /// does nothing here, since the input is `what` ("a light field").
   [[nodiscard]] Result<void> refuse_options(const std::string& group, const std::string& what) const;
 
   /// Parses, runs `work` and prints its error as "e2lf: <verb>: <what>; <what to do>".
-  /// Returns the process's exit code: 0 done, 1 failed, 2 usage, 130 and 143 ended by SIGINT and SIGTERM.
+  /// Returns the process's exit code: 0 done, 1 failed, 2 usage, 3 done with what came before live input
+  /// failed, 130 and 143 ended by SIGINT and SIGTERM.
   int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
 
   /// The record of the run that --config names to be made again; null otherwise.
@@ -79,6 +84,7 @@ class Verb {
   Json earlier_run_;
   std::vector<MissingInput> missing_inputs_;
   std::vector<std::string> overrides_;
+  mutable std::string failed_input_;
   bool keeps_overrides_ = false, stops_gently_ = false;
 };
 
@@ -103,6 +109,7 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
 int run_accumulate(const std::vector<std::string>& arguments);
 int run_animate(const std::vector<std::string>& arguments);
 int run_calibrate(const std::vector<std::string>& arguments);
+int run_camera(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
 int run_codes_render(const std::vector<std::string>& arguments);
 int run_compare(const std::vector<std::string>& arguments);
@@ -116,6 +123,7 @@ int run_info(const std::vector<std::string>& arguments);
 int run_model(const std::vector<std::string>& arguments);
 int run_pack(const std::vector<std::string>& arguments);
 int run_reconstruct(const std::vector<std::string>& arguments);
+int run_record(const std::vector<std::string>& arguments);
 int run_refocus(const std::vector<std::string>& arguments);
 int run_resume(const std::vector<std::string>& arguments);
 int run_simulate(const std::vector<std::string>& arguments);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/recordings/camera_setup.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/byte_sink.h"
 #include "e2lf/recordings/io/byte_source.h"
@@ -81,6 +82,8 @@ struct OpenOptions {
   int64_t from_us = INT64_MIN;
   int64_t to_us = INT64_MAX;
   TimeOrigin range = TimeOrigin::kAbsolute;
+
+  CameraSetup camera = {};  ///< of a live camera; see Camera::set_up()
 };
 
 /// Reads a recording from front to back in bounded memory. Made by open_recording(). The public functions are the same
@@ -101,7 +104,7 @@ class RecordingReader {
 
   /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; a live source gives
   /// what has arrived. False (and an empty batch) at the end. Fails with kIo and, under the strict policy, with the
-  /// first violation. Where a stop was asked for, an end inside a word is none.
+  /// first violation. Where a stop was asked for or live input has failed, an end inside a word is none.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
   /// Goes to the first event or trigger with t >= t_us, forwards or backwards; starts the summary anew.
@@ -116,7 +119,7 @@ class RecordingReader {
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
   /// What was left out before the bytes came to this reader; see Camera::left_out().
-  [[nodiscard]] virtual DecodeSummary left_out_before() const;
+  [[nodiscard]] DecodeSummary left_out_before() const;
 
   /// Tells of the container that holds the recording which this reader reads: its format, header, streams and
   /// assumptions in place of the recording's own.
@@ -124,6 +127,9 @@ class RecordingReader {
 
   /// Counts among that what a source counts that stays alive elsewhere: it unpacks the bytes of this reader.
   void count_losses_of(std::shared_ptr<const DecodeSummary> losses) { losses_of_source_ = std::move(losses); }
+
+  /// Counts what a source counts that this reader reads, or another one that it reads instead.
+  void count_losses_of(std::shared_ptr<const ByteSource> source) { source_of_losses_ = std::move(source); }
 
   /// What was met in what read() has handed out; times are shifted as theirs. What was left out
   /// before counts too.
@@ -157,10 +163,11 @@ class RecordingReader {
   [[nodiscard]] Result<void> skip_to(int64_t absolute_us);
   void end_at(int64_t absolute_us, EventBatch& batch);
   [[nodiscard]] Result<void> apply_policy();
-  void pass_over_cut();
+  void pass_over_cut(const DecodeSummary& before);
   void count(const EventColumns& events, size_t begin, size_t end);
 
   std::shared_ptr<const DecodeSummary> losses_of_source_;
+  std::shared_ptr<const ByteSource> source_of_losses_;
   PendingBatch pending_;                        ///< read but not yet handed out, absolute in time
   bool has_begun_ = false, has_ended_ = false;  ///< options_.from_us and to_us were met
   std::optional<Restart> joint_;                ///< in front of what comes next, if that is earlier

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/cli/flags/camera_flags.h"
 #include "e2lf/files/options.h"
 #include "e2lf/recordings/recording.h"
 
@@ -23,6 +24,7 @@ struct RecordingFlags {
   std::string restart = "continue";                ///< what to do where the clock starts again
   bool is_relative = false;                        ///< they count from its first event or trigger
   bool is_strict = false;                          ///< what would be left out is an error
+  CameraFlags camera;                              ///< of a live camera
 };
 
 /// The help group of options of recordings, where a verb takes other inputs too.
@@ -49,10 +51,17 @@ void say_assumptions(const recordings::RecordingReader& reader);
 /// How a table of events was read: {"columns", "time_unit", "polarity"}; null for other recordings.
 [[nodiscard]] Json reading_json(const recordings::RecordingInfo& info);
 
+/// The header of a recording: what the sensor is, and how a live camera was set.
+[[nodiscard]] Json header_json(const recordings::RecordingInfo& info);
+
+/// What the sensor itself counted: {"events_in", "events_sent"}; null where it did not.
+[[nodiscard]] Json sensor_json(const recordings::DecodeSummary& summary);
+
 /// What was left out of a recording, by reason: [{"reason", "count", "first_byte"}, ...].
 [[nodiscard]] Json losses_json(const recordings::DecodeSummary& summary);
 
-/// How far processing fell behind live input: {"most_behind_s", "pauses", "may_have_lost_events"}; null for what is not
+/// How far processing fell behind live input: {"most_behind_s", "pauses",
+/// "may_have_lost_events", "dropped_bytes", "failure"}; null for what is not
 /// live.
 [[nodiscard]] Json live_json(const recordings::DecodeSummary& summary);
 

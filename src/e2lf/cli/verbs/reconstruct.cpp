@@ -505,6 +505,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());
+  verb.note_failed_input(input.summary().live.failure);
   if (!writer.cycles().empty()) warn_of_verdict(writer.cycles().front());
   if (input.is_recording()) {
     writer.live_log().finish(input.report());
@@ -513,6 +514,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.resolve("source", source_name(input.source()));
     record.note("found", report_json(input.report()));
     record.note("read_as", reading_json(input.info()));
+    if (is_live(arguments.input)) record.note("header", header_json(input.info()));
   }
   record.note("left_out", losses_json(input.summary()));
   record.note("live", live_json(input.summary()));

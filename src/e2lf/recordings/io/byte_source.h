@@ -45,6 +45,9 @@ class ByteSource {
   /// When the newest bytes that fetch() returned arrived at this host; nothing where that means nothing (a file).
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
+  /// Goes on behind a place where bytes are missing, at which fetch() ended. False where the source itself has ended.
+  [[nodiscard]] virtual bool pass_break() { return false; }
+
   /// What was left out of the recording before its bytes came here; see Camera::left_out().
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 

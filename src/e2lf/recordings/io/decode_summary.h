@@ -59,11 +59,13 @@ struct Restart {
   bool operator==(const Restart&) const = default;
 };
 
-/// How far the processing of live input fell behind what arrived.
+/// How far the processing of live input fell behind what arrived, and what ended it.
 struct LiveBacklog {
   int64_t most_behind_us = 0;  ///< the longest time that bytes waited to be read; 0 for what is not live
-  uint64_t pauses = 0;         ///< how often the source was not read, since as many bytes waited as may
-  bool loses_events = false;   ///< the source may have lost events in these pauses, as the driver of a camera does
+  uint64_t pauses = 0;         ///< how often more bytes waited than may
+  bool loses_events = false;   ///< bytes were dropped in these pauses: a camera does not wait
+  uint64_t dropped_bytes = 0;  ///< in these pauses
+  std::string failure = {};    ///< what ended the input before its end, e.g. an unplugged camera; empty = nothing
   bool operator==(const LiveBacklog&) const = default;
 };
 

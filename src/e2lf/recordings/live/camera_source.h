@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -9,12 +10,13 @@
 
 namespace e2lf::recordings {
 
-/// Bytes that may wait between a camera and its reader; when there are more the camera is not read: see
-/// Camera::keeps_unread().
+/// Bytes that may wait between a camera and its reader; what happens to more of them says Camera::keeps_unread().
 inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 
-/// Starts a camera and the thread that takes its bytes. The source ends when the camera does, and stops it when it is
-/// destroyed. Fails as Camera::start() does.
-[[nodiscard]] Result<std::unique_ptr<ByteSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name);
+/// Sets up and starts a camera and the thread that takes its bytes. The source ends when the camera does, and stops it
+/// when it is destroyed. A camera that fails after its first bytes ends the source, with a warning;
+/// LiveBacklog::failure then says why. Fails as Camera::set_up() and start() do.
+[[nodiscard]] Result<std::unique_ptr<LiveSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name,
+                                                                      const CameraSetup& setup = {});
 
 }  // namespace e2lf::recordings

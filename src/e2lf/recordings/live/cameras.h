@@ -21,7 +21,10 @@ namespace e2lf::recordings {
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address);
 
 /// A camera of Prophesee's open hardware layer (OpenEB's HAL), by serial number, or the first. Only in builds that
-/// found it. It compiles against the HAL's headers and has not been run with a camera.
-[[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& serial);
+/// found it. It is tested with a simulated HAL of the same interface, and has not been run with a camera.
+[[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& address);
+
+/// The full names of the cameras that the HAL finds. Fails with kIo.
+[[nodiscard]] Result<std::vector<std::string>> list_metavision_cameras();
 
 }  // namespace e2lf::recordings
