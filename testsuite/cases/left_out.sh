@@ -42,7 +42,7 @@ check "$(json out.json "j['events']") == 50000"
 
 # What is outside the sensor is said, with the count and the remedy.
 "$E2LF" convert sorted.csv small.npz --sensor-width 32 --sensor-height 48 --quiet 2>stderr.txt
-grep -qE "left out [0-9]+ events outside the sensor; --sensor-width" stderr.txt || fail "$(cat stderr.txt)"
+grep -qE "left out [0-9]+ events outside the sensor; give the sensor size with --sensor-width" stderr.txt || fail "$(cat stderr.txt)"
 "$E2LF" convert sorted.csv small.npz --sensor-width 32 --sensor-height 48 --overwrite --json >out.json 2>stderr.txt
 check "$(json out.json "j['left_out'][0]['reason'] == 'out_of_range' and j['left_out'][0]['count'] + j['events'] == 50000")"
 fails 1 "strict" "$E2LF" convert sorted.csv strict.npz --sensor-width 32 --sensor-height 48 --strict
@@ -71,7 +71,7 @@ absent strict.npz strict.npz.run.json
 printf '%%geometry:64,48\n' >empty.csv
 fails 1 "no event and no trigger" "$E2LF" convert empty.csv empty.npz
 fails 1 "is empty" "$E2LF" convert sorted.csv range.npz --from-us 2 --to-us 1
-fails 1 "in that time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
+fails 1 "in this time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
 absent empty.npz range.npz
 "$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --json >absolute.json
 first=$(head -1 sorted.csv | cut -d, -f4)
@@ -87,7 +87,7 @@ absent unknown.npz
 # Event images of another size are not those of a light field.
 "$E2LF" simulate demo/scene -o demo.npz --quiet
 "$E2LF" demo -o small --width 80 --height 64 --quiet
-fails 1 "are not of a light field" "$E2LF" eval small/scene small/scene --events demo.npz
+fails 1 "do not belong to a light field" "$E2LF" eval small/scene small/scene --events demo.npz
 # What info tells of triggers, of a sensor of unknown size, and of packed data.
 "$E2LF" info recording.raw --json >info.json
 check "$(json info.json "j['trigger_channels'][0]['rising'] > 0 and j['trigger_channels'][0]['rising_period_us'] > 0 and j['extents']['width'] <= 96")"

@@ -197,13 +197,14 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
   app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app_.footer("Example:\n  " + example);
   app_.set_help_flag("-h,--help", "print this text");
-  app_.add_option("--config", config_,
-                  "JSON file whose keys are the long flags' names, or an earlier result or its run.json");
+  app_.add_option(
+      "--config", config_,
+      "JSON file whose keys are the names of long flags, or an earlier result or its run.json, to repeat its run");
   app_.add_option("--set", overrides_, "set one key of the configuration: key=value (repeatable)")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);
-  app_.add_option("--threads", common_.threads, "number of threads, 0 = all cores")->check(whole_number(0, 1024));
-  app_.add_option("--seed", common_.seed, "seed of everything random")->capture_default_str();
+  app_.add_option("--threads", common_.threads, "number of threads; 0 = all cores")->check(whole_number(0, 1024));
+  app_.add_option("--seed", common_.seed, "seed of all random numbers")->capture_default_str();
   app_.add_flag("--json", common_.json, "print the result as JSON");
   app_.add_flag("--quiet", common_.quiet, "print nothing but warnings and errors");
   app_.add_flag("--overwrite", common_.overwrite, "replace existing output");
@@ -231,9 +232,10 @@ Result<Json> Verb::read_config() {
   E2LF_ASSIGN_OR_RETURN(Json config, read_json(config_));
   if (!config.is_object() || !config.contains("verb") || !config.contains("options")) return config;
   if (config["verb"] != name_) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("this is the record of another verb's run (", json_line(config["verb"]), "); give one of ", name_),
-                 config_};
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("this is the record of a run of another verb (", json_line(config["verb"]), "); give one of ", name_),
+        config_};
   }
   for (const char* name : kNotRepeated) config["options"].erase(name);
   missing_inputs_ = find_recorded_paths(config, app_);
@@ -333,7 +335,7 @@ int Verb::exit_code(const Result<void>& result) const {
   if (!stop_requested()) return result ? 0 : 1;
   std::fprintf(stderr, "%s: %s: ended by %s; %s\n", program_name(), name_.c_str(),
                stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",
-               result ? "what was complete by then is written" : "nothing was complete by then");
+               result ? "everything that was complete was written" : "nothing was complete");
   return 128 + stop_signal();
 }
 

@@ -107,7 +107,7 @@ Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, 
     if (given == 0) return {};
     if (stated != 0 && stated != given) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("the file says its ", what, " is ", stated, ", not ", given, "; leave the option away"), name};
+                   cat("the file says its ", what, " is ", stated, ", not ", given, "; leave the option out"), name};
     }
     stated = given;
     return {};

@@ -56,7 +56,8 @@ Result<NpyArray> to_numpy(const MatArray& array, const std::string& location) {
   const bool is_numeric = array.array_class >= static_cast<uint8_t>(MatClass::kDouble) &&
                           array.array_class <= static_cast<uint8_t>(MatClass::kUint32);
   if (!is_numeric || array.complex || type == std::end(kTypes)) {
-    return Error{ErrorCode::kUnsupported, "not real numbers of 8 to 32 bits, single or double; convert it", location};
+    return Error{ErrorCode::kUnsupported,
+                 "the array does not contain real numbers of 8 to 32 bits, single or double; convert it", location};
   }
   const std::vector<size_t>& extents = array.extents;
   if (extents.size() < 2 || array.data.size() % type->bytes != 0 || !fills(array.data.size() / type->bytes, extents)) {

@@ -34,14 +34,14 @@ Result<void> check_whole(const NpyArray& array, const std::string& location) {
     return Error{ErrorCode::kInvalidValue,
                  cat(count, count == 1 ? " count is" : " counts are", " not finite (NaN or infinity), the first is ",
                      *infinite, " at ", place_of(index_of(infinite), array.shape),
-                     "; event images hold whole numbers, replace what is none"),
+                     "; event images contain integers, so replace these values"),
                  location};
   }
   const auto part = std::find_if(values.begin(), values.end(), [](float value) { return value != std::trunc(value); });
   if (part == values.end()) return {};
   return Error{ErrorCode::kInvalidValue,
                cat("the count ", *part, " at ", place_of(index_of(part), array.shape),
-                   " is not a whole number; event images hold sums of signed events, undo what they were scaled by"),
+                   " is not a whole number; event images contain sums of signed events, so undo their scaling"),
                location};
 }
 
@@ -115,7 +115,7 @@ Result<void> check_codes(const NpyArray& codes, size_t transitions, const std::s
 Result<EventImageFile> from_arrays(NpzArrays arrays, const fs::path& path) {
   const auto found = arrays.find("events");
   if (found == arrays.end()) {
-    return Error{ErrorCode::kNotFound, "no array \"events\" in the file; expected events and, when known, codes",
+    return Error{ErrorCode::kNotFound, "the file contains no array \"events\"; add it and, if they are known, codes",
                  path.string()};
   }
   EventImageFile file;
@@ -235,7 +235,8 @@ Result<EventImageFile> read_event_images(const fs::path& path) {
     return EventImageFile{std::move(cycles), {}, {}, {}};
   }
   return Error{ErrorCode::kUnsupported,
-               "not a kind of event image file; use .npz, .npy, .mat or a folder of event_image_*.npy", path.string()};
+               "this is not a file of event images; use .npz, .npy, .mat or a folder of event_image_*.npy",
+               path.string()};
 }
 
 Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {

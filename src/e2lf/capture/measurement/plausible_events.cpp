@@ -73,24 +73,23 @@ std::vector<std::string> event_doubts(const EventImages& images, const Codes* co
     sum.on += counts.on;
     sum.off += counts.off;
   }
-  if (sum.all() == 0) return {"there are no events: the result says nothing of the scene"};
+  if (sum.all() == 0) return {"there are no events: the result contains no information about the scene"};
   if (!empty.empty()) {
     doubts.push_back(cat(empty.size() == 1 ? "event image " : "event images ", join(empty),
                          empty.size() == 1 ? " holds" : " hold", " no events: was the pattern shown?"));
   }
   if (static_cast<double>(sum.all()) < kFewPerPixel * static_cast<double>(images.image_size())) {
     doubts.push_back(cat("there are only ", sum.all(), " events on ", images.width, "x", images.height,
-                         " px: the result says next to nothing of the scene"));
+                         " px: the result contains hardly any information about the scene"));
   }
   if (!beyond.empty()) {
-    doubts.push_back(
-        cat("most pixels of event image", beyond.size() == 1 ? " " : "s ", join(beyond),
-            " count 100 events or more, which no change of a pattern makes: are these counts of events, or "
-            "did they saturate?"));
+    doubts.push_back(cat("most pixels of event image", beyond.size() == 1 ? " " : "s ", join(beyond),
+                         " count 100 events or more, which no change of a pattern causes: are these counts of events, "
+                         "or are they saturated?"));
   }
   if (codes != nullptr && is_polarity_inverted(images, *codes)) {
     doubts.emplace_back(
-        "the polarity is inverted: a pattern that opens cells, as the first one after black, makes OFF events; give "
+        "the polarity is inverted: patterns that open cells, such as the first one after black, cause OFF events; give "
         "--invert-polarity, or leave it out if it was given");
   }
   // The change from black to the first pattern alone makes ON events only.

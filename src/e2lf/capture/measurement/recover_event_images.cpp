@@ -129,7 +129,8 @@ class UnfinishedFile {
 Result<uint64_t> recover_event_images(const fs::path& unfinished, const fs::path& path) {
   UnfinishedFile file(unfinished);
   if (!file.open()) {
-    return Error{ErrorCode::kFormat, "holds no cycles of event images; nothing can be recovered", unfinished.string()};
+    return Error{ErrorCode::kFormat, "the file contains no cycles of event images; nothing can be recovered",
+                 unfinished.string()};
   }
   E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
   if (file.codes()) writer.set_codes(*file.codes());

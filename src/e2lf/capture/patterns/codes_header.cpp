@@ -38,7 +38,7 @@ Result<Json> row_from(const std::string& text, const std::string& location) {
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size()) {
       return Error{ErrorCode::kFormat,
-                   cat("\"", part, "\" is no transmittance; repair the header, or name the patterns"), location};
+                   cat("\"", part, "\" is not a transmittance; repair the header, or name the patterns"), location};
     }
     row.push_back(value);
   }

@@ -61,7 +61,7 @@ Result<void> check(const DisplayLayout& layout) {
   if (sane) return {};
   return Error{ErrorCode::kInvalidValue,
                cat("a display of ", layout.width_px, "x", layout.height_px, " px with cells of ", layout.cell_px,
-                   " px cannot be; correct the sizes and offsets"),
+                   " px is not possible; correct the sizes and offsets"),
                ""};
 }
 

@@ -53,7 +53,7 @@ CLI::Validator quiet_validator(std::string (*check)(std::string&)) {
 void check_numbers(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     const std::string type = option->get_type_name();
-    // The type's name is followed by those of its other checks. What is checked first is what transforms.
+    // The name of the type is followed by those of its other checks. A transformation runs before the checks.
     if (type.starts_with("UINT")) option->transform(quiet_validator(check_unsigned));
     if (type.starts_with("INT")) option->transform(quiet_validator(check_signed));
     if (type.starts_with("FLOAT")) option->transform(quiet_validator(check_float));

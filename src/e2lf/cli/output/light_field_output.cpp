@@ -17,7 +17,7 @@ using lightfield::LightField;
 
 namespace {
 
-/// A finite number, or nothing where the text is none.
+/// Returns a finite number, or nothing if the text is none.
 std::optional<float> finite_number(const std::string& text) {
   char* end = nullptr;
   const float value = std::strtof(text.c_str(), &end);

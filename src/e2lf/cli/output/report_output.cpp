@@ -37,8 +37,8 @@ std::string command_line() {
 
 void add_report_option(CLI::App& app, std::vector<fs::path>& names) {
   app.add_option("--report", names,
-                 "also write a page that tells of the run (.html), or its tables (.csv: the first; .tex); may be given "
-                 "several times")
+                 "also write a report of the run: a page (.html) or its tables (.tex; .csv for the first one); may be "
+                 "given several times")
       ->check(report_name())
       ->allow_extra_args(false);
 }
@@ -124,7 +124,7 @@ CLI::Validator chart_name() {
     const std::string extension = fs::path(text).extension().string();
     return extension == ".svg" || extension == ".png"
                ? std::string()
-               : cat("the picture is SVG or PNG; give it a name that ends in .svg or .png, not ", text);
+               : cat("the chart is an SVG or PNG image; give it a name that ends in .svg or .png, not ", text);
   };
   return {check, ""};
 }

@@ -67,7 +67,7 @@ void warn_of_other_inputs(const Json& inputs, const Json& earlier_run) {
       if (!earlier.is_object() || whole(earlier) != whole(input)) continue;
       if (earlier.value("sha256", "") == input["sha256"]) continue;
       log_warning(
-          cat(input["path"].get<std::string>(), " is not what it was in the earlier run: neither is the result"));
+          cat(input["path"].get<std::string>(), " has changed since the earlier run, so the result will differ"));
     }
   }
 }

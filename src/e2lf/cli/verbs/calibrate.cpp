@@ -49,7 +49,7 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
   E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1, verb));
   if (input.measurement() != capture::MeasurementKind::kEventImages) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("constants come from event images; this is the measurement ",
+                 cat("a calibration uses event images, and this is the measurement ",
                      capture::measurement_name(input.measurement()), "; give a recording or event images"),
                  path.string()};
   }
@@ -72,7 +72,8 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
   std::optional<capture::Codes> codes;
   for (size_t i = 0; i < sources.size(); ++i) {
     if (codes && sources[i].codes && *codes != *sources[i].codes) {
-      return Error{ErrorCode::kInvalidValue, "the inputs were made with different patterns; calibrate from each alone",
+      return Error{ErrorCode::kInvalidValue,
+                   "the inputs were recorded with different patterns; calibrate from each separately",
                    arguments.inputs[i].string()};
     }
     if (sources[i].codes) codes = sources[i].codes;
@@ -80,7 +81,7 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
   E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(arguments.codes, model, codes, record));
   if (!known) {
-    return Error{ErrorCode::kNotFound, "nothing tells the patterns of the events; give --codes FILE", ""};
+    return Error{ErrorCode::kNotFound, "the patterns of the events are not known; give --codes FILE", ""};
   }
   return std::move(known->codes);
 }
@@ -114,7 +115,7 @@ Result<void> check_distinct(const CalibrateArguments& arguments) {
     std::error_code error;
     const fs::path name = fs::weakly_canonical(fs::absolute(path, error), error);
     if (std::find(names.begin(), names.end(), name) != names.end()) {
-      return Error{ErrorCode::kInvalidValue, "two outputs have this name; give each a name of its own", path.string()};
+      return Error{ErrorCode::kInvalidValue, "two outputs have this name; give each a different name", path.string()};
     }
     names.push_back(name);
   }
@@ -254,28 +255,29 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
 
 int run_calibrate(const std::vector<std::string>& arguments) {
   Verb verb("calibrate",
-            "Find the constants of an event camera behind a coded aperture from event images or recordings of scenes "
-            "that stood still.",
+            "Estimate the constants of an event camera behind a coded aperture from event images or recordings of "
+            "static scenes.",
             "e2lf calibrate events.npz --codes codes.json -o camera.json");
   CalibrateArguments calibration;
   CLI::App& app = verb.app();
   app.add_option("inputs,-i,--input", calibration.inputs,
-                 "event images or recordings of still scenes; all cycles of each are of one scene")
+                 "event images or recordings of static scenes; all cycles of each show the same scene")
       ->required();
   app.add_option("-o,--output", calibration.output, "camera file to write (JSON)")->required();
   add_codes_options(app, calibration.codes);
-  add_camera_option(app, calibration.camera, "first guess, to which what the data do not determine is kept");
-  app.add_option("--name", calibration.name, "name of the camera; default: that of the file");
+  add_camera_option(app, calibration.camera,
+                    "camera to start from; constants that the data do not determine keep its values");
+  app.add_option("--name", calibration.name, "name of the camera; default: the name of the file");
   app.add_option("--hold", calibration.held,
-                 "constants that stay as in the first guess, e.g. receptor_rate_hz or transmission[1]")
+                 "constants that keep the value of the starting camera, e.g. receptor_rate_hz or transmission[1]")
       ->delimiter(',');
   app.add_flag("--even", calibration.is_even,
-               "the scenes are known to be even, e.g. a card that fills the picture: no search for flat areas");
+               "the scenes are known to be uniform, e.g. a card that fills the image: do not search for flat areas");
   app.add_flag("--keep-out", calibration.keep_out,
-               "fit every second square of 64 px of the picture, and compare on the others");
-  app.add_flag("--places", calibration.places, "also print the comparison by field position");
+               "fit to every second square of 64 px of the image, and compare on the others");
+  app.add_flag("--places", calibration.places, "also print the comparison by position in the image");
   app.add_option("--threshold-map", calibration.threshold_map,
-                 "write each flat pixel's factor on the thresholds (.npy, float32; NaN elsewhere)");
+                 "write the factor on the thresholds of each flat pixel (.npy, float32; NaN elsewhere)");
   app.add_option("--bad-pixels", calibration.bad_pixels, "write which pixels are hot (1) and dead (2) (.npy, uint8)");
   add_cycle_options(app, calibration.cycles);
   return verb.run(arguments, [&] { return calibrate_camera(calibration, verb); });

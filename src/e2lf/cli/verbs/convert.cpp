@@ -42,8 +42,8 @@ Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& 
   const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
   if (format != lightfield::LightFieldFormat::kPng8 || !is_named) return format;
   return Error{ErrorCode::kUnsupported,
-               "no light-field format that is written has this extension; take .npy, .mat, .h5, .png (a lenslet "
-               "mosaic), a folder's name, or give --format",
+               "light fields are not written with this extension; use .npy, .mat, .h5, .png (a lenslet mosaic) or the "
+               "name of a folder, or give --format",
                arguments.output.string()};
 }
 
@@ -130,7 +130,7 @@ Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recor
                                                                       .side_file = place.side_file,
                                                                       .recover = recover_recording(place)}));
   if (number > 1 && output.is_stream()) {
-    return Error{ErrorCode::kUnsupported, "a stream has room for one part of the recording; name a file",
+    return Error{ErrorCode::kUnsupported, "a stream can take only one part of the recording; name a file",
                  arguments.output.string()};
   }
   return ConvertedPart{named, std::move(output), {}};
@@ -188,8 +188,8 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   // What is replayed can be replayed again.
   if (place.is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
     log_warning(cat(arguments.output.string(),
-                    ": this format is written at the end of a recording, and a crash leaves ",
-                    "nothing of it; record to .raw to be safe"));
+                    ": this format is written at the end of a recording, so that nothing is left after a ",
+                    "crash; record to .raw to be safe"));
   }
   open.counts_reports = true;
   open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
@@ -221,11 +221,10 @@ Result<std::string> event_image_extension(const ConvertArguments& arguments) {
   const std::string extension =
       arguments.format.empty() ? arguments.output.extension().string() : cat(".", arguments.format);
   if (extension == ".npz" || extension == ".mat") return extension;
-  return Error{
-      ErrorCode::kUnsupported,
-      "this is event images, which are written as .npz or .mat; signed whole numbers of 8 or 16 bits are counts, "
-      "store a light field as uint16 or float32",
-      arguments.input.string()};
+  return Error{ErrorCode::kUnsupported,
+               "these are event images, which are written as .npz or .mat; signed integers of 8 or 16 bits are taken "
+               "for counts, so store a light field as uint16 or float32",
+               arguments.input.string()};
 }
 
 Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
@@ -298,22 +297,21 @@ Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_convert(const std::vector<std::string>& arguments) {
-  Verb verb("convert",
-            "Convert a recording to another event format, event images or a light field to another format of these.",
+  Verb verb("convert", "Convert a recording, event images or a light field to another format.",
             "e2lf convert recording.raw recording.hdf5");
   ConvertArguments conversion;
   CLI::App& app = verb.app();
   app.add_option(
          "input,-i,--input", conversion.input,
-         "recording (- for a pipe, tcp://127.0.0.1:PORT, camera://NAME, replay:FILE), event images or light field")
+         "recording (or - for a pipe, tcp://127.0.0.1:PORT, camera://NAME, replay:FILE), event images or light field")
       ->required();
-  app.add_option("output,-o,--output", conversion.output, "file or folder to write; its extension says the format")
+  app.add_option("output,-o,--output", conversion.output,
+                 "file or folder to write; its extension determines the format")
       ->required();
   app.add_option("--format", conversion.format,
-                 "of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz; of event images npz, mat; png, "
-                 "png16, hci, stanford, npy, "
-                 "lenslet, mat, h5");
-  app.add_flag("--shift-time", conversion.shift_time, "begin at 0 instead of the sensor's own time")
+                 "format of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz for recordings; npz, mat "
+                 "for event images; png, png16, hci, stanford, npy, lenslet, mat, h5 for light fields");
+  app.add_flag("--shift-time", conversion.shift_time, "let times begin at 0 instead of the time of the sensor")
       ->group(kRecordingOptions);
   app.add_flag("--colour", conversion.colour, "keep colour")->group(kLightFieldOptions);
   add_recording_options(app, conversion.recording, kRecordingOptions);

@@ -52,13 +52,13 @@ std::string histogram(const char* label, std::span<const float> values, float lo
 
 Result<void> show(const capture::EventImageFile& file, const std::string& name, report::Page& page) {
   const capture::EventImages& first = file.cycles.front();
-  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
+  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, and grey is none.");
   E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(first), "event images"}}, 1600, page));
   page.drawing(transition_bars(eval::event_statistics(first).events_per_pixel));
   constexpr float kMost = 16.5F;
   const std::vector<float> counts(first.counts.begin(), first.counts.end());
-  page.drawing(histogram("events of a pixel in a transition, ON less OFF; those beyond 16 at the ends", counts, -kMost,
-                         kMost, 33));
+  page.drawing(histogram("ON minus OFF events of a pixel in a transition; values beyond 16 are counted at the ends",
+                         counts, -kMost, kMost, 33));
   if (!file.codes) return {};
   E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, capture::codes_from_npy(*file.codes, name));
   page.heading("Patterns");
@@ -71,10 +71,10 @@ Result<void> show(const lightfield::LightField& field, float low, float high, re
   E2LF_RETURN_IF_ERROR(
       add_pictures({{lightfield::contact_sheet(field), "all views, in the order of the aperture"}}, 1600, page));
   page.heading("Parallax");
-  E2LF_RETURN_IF_ERROR(
-      add_pictures({{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
-                     "the middle view; below and beside it the EPIs of the cuts in the colours of their frames"}},
-                   1200, page));
+  E2LF_RETURN_IF_ERROR(add_pictures(
+      {{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
+        "the middle view, with the EPIs of two cuts below and beside it, framed in the colours of the cuts"}},
+      1200, page));
   page.heading("Values").drawing(histogram("value", field.data(), std::min(low, 0.0F), std::max(high, 1.0F), 128));
   return {};
 }

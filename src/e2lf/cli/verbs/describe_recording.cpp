@@ -66,7 +66,7 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
   }
   if (summary.out_of_order > 0) text += cat("sorted:    ", summary.out_of_order, " events were out of order\n");
   text += cat("left out:  ", losses.empty() ? "nothing" : recordings::loss_text(losses), "\n");
-  if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " stretches of time are incomplete\n");
+  if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " time intervals are incomplete\n");
   if (info.table) {
     text +=
         cat("read as:   ", info.table->columns, "; times in ", info.table->time_unit, "; ", info.table->polarity, "\n");

@@ -106,14 +106,14 @@ std::string gain_text(const std::vector<eval::EvalRow>& rows) {
   std::string text;
   for (const eval::EvalRow& row : rows) {
     if (row.gain && *row.gain != 1.0) {
-      text += cat(row.method, ": a gain of ", *row.gain, " was applied when it was reconstructed (run.json)",
-                  row.fitted_gain ? ""
-                                  : "; --fit-gain compares with the best one, `e2lf reconstruct --gain 1` makes "
-                                    "it without",
-                  "\n");
+      text += cat(
+          row.method, ": a gain of ", *row.gain, " was applied when it was reconstructed (run.json)",
+          row.fitted_gain
+              ? ""
+              : "; --fit-gain compares with the best gain, and `e2lf reconstruct --gain 1` reconstructs without one",
+          "\n");
     }
-    if (row.fitted_gain)
-      text += cat(row.method, ": compared times ", *row.fitted_gain, ", the gain of least squares\n");
+    if (row.fitted_gain) text += cat(row.method, ": compared times ", *row.fitted_gain, ", the least-squares gain\n");
   }
   return text;
 }
@@ -128,7 +128,7 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfiel
                      shape.channels == 1 ? "grey" : "colour"));
   page.table(eval::quality_table(rows));
   if (const std::string gains = gain_text(rows); !gains.empty()) page.paragraph(gains);
-  page.heading("Views").paragraph("Each view in the order of the aperture.");
+  page.heading("Views").paragraph("The views in the order of the aperture.");
   for (const eval::EvalRow& row : rows) {
     page.begin_row();
     page.drawing(view_grid(row.quality, &eval::Metrics::psnr_db, 1), cat(row.method, ": PSNR, dB"));
@@ -137,9 +137,8 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfiel
   }
   page.heading("Pictures")
       .paragraph(
-          "The upper left view, its middle enlarged; below it the EPI of the middle row, which has straight lines "
-          "where "
-          "views agree. Beside a reconstruction its error: black is none, white 0.2 and more.");
+          "The upper left view and its enlarged centre, with the EPI of the middle row below, whose lines are straight "
+          "where views are consistent. Beside each reconstruction is its error: black is none, white is 0.2 and more.");
   std::vector<NamedImage> pictures = {{compare::look(truth, nullptr), cat("truth: ", rows.front().scene)}};
   for (const Compared& compared : all) {
     pictures.push_back({compare::look(compared.field, &truth), compared.row.method});
@@ -182,8 +181,8 @@ Result<eval::EventStatistics> read_events(const fs::path& path, const lightfield
   const capture::EventImages& images = file.cycles.front();
   if (images.width == shape.width && images.height == shape.height) return eval::event_statistics(images);
   return Error{ErrorCode::kShape,
-               cat("event images of ", images.width, "x", images.height, " px are not of a light field of ",
-                   shape.width, "x", shape.height, " px; give those it was made from"),
+               cat("event images of ", images.width, "x", images.height, " px do not belong to a light field of ",
+                   shape.width, "x", shape.height, " px; give the events from which it was reconstructed"),
                path.string()};
 }
 
@@ -269,18 +268,19 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
 
 int run_eval(const std::vector<std::string>& arguments) {
   Verb verb("eval",
-            "Compare a reconstructed light field with the true one: PSNR and SSIM of each view and their means.",
+            "Compare a reconstructed light field with the true one: PSNR and SSIM of each view, and their means.",
             "e2lf eval scene/ out/recon --events events.npz --report quality.html");
   EvalArguments evaluation;
   CLI::App& app = verb.app();
   app.add_option("truth", evaluation.truth, "the true light field")->required();
   app.add_option("reconstruction", evaluation.reconstruction, "the reconstructed light field");
   app.add_option("--name", evaluation.named,
-                 "NAME=PATH: a reconstruction and what tables and pictures call it; may be given several times")
+                 "NAME=PATH: a reconstruction and its name in tables and images; may be given several times")
       ->allow_extra_args(false);
   app.add_flag("--fit-gain", evaluation.fit_gain,
-               "multiply each reconstruction with the gain of least squared error, which is reported");
-  app.add_option("--events", evaluation.events, "event images: adds event counts, measurement time and data rate");
+               "multiply each reconstruction by its least-squares gain, which is reported");
+  app.add_option("--events", evaluation.events,
+                 "event images, which add event counts, measurement time and data rate to the result");
   app.add_option("-o,--output", evaluation.output, "also write the result to this JSON file");
   add_report_option(app, evaluation.reports);
   app.add_flag("--csv", evaluation.csv, "print comma-separated values");

@@ -207,11 +207,13 @@ Result<std::optional<recon::EventCheck>> event_check(const std::optional<KnownCo
   return std::optional(std::move(check));
 }
 
-/// How the check is judged. A method that does not know the camera leaves an error that says nothing about the polarity
-/// or the order of the events. `is_told`: the method is a network that is told the camera.
+/// Chooses how the check is judged. A method that does not know the camera leaves an error that says nothing about the
+/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own.
+/// `is_told`: the method is a network that is told the camera.
 recon::Judging judging_of(const ReconstructArguments& arguments, bool is_told,
                           const std::optional<capture::SensorProfile>& camera) {
-  if (!camera || (camera->is_pixel() && !is_told)) return recon::Judging::kNone;
+  if (!camera) return arguments.method == "network" ? recon::Judging::kNoise : recon::Judging::kNone;
+  if (camera->is_pixel() && !is_told) return recon::Judging::kNone;
   return arguments.method == "regularised" ? recon::Judging::kNoise : recon::Judging::kChanges;
 }
 

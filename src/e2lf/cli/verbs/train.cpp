@@ -31,9 +31,8 @@ Result<void> train_with(std::vector<std::string> arguments, const ReportArgument
 
 int run_train(const std::vector<std::string>& arguments) {
   Verb verb("train",
-            "Learn aperture patterns and the network together; docs/training.md explains the configuration, "
-            "whose keys "
-            "--set changes (--set seed=7, --set device=cuda).",
+            "Learn the aperture patterns and the network jointly. docs/training.md describes the configuration, whose "
+            "keys --set changes (--set seed=7, --set device=cuda).",
             "e2lf train configs/first-run.json -o runs/first");
   std::string config, run;
   ReportArguments reports;

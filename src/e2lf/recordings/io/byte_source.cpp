@@ -77,7 +77,7 @@ class DescriptorSource final : public ByteSource {
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t position) override {
     if (!regular_ || ::lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) < 0) {
-      return Error{ErrorCode::kUnsupported, "a stream cannot be sought; record it to a file first", name_};
+      return Error{ErrorCode::kUnsupported, "a stream is not seekable; record it to a file first", name_};
     }
     position_ = position;
     begin_ = end_ = 0;
@@ -172,7 +172,7 @@ Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit) {
     if (part.empty()) return bytes;
     if (part.size() > limit - bytes.size()) {
       return Error{ErrorCode::kUnsupported,
-                   cat("larger than the ", limit, " bytes this format is read up to; split it"), source.name()};
+                   cat("larger than the ", limit, " bytes that can be read of this format; split it"), source.name()};
     }
     bytes.insert(bytes.end(), part.begin(), part.end());
     source.consume(part.size());

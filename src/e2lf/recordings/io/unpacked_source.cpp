@@ -101,7 +101,7 @@ class UnpackedSource final : public ByteSource {
   }
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t) override {
-    return Error{ErrorCode::kUnsupported, "a compressed file cannot be sought; unpack it first", name()};
+    return Error{ErrorCode::kUnsupported, "a compressed file is not seekable; unpack it first", name()};
   }
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }

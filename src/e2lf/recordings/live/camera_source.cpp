@@ -66,7 +66,7 @@ class CameraSource final : public LiveSource {
   }
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t) override {
-    return Error{ErrorCode::kUnsupported, "a live source cannot be sought; record it to a file first", name_};
+    return Error{ErrorCode::kUnsupported, "a live source is not seekable; record it to a file first", name_};
   }
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
@@ -157,7 +157,7 @@ class CameraSource final : public LiveSource {
 
   /// What is said once to whom reads too slowly.
   std::string behind_text() const {
-    return cat(name_, ": the input comes faster than it is processed: what is read now arrived ",
+    return cat(name_, ": the input arrives faster than it is processed: what is read now arrived ",
                static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
                " MiB wait in memory; beyond that ",
                camera_->keeps_unread() ? "the sender waits, and nothing is lost" : "what the camera sends is dropped",

@@ -10,12 +10,13 @@
 
 namespace e2lf::recordings {
 
-/// Bytes that may wait between a camera and its reader; what happens to more of them says Camera::keeps_unread().
+/// Number of bytes that may wait between a camera and its reader. Camera::keeps_unread() describes what happens to
+/// more.
 inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 
-/// Sets up and starts a camera and the thread that takes its bytes. The source ends when the camera does, and stops it
-/// when it is destroyed. A camera that fails after its first bytes ends the source, with a warning;
-/// LiveBacklog::failure then says why. Fails as Camera::set_up() and start() do.
+/// Applies the settings to a camera, and starts it and a thread that reads its bytes. The source ends with the camera,
+/// and stops it when it is destroyed. If the camera fails after its first bytes, the source ends there with a warning,
+/// and LiveBacklog::failure contains the reason. Fails as Camera::set_up() and Camera::start() do.
 [[nodiscard]] Result<std::unique_ptr<LiveSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name,
                                                                       const CameraSetup& setup = {});
 

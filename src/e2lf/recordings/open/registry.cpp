@@ -43,7 +43,7 @@ std::deque<Codec> built_in_codecs() {
        .side_file = dat::trigger_path},
       {.name = "raw",
        .extensions = {".raw"},
-       .description = "Prophesee RAW in the encoding its header names",
+       .description = "Prophesee RAW in the encoding that its header names",
        .detect = is_raw_header,
        .open = open_raw,
        .create = create_raw},
@@ -79,14 +79,14 @@ std::deque<Codec> built_in_codecs() {
       {.name = "aedat3", .description = "AEDAT 3 of cAER", .detect = aedat::detect_aedat3, .open = aedat::open_aedat3},
       {.name = "rosbag",
        .extensions = {".db3"},
-       .description = "bag of ROS 2, stored by SQLite",
+       .description = "ROS 2 bag, stored with SQLite",
        .detect = rosbag::detect_sqlite,
        .open = rosbag::open_sqlite,
        .is_folder = rosbag::is_bag_folder,
        .open_folder = rosbag::open_folder},
       {.name = "mcap",
        .extensions = {".mcap"},
-       .description = "bag of ROS 2, stored as MCAP",
+       .description = "ROS 2 bag, stored as MCAP",
        .detect = rosbag::detect_mcap,
        .open = rosbag::open_mcap},
       {.name = "npy",
@@ -183,7 +183,7 @@ std::string codec_names() {
 
 Result<const Codec*> detect_codec(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
-  if (head.empty()) return Error{ErrorCode::kTruncated, "nothing came: the input is empty", source.name()};
+  if (head.empty()) return Error{ErrorCode::kTruncated, "the input is empty", source.name()};
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
@@ -198,8 +198,9 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   if (const auto text = foreign_records_text(head, lower_extension(path))) {
     return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
   }
-  return Error{ErrorCode::kFormat, cat("not a recording of a known format; name its format, one of ", codec_names()),
-               source.name(), Setting::kInputFormat};
+  return Error{ErrorCode::kFormat,
+               cat("this is not a recording of a known format; name its format, one of ", codec_names()), source.name(),
+               Setting::kInputFormat};
 }
 
 std::string names_to_write() {
@@ -213,11 +214,10 @@ std::string names_to_write() {
 Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
   if (!format.empty()) return find_codec(format);
   if (const Codec* codec = codec_of_extension(path)) return codec;
-  return Error{
-      ErrorCode::kInvalidValue,
-      cat("no format has the extension of this name; take another, as .raw or .hdf5, or name the format, one of ",
-          names_to_write()),
-      path.string(), Setting::kOutputFormat};
+  return Error{ErrorCode::kInvalidValue,
+               cat("no format has this extension; use another, e.g. .raw or .hdf5, or name the format, one of ",
+                   names_to_write()),
+               path.string(), Setting::kOutputFormat};
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
@@ -312,7 +312,7 @@ Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem:
   if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
     return Error{
         ErrorCode::kUnsupported,
-        cat("the format ", codec->name, " goes back in its file, which a pipe or device cannot do; name a file"),
+        cat("the format ", codec->name, " requires seeking, which a pipe or device does not support; name a file"),
         path.string()};
   }
   if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info);

@@ -34,7 +34,7 @@ Error undecided(std::string message, const std::string& location, Setting settin
 Result<ColumnsOfFields> order_of_option(const std::string& order, const TableSample& sample,
                                         const std::string& location) {
   if (!sample.is_ordered) {
-    return undecided("the columns have names and no order; leave the option out", location, Setting::kColumns);
+    return undecided("the columns have names but no order; leave the option out", location, Setting::kColumns);
   }
   ColumnsOfFields columns = {};
   bool fits = order.size() == sample.columns.size();
@@ -45,8 +45,8 @@ Result<ColumnsOfFields> order_of_option(const std::string& order, const TableSam
   }
   fits = fits && order.find_first_not_of("xypt-") == std::string::npos;
   if (fits) return columns;
-  return undecided(cat("\"", order, "\" is no order of the ", sample.columns.size(),
-                       " columns; write each of t, x, y, p once, as txyp, and - for a column to be passed over"),
+  return undecided(cat("\"", order, "\" is not an order of the ", sample.columns.size(),
+                       " columns; write each of t, x, y, p once, e.g. txyp, and - for a column to skip"),
                    location, Setting::kColumns);
 }
 
@@ -75,8 +75,8 @@ Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& opt
     return Columns{{*named[0], *named[1], *named[2], *named[3]}, Reason::kFile};
   }
   const Error error = undecided(
-      cat("neither names nor values tell which of the ", sample.columns.size(),
-          " columns are t, x, y and p; name them, as ", std::string("txyp-----").substr(0, sample.columns.size())),
+      cat("neither names nor values determine which of the ", sample.columns.size(),
+          " columns are t, x, y and p; name them, e.g. ", std::string("txyp-----").substr(0, sample.columns.size())),
       location, Setting::kColumns);
   if (sample.columns.size() != kNumFields) return error;
   OrderHints hints{{}, info.width, info.height, sample.usual_order};
@@ -142,7 +142,7 @@ Result<Unit> decide_unit(TableSample& sample, size_t column, const OpenOptions& 
   // A few may be damaged.
   if (fractions > 0 && 10 * fractions >= set) {
     if (const auto unit = unit_of_fractions(times.values)) return Unit{*unit, Reason::kValues, "not whole numbers"};
-    return undecided("the times are not whole numbers and too far apart for seconds; name their unit", location,
+    return undecided("the times are not integers, and too far apart for seconds; name their unit", location,
                      Setting::kTimeUnit);
   }
   const bool are_ns = 2 * large > times.values.size();
@@ -234,7 +234,7 @@ Result<void> require_mostly_events(uint64_t events, uint64_t bad, const Recordin
   const std::string columns = info.table ? info.table->columns : "t, x, y, p";
   return Error{ErrorCode::kFormat,
                cat(bad, " of ", bad + events, " rows cannot be read as ", columns, " (the first ", first_bad,
-                   "); name the columns or mend the file"),
+                   "); name the columns or correct the file"),
                location, Setting::kColumns};
 }
 

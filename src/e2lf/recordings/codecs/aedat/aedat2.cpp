@@ -8,6 +8,7 @@
 #include "e2lf/recordings/codecs/aedat/aedat.h"
 #include "e2lf/recordings/codecs/aedat/text_header.h"
 #include "e2lf/recordings/codecs/dat/time_unwrapper.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::aedat {
@@ -122,7 +123,7 @@ Result<Camera> find_camera(ByteSource& source, const TextHeader& header, const O
   if (!find_camera_model(chip)) {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kDetectBytes));
     chip = name_by_addresses(bytes.first(std::min(bytes.size(), kDetectBytes)));
-    info.assumptions.push_back({cat("the header names no camera that is known; by its addresses it is a ", chip)});
+    info.assumptions.push_back({cat("the header names no known camera; its addresses are those of a ", chip)});
   }
   const CameraModel model = *find_camera_model(chip);
   camera.bits = model.is_davis ? kDavis : kDvs128;
@@ -146,11 +147,12 @@ Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource>
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersionLine)) {
-    return Error{ErrorCode::kFormat, cat("not an AEDAT 2 recording; its first line would be ", kVersionLine), name};
+    return Error{ErrorCode::kFormat, cat("this is not an AEDAT 2 recording, whose first line is ", kVersionLine), name};
   }
   E2LF_ASSIGN_OR_RETURN(Camera camera, find_camera(*source, header, options));
   auto blocks = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height);
-  return make_block_reader(std::move(blocks), std::move(camera.info), name, options);
+  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(camera.info), name,
+                           options);
 }
 
 }  // namespace e2lf::recordings::aedat

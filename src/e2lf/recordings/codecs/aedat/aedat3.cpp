@@ -9,6 +9,7 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/aedat/aedat.h"
 #include "e2lf/recordings/codecs/aedat/text_header.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/stream_choice.h"
 
@@ -148,7 +149,8 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersion)) {
-    return Error{ErrorCode::kFormat, cat("not an AEDAT 3 recording; its first line would begin with ", kVersion), name};
+    return Error{ErrorCode::kFormat, cat("this is not an AEDAT 3 recording, whose first line begins with ", kVersion),
+                 name};
   }
   const std::string format = header.find("Format:").value_or("RAW");
   if (format != "RAW" && format != "PNGFrames") {
@@ -175,7 +177,7 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
   const int16_t number = sources.size() == 1 ? kAnySource : chosen_source->first;
   auto blocks = std::make_unique<Aedat3Blocks>(std::move(source), number, !options.stream.empty(),
                                                is_from_bottom ? info.height : 0);
-  return make_block_reader(std::move(blocks), std::move(info), name, options);
+  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(info), name, options);
 }
 
 }  // namespace e2lf::recordings::aedat

@@ -9,6 +9,7 @@
 #include "e2lf/recordings/codecs/aedat4/aedat4.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_header.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4_packets.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/restart.h"
 #include "e2lf/recordings/stream_choice.h"
@@ -226,7 +227,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kVersionLine.size() + 4));
   const auto size = header_size(bytes);
   if (!size || *size > kMaxHeaderBytes) {
-    return Error{ErrorCode::kFormat, "not an AEDAT4 recording, or its header is damaged", name};
+    return Error{ErrorCode::kFormat, "this is not an AEDAT4 recording, or its header is damaged", name};
   }
   E2LF_ASSIGN_OR_RETURN(bytes, source->fetch(*size));
   E2LF_ASSIGN_OR_RETURN(Header header, parse_header(bytes, name));
@@ -248,7 +249,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   auto blocks = std::make_unique<Aedat4Blocks>(std::move(source), header, std::move(decompressor), event_streams,
                                                events, !options.stream.empty());
-  return make_block_reader(std::move(blocks), std::move(info), name, options);
+  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(info), name, options);
 }
 
 }  // namespace e2lf::recordings::aedat4

@@ -6,6 +6,7 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/codecs/dat/dat_seek.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/event_gate.h"
 #include "e2lf/recordings/io/unpacked_source.h"
@@ -52,7 +53,7 @@ Result<Header> read_header(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
   std::optional<Header> header = parse_header(head.first(std::min(head.size(), kDetectBytes)));
   if (!header) {
-    return Error{ErrorCode::kFormat, "not a DAT recording; a header of % lines and 8-byte records are needed",
+    return Error{ErrorCode::kFormat, "this is not a DAT recording, which has a header of % lines and 8-byte records",
                  source.name()};
   }
   source.consume(header->bytes);
@@ -192,7 +193,8 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   }
   const std::string name = source->name();
   auto blocks = std::make_unique<DatBlocks>(std::move(source), header);
-  return make_block_reader(std::move(blocks), std::move(header.info), name, options, std::move(triggers));
+  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(header.info), name,
+                           options, std::move(triggers));
 }
 
 }  // namespace e2lf::recordings::dat

@@ -83,10 +83,10 @@ class DatWriter final : public RecordingWriter {
     if (unwrap(static_cast<uint32_t>(t_us)) == t_us) [[likely]] {
       return {};
     }
-    return Error{
-        ErrorCode::kInvalidValue,
-        cat("time ", t_us, " us cannot be told from its low 32 bits; begin at zero or write another format, as .hdf5"),
-        sink_->name(), Setting::kShiftTime};
+    return Error{ErrorCode::kInvalidValue,
+                 cat("time ", t_us,
+                     " us cannot be recovered from its low 32 bits; begin at zero or write another format, e.g. .hdf5"),
+                 sink_->name(), Setting::kShiftTime};
   }
 
   std::unique_ptr<ByteSink> sink_;

@@ -53,7 +53,7 @@ class TimeIndex {
       if (since_first_us - next_us_ > kMaxPauseUs) {
         return Error{ErrorCode::kInvalidValue,
                      cat("a pause of ", since_first_us - next_us_, " us up to ", time_of(i),
-                         " us would fill the time index; split the recording or write npz"),
+                         " us would make the time index too large; split the recording or write npz"),
                      "indexes"};
       }
       entries_.push_back({number_ + i, since_first_us});

@@ -120,11 +120,10 @@ Result<NpyHeader> read_header(std::span<const uint8_t> head, const std::string& 
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(head, name));
   if (has_four_columns(header.array) && !header.fortran_order) return header;
   if (header.array.shape.size() != 1 || header.array.fields.empty() || header.array.item_size > kMaxRecordBytes) {
-    return Error{
-        ErrorCode::kShape,
-        "neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4] in C order; "
-        "store one of them",
-        name};
+    return Error{ErrorCode::kShape,
+                 "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4] "
+                 "in C order; store one of them",
+                 name};
   }
   return header;
 }
@@ -218,8 +217,8 @@ Result<void> check_count(const NpyHeader& header, const ByteSource& source) {
   const uint64_t stored = bytes < header.data_offset ? 0 : (bytes - header.data_offset) / header.array.item_size;
   if (stored <= header.array.shape[0]) return {};
   return Error{ErrorCode::kFormat,
-               cat("the header says ", header.array.shape[0], " events, and the file holds ", stored,
-                   ": it was not finished; write it again, or correct the shape in its header"),
+               cat("the header says ", header.array.shape[0], " events, but the file holds ", stored,
+                   ": writing was not finished; write it again, or correct the shape in its header"),
                source.name()};
 }
 

@@ -26,7 +26,8 @@ namespace {
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
 constexpr uint64_t kEventBytes = 13;  // of its columns x, y, p, t
-constexpr const char* kReadRemedy = "an .npz is read whole: store the events as .npy, .csv or .hdf5, or in parts";
+constexpr const char* kReadRemedy =
+    "an .npz file is read as a whole: store the events as .npy, .csv or .hdf5, or in parts";
 
 using Names = std::initializer_list<const char*>;
 
@@ -52,7 +53,7 @@ Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const 
 Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const std::string& name, size_t count) {
   E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name));
   if (count == array->shape[0]) return array;
-  return Error{ErrorCode::kShape, cat("array \"", *names.begin(), "\" differs in length; store it whole"), name};
+  return Error{ErrorCode::kShape, cat("array \"", *names.begin(), "\" has a different length; store all of it"), name};
 }
 
 /// Reads a column of `count` rows; those that do not fit T set their place in `bad`.
@@ -192,8 +193,8 @@ class NpzWriter final : public RecordingWriter {
     const size_t count = all_.events.size() + more;
     if (count <= room_) return {};
     room_ = std::max(2 * count, kBlockEvents);
-    return require_memory(2 * kEventBytes * room_, "an .npz is written whole: write .raw, .npy or .hdf5 instead",
-                          sink_->name());
+    return require_memory(2 * kEventBytes * room_,
+                          "an .npz file is written as a whole: write .raw, .npy or .hdf5 instead", sink_->name());
   }
 
   std::unique_ptr<ByteSink> sink_;
@@ -260,7 +261,7 @@ Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std:
   }
   for (const NpzColumn& column : columns) {
     if (column.array->shape[0] != columns[0].array->shape[0]) {
-      return Error{ErrorCode::kShape, cat("array \"", column.name, "\" differs in length; store it whole"), name};
+      return Error{ErrorCode::kShape, cat("array \"", column.name, "\" has a different length; store all of it"), name};
     }
   }
   return columns;

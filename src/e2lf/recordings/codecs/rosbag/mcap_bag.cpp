@@ -61,7 +61,8 @@ class McapBag final : public Bag {
 
   Result<void> open() {
     E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kMagic.size()));
-    if (!detect_mcap(head)) return Error{ErrorCode::kFormat, "not an MCAP file; is it whole?", source_->name()};
+    if (!detect_mcap(head))
+      return Error{ErrorCode::kFormat, "this is not an MCAP file, or it is incomplete", source_->name()};
     source_->consume(kMagic.size());
     // In front of the first message stands its topic, which is then the first one.
     BagMessage first;
@@ -134,7 +135,7 @@ class McapBag final : public Bag {
     const auto compression = compression_of(name);
     if (!compression && !fields.is_cut()) {
       return Error{ErrorCode::kUnsupported,
-                   cat("the chunks are compressed by an algorithm that is not known; convert the bag to lz4 or zstd"),
+                   cat("the chunks are compressed with an unknown algorithm; convert the bag to lz4 or zstd"),
                    source_->name()};
     }
     const auto packed = fields.take(fields.number<uint64_t>());

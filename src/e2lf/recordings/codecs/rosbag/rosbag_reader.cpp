@@ -9,6 +9,7 @@
 #include "e2lf/recordings/codecs/rosbag/bag_files.h"
 #include "e2lf/recordings/codecs/rosbag/event_message.h"
 #include "e2lf/recordings/codecs/rosbag/rosbag.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/stream_choice.h"
 
@@ -213,10 +214,10 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
                                                   const std::string& name, const OpenOptions& options) {
   const std::vector<Topic> topics = topics_to_read(*bag);
   if (topics.empty()) {
-    return Error{ErrorCode::kFormat,
-                 "the bag has no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); is it the one "
-                 "that was meant?",
-                 name};
+    return Error{
+        ErrorCode::kFormat,
+        "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); name another bag",
+        name};
   }
   RecordingInfo info;
   info.format = format;
@@ -233,7 +234,8 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   if (!first || is_known_encoding(first->encoding)) {
-    return make_block_reader(std::make_unique<MessageBlocks>(std::move(messages)), std::move(info), name, options);
+    return make_block_reader(make_continued(std::make_unique<MessageBlocks>(std::move(messages)), EventOrder::kByTime),
+                             std::move(info), name, options);
   }
   if (first->encoding != "evt3") {
     return Error{ErrorCode::kUnsupported,

@@ -104,7 +104,7 @@ class SqliteBag final : public Bag {
   Error failure() const {
     const char* const why = database_ == nullptr ? "no memory" : sqlite3_errmsg(database_.get());
     return {ErrorCode::kFormat,
-            cat("SQLite cannot read this as a bag of ROS 2 (", why, "); is it one, and is it whole? Copy it again"),
+            cat("SQLite cannot read this as a bag of ROS 2 (", why, "); it is not one, or incomplete; copy it again"),
             name_};
   }
 

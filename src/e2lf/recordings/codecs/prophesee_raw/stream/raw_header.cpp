@@ -117,7 +117,8 @@ Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
   }
   if (key.codec.empty()) {
     return Error{ErrorCode::kUnsupported,
-                 cat("the encoding ", encoding, " is not read; record as EVT2, EVT2.1 or EVT3"), bad_size.location};
+                 cat("the encoding ", encoding, " is not supported; record as EVT2, EVT2.1 or EVT3"),
+                 bad_size.location};
   }
   while (text.find(';') != std::string_view::npos) {
     text.remove_prefix(text.find(';') + 1);
@@ -151,7 +152,7 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
       if (*version == known.version) info.format = known.codec;
     }
     if (info.format.empty()) {
-      return Error{ErrorCode::kUnsupported, cat("EVT ", *version, " is not read; record as EVT2, EVT2.1 or EVT3"),
+      return Error{ErrorCode::kUnsupported, cat("EVT ", *version, " is not supported; record as EVT2, EVT2.1 or EVT3"),
                    bad_size.location};
     }
   }
@@ -160,7 +161,8 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
     E2LF_ASSIGN_OR_RETURN(const FormatKey key, parse_format(*format, bad_size));
     const Size told{key.width.value_or(size.width), key.height.value_or(size.height)};
     if ((size != Size() && told != size) || (!info.format.empty() && key.codec != info.format)) {
-      return Error{ErrorCode::kFormat, "the header contradicts itself (format, evt, geometry); repair it",
+      return Error{ErrorCode::kFormat,
+                   "the keys of the header contradict each other (format, evt, geometry); repair it",
                    bad_size.location};
     }
     size = told;
@@ -189,7 +191,8 @@ Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, c
     std::string_view line;
     size_t length = 0;
     const Line kind = next_line(text.substr(header.num_bytes), ended, line, length);
-    if (kind == Line::kIncomplete) return Error{ErrorCode::kTruncated, "the header goes on; read more of it", name};
+    if (kind == Line::kIncomplete)
+      return Error{ErrorCode::kTruncated, "the header is incomplete; read more of it", name};
     if (kind == Line::kData) break;
     header.num_bytes += length;
     const std::string key = trimmed(line.substr(0, line.find_first_of(" \t")));
@@ -218,13 +221,13 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
     if (!info.format.empty() && info.format != options.format) {
       return Error{
           ErrorCode::kInvalidValue,
-          cat("the file says its format is ", info.format, ", not ", options.format, "; leave the option away"),
+          cat("the file states that its format is ", info.format, ", not ", options.format, "; leave the option out"),
           source.name()};
     }
     info.format = options.format;
   }
   if (info.format.empty()) {
-    return Error{ErrorCode::kFormat, "the file does not say how its events are encoded; name the format, as evt3",
+    return Error{ErrorCode::kFormat, "the file does not state how its events are encoded; name the format, e.g. evt3",
                  source.name(), Setting::kInputFormat};
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));
