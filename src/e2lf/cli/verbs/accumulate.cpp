@@ -182,6 +182,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   live_log.finish(report);
   const recordings::DecodeSummary summary = reader.summary();
   warn_of_losses(arguments.input, summary);
+  verb.note_failed_input(summary.live.failure);
   // Picture and report come first: they tell why, where no cycle was found.
   if (picture) {
     E2LF_RETURN_IF_ERROR(write_chart(plot.svg(), arguments.plot, picture->path()));
@@ -204,6 +205,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note("cycles", report_json(report));
   record.note("left_out", losses_json(summary));
   record.note("live", live_json(summary));
+  if (is_live(arguments.input)) record.note("header", header_json(reader.recording().info()));
   record.note("read_as", reading_json(reader.recording().info()));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);

@@ -100,6 +100,8 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   record.note("left_out", losses_json(reader.summary()));
   record.note("live", live_json(reader.summary()));
   record.note("read_as", reading_json(reader.info()));
+  record.note("sensor", sensor_json(reader.summary()));
+  if (is_live(input)) record.note("header", header_json(reader.info()));
   E2LF_ASSIGN_OR_RETURN(pipeline::RecordedSetup setup, pipeline::recorded_setup(input, reader.info()));
   setup.views = given.after(setup.views);
   record.note(pipeline::setup_notes(setup, output.path()));
@@ -205,6 +207,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   for (ConvertedPart& part : parts) {
     E2LF_RETURN_IF_ERROR(part.output.commit());
     warn_of_losses(arguments.input, part.report.summary);
+    verb.note_failed_input(part.report.summary.live.failure);
     if (!common.json && !common.quiet) say_part(part, part.output.text());
     json["parts"].push_back(part_json(part));
   }

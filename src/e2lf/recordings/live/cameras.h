@@ -20,8 +20,12 @@ namespace e2lf::recordings {
 /// Connects to a sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address);
 
-/// Opens a camera of Prophesee's open hardware layer (OpenEB's HAL) by serial number, or the first one if it is empty.
-/// Only in builds that found the HAL. This code compiles against the HAL's headers, but has not been run with a camera.
-[[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& serial);
+/// Creates a camera of Prophesee's open hardware layer (OpenEB's HAL), which start() opens by serial number or full
+/// name, or the first one if `address` is empty. Only in builds that found the HAL. This code is tested with a
+/// simulated HAL of the same interface, but has not been run with a camera.
+[[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& address);
+
+/// Returns the full names of the cameras that the HAL finds. Fails with kIo.
+[[nodiscard]] Result<std::vector<std::string>> list_metavision_cameras();
 
 }  // namespace e2lf::recordings

@@ -33,7 +33,6 @@ class RawReader final : public RecordingReader {
   }
 
   std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
-  DecodeSummary left_out_before() const override { return source_->left_out(); }
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
@@ -148,6 +147,11 @@ class RawReader final : public RecordingReader {
     summary_.time_loops = loops_before_ + stream_.time_loops();
     restart_ = progress.restarts;
     if (restart_) return true;
+    if (ended && progress.used == bytes.size() && source_->pass_break()) {
+      stream_.pass_break(source_->position(), summary_);
+      wanted_ = 1;
+      return true;
+    }
     full = progress.wanted == 0 && !(ended && progress.used == bytes.size());
     wanted_ = std::max<size_t>({progress.wanted, stream_.num_seen_bytes(), 1});
     add_checkpoint(source_->position(), sink.latest());

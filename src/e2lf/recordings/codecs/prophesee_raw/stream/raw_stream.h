@@ -64,6 +64,15 @@ class RawStream {
     }
   }
 
+  /// Goes on behind a place where bytes are missing: process() was called with all in front of it, as `ended`.
+  void pass_break(uint64_t byte, DecodeSummary& summary) {
+    summary.add(Violation::kMisaligned, byte);
+    open_gap(byte);
+    checked_ = keep_ = jump_ = 0;
+    problem_ = Problem::kNone;
+    Codec::forget(state_, check_);
+  }
+
   [[nodiscard]] int64_t time_us() const { return Codec::time(state_); }
   [[nodiscard]] uint64_t time_loops() const { return Codec::time_loops(state_); }
 
