@@ -104,6 +104,11 @@ class RecordingReader {
   /// first violation. Where a stop was asked for, an end inside a word is none.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
+  /// Tells that events with begin_us <= t < end_us (times as read() gives them) are not needed. A format that decodes
+  /// faster without them leaves out those that it has not decoded yet, as many as is cheap; triggers are always given
+  /// out. The span holds until another one is given, or until seek().
+  void skip_events(int64_t begin_us, int64_t end_us);
+
   /// Goes to the first event or trigger with t >= t_us, forwards or backwards; starts the summary anew.
   /// Fails with kUnsupported where the source cannot be sought.
   [[nodiscard]] Result<void> seek(int64_t t_us);
@@ -133,6 +138,9 @@ class RecordingReader {
   /// Appends the next events and triggers, absolute in time, at most `max_events` of each. False when there is no more.
   /// Counts violations in summary_; events and triggers are counted by the caller.
   [[nodiscard]] virtual Result<bool> read_next(EventBatch& batch, size_t max_events) = 0;
+
+  /// skip_events() in the times of read_next(). The default leaves out nothing.
+  virtual void skip_decoding(int64_t /*begin_us*/, int64_t /*end_us*/) {}
 
   /// For read_next(), with nothing appended yet: what it appends from here on is from a clock that may have started
   /// again. `byte` is where, `before_us` the last time in front of it.

@@ -9,8 +9,9 @@
 // The plugins that come with the library; see the table in camera_registry.cpp.
 namespace e2lf::recordings {
 
-/// A recording of any format that we read, delivered as EVT3 words when its events are due: what a camera would do.
-/// Fails as open_recording() does, and with kInvalidValue for a sensor that EVT3 cannot hold.
+/// A recording of any format that we read, delivered as EVT3 words when its events are due: what a camera would do. A
+/// RAW recording in EVT3 is delivered byte for byte. Fails as open_recording() does, and with kInvalidValue for a
+/// sensor that EVT3 cannot hold.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path);
 
 /// What comes through the named pipe at `address`, or through standard input where it is empty. Waits for the first

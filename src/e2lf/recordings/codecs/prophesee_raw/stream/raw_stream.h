@@ -64,6 +64,9 @@ class RawStream {
     }
   }
 
+  /// Events of this span need not be given out. An encoding that cannot leave them out gives them out.
+  void skip_events(TimeSpan span) { skipped_ = span; }
+
   [[nodiscard]] int64_t time_us() const { return Codec::time(state_); }
   [[nodiscard]] uint64_t time_loops() const { return Codec::time_loops(state_); }
 
@@ -159,7 +162,13 @@ class RawStream {
   template <typename Sink>
   size_t decode(Input& input, size_t count, Sink& sink) {
     const typename Codec::State before = state_;
-    const size_t used = Codec::decode(input.data(), count, state_, limits_, sink);
+    size_t used = 0;
+    if constexpr (requires { Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink); }) {
+      used = Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink);
+    }
+    if (used < count) {
+      used += Codec::decode(input.data() + used * kWordBytes, count - used, state_, limits_, sink);
+    }
     if (const uint64_t outside = std::exchange(state_.num_outside, 0); outside > 0) {
       input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
     }
@@ -425,7 +434,8 @@ class RawStream {
   size_t keep_ = 0;  ///< at a break: words to decode before it,
   size_t jump_ = 0;  ///< and where to go on, in bytes from the position
   bool started_ = false;
-  bool lost_ = false;         ///< no alignment known
+  bool lost_ = false;  ///< no alignment known
+  TimeSpan skipped_;
   size_t dropped_bytes_ = 0;  ///< not yet counted as a word
   bool gap_open_ = false;
   TimeGap gap_;

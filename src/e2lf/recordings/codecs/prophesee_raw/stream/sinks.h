@@ -21,6 +21,11 @@ struct SensorLimits {
   bool counts_reports = false;
 };
 
+/// The times t with begin_us <= t < end_us.
+struct TimeSpan {
+  int64_t begin_us = 0, end_us = 0;
+};
+
 /// Where decoders put events as columns: pointers into EventColumns that have kSinkSlack more elements than they may
 /// fill.
 ///   set_time(t)  the time of what follows. A time before that of the last event (sensors jitter by some microseconds)

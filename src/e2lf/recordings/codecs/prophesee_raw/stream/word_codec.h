@@ -35,6 +35,7 @@ namespace e2lf::recordings {
 ///   resynchronise    goes over words without giving out events until the state is complete again
 ///   is_synchronised  whether the state is complete
 ///   decode           checked words to events; returns how many words were used
+///   skip_events      (optional) goes over words of a span of time and gives out their triggers alone
 ///   count_reports    (optional) counts what the sensor reports of itself in decoded words
 ///   time, time_loops the state's time in us, and how often the clock has run round
 template <typename C>
