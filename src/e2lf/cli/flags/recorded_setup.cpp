@@ -12,7 +12,7 @@ constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_ca
                      *kColourNote = "recorded_colour_filter";
 constexpr const char* kSize = "recording_bytes";
 
-/// What tells a recording from another that took its place.
+/// Returns the size of a recording, which distinguishes it from another that replaced it.
 uint64_t size_of(const fs::path& path) {
   std::error_code error;
   const uint64_t bytes = fs::file_size(path, error);
@@ -24,8 +24,8 @@ void note_with_size(RunRecord& record, const char* key, Json note, const fs::pat
   record.note(key, std::move(note));
 }
 
-/// A note of the run record beside a recording; nothing where a file of this name is no record of ours, or one of
-/// another recording.
+/// Returns a note of the run record beside a recording, or nothing if the file with this name is not a record of e2lf
+/// or describes another recording.
 std::optional<Json> note_beside(const fs::path& recording, const char* key) {
   const fs::path path = record_path_beside(recording);
   std::error_code error;
@@ -81,7 +81,7 @@ Result<RecordedSetup> recorded_setup(const fs::path& recording, const recordings
       E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_json(*note, beside));
     }
   }
-  // The record first: `e2lf convert --turn-views` tells by it what the header, which it copies, says otherwise.
+  // The record takes precedence: with `e2lf convert --turn-views` it differs from the header, which is copied.
   if (const auto note = note_beside(recording, kViewsNote)) {
     E2LF_ASSIGN_OR_RETURN(setup.views, capture::orientation_from_name(note->value("views", ""), beside));
   } else {

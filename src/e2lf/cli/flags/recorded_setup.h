@@ -15,38 +15,39 @@
 
 namespace e2lf::cli {
 
-/// What events were made with, as far as anything tells.
+/// The setup with which events were recorded, as far as it is known.
 struct RecordedSetup {
   std::optional<capture::Codes> codes;
   std::optional<capture::SensorProfile> camera;
-  std::optional<capture::Orientation> views = {};  ///< how they come out; by itself, or as the camera says
+  std::optional<capture::Orientation> views = {};  ///< orientation of the views: its own, or that of the camera
 
-  /// The camera does not say it.
+  /// Returns whether the orientation is known and is not that of the camera.
   [[nodiscard]] bool has_own_views() const { return views && !(camera && camera->views == views); }
 };
 
-/// It as lines of a recording's header.
+/// Formats the setup as header lines of a recording.
 [[nodiscard]] capture::HeaderLines header_of(const RecordedSetup& setup);
 
-/// Puts it beside event images, before the first cycle.
+/// Sets the setup of a file of event images. Must be called before its first cycle is added.
 void keep_setup(const RecordedSetup& setup, capture::EventImageWriter& writer);
 
-/// Keeps it in the run record of a recording that was just written, for formats whose header has no room.
+/// Stores the setup in the run record of a recording that was just written, for formats whose header has no place for
+/// it.
 void note_setup(RunRecord& record, const RecordedSetup& setup, const std::filesystem::path& recording);
 
-/// What a recording was made with: as its header says, else the run record beside it, where that is of a recording of
-/// this size. Fails as capture::codes_from_header() and camera_from_header() do.
+/// Reads the setup of a recording from its header, or else from the run record beside it, if that describes a recording
+/// of this size. Fails as capture::codes_from_header() and camera_from_header() do.
 [[nodiscard]] Result<RecordedSetup> recorded_setup(const std::filesystem::path& recording,
                                                    const recordings::RecordingInfo& info);
 
-/// The same of event images. Fails as codes_from_npy() and camera_from_npy() do.
+/// Reads the setup of event images. Fails as codes_from_npy() and camera_from_npy() do.
 [[nodiscard]] Result<RecordedSetup> recorded_setup(const capture::MeasurementFile& file,
                                                    const std::filesystem::path& path);
 
-/// The colour filters (capture::colour_filter_from_name()) over the sensor of a recording or event images, kept in
-/// their run record. Empty where it says none, or is of other events.
+/// Returns the colour filters (see capture::colour_filter_from_name()) of the sensor of a recording or of event images,
+/// which their run record contains. Returns an empty string if it has none or describes other events.
 [[nodiscard]] std::string recorded_colour_filter(const std::filesystem::path& events);
-/// Keeps them in the record of events that were just written; "" keeps nothing.
+/// Stores the colour filters in the record of events that were just written; does nothing if `filter` is empty.
 void note_colour_filter(RunRecord& record, const std::string& filter, const std::filesystem::path& events);
 
 }  // namespace e2lf::cli

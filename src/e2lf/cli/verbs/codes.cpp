@@ -59,11 +59,10 @@ int run_codes_show(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int run_codes(const std::vector<std::string>& arguments) {
-  return run_subverb(
-      "codes",
-      {{"show", "print patterns, black-first check and light efficiency", run_codes_show},
-       {"render", "make the pictures and the schedule that an aperture display shows", run_codes_render}},
-      arguments);
+  return run_subverb("codes",
+                     {{"show", "print patterns, black-first check and light efficiency", run_codes_show},
+                      {"render", "make the images and the schedule for an aperture display", run_codes_render}},
+                     arguments);
 }
 
 }  // namespace e2lf::cli
