@@ -10,7 +10,6 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/printable.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -21,6 +20,7 @@
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/workspace.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

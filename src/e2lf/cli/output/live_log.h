@@ -7,10 +7,6 @@
 
 namespace e2lf::cli {
 
-/// Returns the time from the end of the last pattern of a cycle until the bytes that completed it arrived, or 0 for
-/// input that is not live.
-[[nodiscard]] double behind_s(const cycles::Cycle& cycle);
-
 /// Logs the progress of live input, whose end is not known: one line for each completed cycle, and totals at the end.
 /// Independent of whether stderr is a terminal; silent with --quiet.
 class LiveLog {

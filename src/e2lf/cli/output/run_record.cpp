@@ -13,6 +13,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -108,12 +109,6 @@ void RunRecord::end_step(const std::string& name) {
   const double seconds = std::chrono::duration<double>(now - step_begin_).count();
   timings_s_[name] = std::round(seconds * 1e4) / 1e4;
   step_begin_ = now;
-}
-
-fs::path record_path_beside(const fs::path& output) {
-  fs::path path = output;
-  path += ".run.json";
-  return path;
 }
 
 Json RunRecord::json_so_far(const Verb& verb) const {

@@ -12,6 +12,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/result_folder.h"
 
 namespace e2lf::cli {
 
@@ -33,6 +34,7 @@ class RunRecord {
 
   /// Stores a result or an estimate, e.g. the gain that was chosen.
   void note(const std::string& key, Json value) { notes_[key] = std::move(value); }
+  void note(const Json& notes) { notes_.update(notes); }
 
   /// Stores the value that was chosen for an option whose setting leaves it open (a default of the model, "auto"), so
   /// that the run can be repeated from its record.
@@ -63,9 +65,6 @@ class RunRecord {
   Json resolved_ = Json::object();
   Clock::time_point step_begin_ = Clock::now();
 };
-
-/// Returns "<output>.run.json", the file of the record of a verb that writes one file.
-[[nodiscard]] std::filesystem::path record_path_beside(const std::filesystem::path& output);
 
 /// Computes the SHA-256 of a file in hexadecimal, as sha256sum prints it; for a folder, that of its sorted "hash  name"
 /// lines.

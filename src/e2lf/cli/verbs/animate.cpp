@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/output/output.h"
@@ -15,6 +14,7 @@
 #include "e2lf/film/film_file.h"
 #include "e2lf/film/parallax.h"
 #include "e2lf/lightfield/refocus.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -8,15 +8,13 @@
 #include <optional>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/calibrate/count_distribution.h"
 #include "e2lf/calibrate/report.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/cycle_input.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/network_choice.h"
-#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cli/output/method_notes.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -24,6 +22,7 @@
 #include "e2lf/model/model.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/reconstruct.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -46,7 +45,8 @@ struct Source {
 };
 
 Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const Verb& verb, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1, verb));
+  ConfidenceWatch confidence;
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, flags, 1, verb, confidence));
   if (input.measurement() != capture::MeasurementKind::kEventImages) {
     return Error{ErrorCode::kInvalidValue,
                  cat("a calibration uses event images, and this is the measurement ",
@@ -54,14 +54,14 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
                  path.string()};
   }
   Source source;
-  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, input.setup(path));
+  E2LF_ASSIGN_OR_RETURN(pipeline::RecordedSetup setup, input.setup(path));
   source.codes = std::move(setup.codes);
   while (true) {
-    E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> cycle, input.next());
+    E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::CycleImages> cycle, input.next());
     if (!cycle) break;
     source.scene.cycles.push_back(std::move(cycle->images.events));
   }
-  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, input.report());
+  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, input.reader().report());
   record.add_input(path);
   return source;
 }
@@ -79,7 +79,7 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
     if (sources[i].codes) codes = sources[i].codes;
   }
   E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
-  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(arguments.codes, model, codes, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::KnownCodes> known, find_codes(arguments.codes, model, codes, record));
   if (!known) {
     return Error{ErrorCode::kNotFound, "the patterns of the events are not known; give --codes FILE", ""};
   }
@@ -170,7 +170,11 @@ Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture:
   RunRecord unused("calibrate");
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, unused));
   if (!model) {
-    E2LF_ASSIGN_OR_RETURN(model, bundled_network(codes, start, unused));
+    E2LF_ASSIGN_OR_RETURN(auto network, pipeline::bundled_network(codes, start));
+    if (network) {
+      say_bundled_network(*network);
+      model = std::move(network->model);
+    }
   }
   if (!model || !model::is_told_the_camera(*model) || model->num_patterns != codes.num_patterns ||
       model->measurement() != capture::MeasurementKind::kEventImages || (model->codes && *model->codes != codes)) {

@@ -40,7 +40,7 @@ int run_codes_show(const std::vector<std::string>& arguments) {
   verb.app().add_option("-o,--output", output, "also write the patterns to this file (.json, .npy, .npz), for --codes");
   return verb.run(arguments, [&]() -> Result<void> {
     RunRecord record("codes show");
-    E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(source, record));
+    E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(source, record));
     if (!output.empty()) {
       E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {source.model, source.codes},
                                                                          .overwrite = verb.common().overwrite}));

@@ -114,7 +114,7 @@ Result<void> check_depth(const RenderArguments& arguments, const capture::Codes&
 
 Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   RunRecord record("codes render");
-  E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(pipeline::KnownCodes known, load_codes(arguments.codes, record));
   known.codes = capture::codes_of_whole_cycle(known.codes).value_or(known.codes);
   E2LF_RETURN_IF_ERROR(check_depth(arguments, known.codes));
   const Sequence sequence = sequence_of(arguments, known.codes);

@@ -6,21 +6,21 @@
 #include <cstdio>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/recording_place.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -100,10 +100,10 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   record.note("left_out", losses_json(reader.summary()));
   record.note("live", live_json(reader.summary()));
   record.note("read_as", reading_json(reader.info()));
-  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.info()));
+  E2LF_ASSIGN_OR_RETURN(pipeline::RecordedSetup setup, pipeline::recorded_setup(input, reader.info()));
   setup.views = given.after(setup.views);
-  note_setup(record, setup, output.path());
-  note_colour_filter(record, recorded_colour_filter(input), output.path());
+  record.note(pipeline::setup_notes(setup, output.path()));
+  record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(input), output.path()));
   return record.write(output.record_path(), verb);
 }
 
@@ -234,8 +234,8 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
-    E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup,
-                          recorded_setup({{}, {}, file.camera, file.views}, arguments.input));
+    E2LF_ASSIGN_OR_RETURN(const pipeline::RecordedSetup setup,
+                          pipeline::recorded_setup({{}, {}, file.camera, file.views}, arguments.input));
     file.views = capture::views_to_npy(*given.after(setup.views));
   }
   if (extension == ".mat") {
@@ -244,7 +244,7 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
     E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
   }
   record.end_step("convert");
-  note_colour_filter(record, recorded_colour_filter(arguments.input), output.path());
+  record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   const capture::EventImages& first = file.cycles.front();

@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/file_kind.h"
@@ -21,6 +20,7 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -8,7 +8,6 @@
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/output/pictures.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/eval/event_statistics.h"
@@ -22,6 +21,7 @@
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/model/video/video_model.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/report/chart.h"
 
 namespace e2lf::cli {
@@ -127,7 +127,8 @@ Result<Description> describe_event_images(const fs::path& path) {
   const auto kept = std::make_shared<const capture::EventImageFile>(std::move(read));
   const capture::EventImageFile& file = *kept;
   const capture::EventImages& first = file.cycles.front();
-  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup({{}, {}, file.camera, file.views}, path));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::RecordedSetup setup,
+                        pipeline::recorded_setup({{}, {}, file.camera, file.views}, path));
   const eval::EventStatistics statistics = eval::event_statistics(first);
   Json json = {{"kind", "event images"},
                {"cycles", file.cycles.size()},

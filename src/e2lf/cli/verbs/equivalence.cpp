@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/scene_input.h"
@@ -17,6 +16,7 @@
 #include "e2lf/files/json_text.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -59,7 +59,7 @@ Result<std::vector<size_t>> order_of(const EquivalenceArguments& arguments, size
   return order;
 }
 
-Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const KnownCodes& known,
+Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const pipeline::KnownCodes& known,
                                  const std::vector<size_t>& order, const lightfield::LightField& scene,
                                  const CommonOptions& common) {
   ProgressBar bar("measure", common.quiet);
@@ -136,7 +136,7 @@ Result<void> run(const EquivalenceArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("equivalence");
   record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> order, order_of(arguments, known.codes.num_patterns));
   const SceneOptions options{arguments.light_field, known.codes.views_y, known.codes.views_x};
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, options, common.quiet));

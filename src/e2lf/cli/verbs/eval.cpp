@@ -21,6 +21,7 @@
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/report/chart.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -2,7 +2,6 @@
 // e2lf info: description of a file or folder
 #include <cstdio>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/flags/option_types.h"
 #include "e2lf/cli/output/output.h"
@@ -12,6 +11,7 @@
 #include "e2lf/cli/verbs/rate_plot.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/recordings/event_rate.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

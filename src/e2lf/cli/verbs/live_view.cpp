@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
+#include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/server.h"
 
 namespace e2lf::cli {

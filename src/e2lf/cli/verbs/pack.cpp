@@ -7,6 +7,7 @@
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

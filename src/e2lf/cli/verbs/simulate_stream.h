@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/flags/stream_flags.h"
 #include "e2lf/cli/output/run_record.h"
+#include "e2lf/pipeline/recorded_setup.h"
 
 namespace e2lf::cli {
 
@@ -18,7 +18,7 @@ struct StreamRun {
   SceneOptions scene;
   capture::Codes codes;
   capture::SensorProfile camera;
-  RecordedSetup recorded;  ///< the setup that is stored in the result
+  pipeline::RecordedSetup recorded;  ///< the setup that is stored in the result
   streams::StreamOptions stream;
   float gain = 1.0F;
   size_t cycles = 1;

@@ -6,7 +6,6 @@
 
 #include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/file_kind.h"
@@ -23,6 +22,7 @@
 #include "e2lf/recon/video/event_video.h"
 #include "e2lf/recon/video/frame_tone.h"
 #include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

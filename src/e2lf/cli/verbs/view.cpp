@@ -2,7 +2,6 @@
 // e2lf view: serves the viewer to a browser, or writes it as one HTML file
 #include <cstdio>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes_io.h"
@@ -15,6 +14,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/page.h"
 #include "e2lf/view/recording_item.h"
 #include "e2lf/view/server.h"
