@@ -273,6 +273,49 @@ TEST(CycleReader, OneTriggerForEachCycleIsEnough) {
   expect_exact(cut(30, synthesis, options, only_first), 30, synthesis);
 }
 
+/// A RAW recording of the synthesis in memory, whose cycles are read with one of `whole_every` as a whole.
+Outcome cut_raw(uint64_t cycles, const SynthesisOptions& synthesis, uint64_t whole_every, uint64_t& events_read) {
+  recordings::RecordingInfo info;
+  info.format = "evt3";
+  info.width = kWidth;
+  info.height = kHeight;
+  std::vector<uint8_t> bytes;
+  auto writer = recordings::create_recording(recordings::make_memory_sink(bytes), "evt3", info);
+  EXPECT_TRUE(writer.ok());
+  for (uint64_t number = 0; number < cycles; ++number) {
+    EXPECT_TRUE((*writer)->write(synthesise_cycle(images_of(number), number, synthesis).batch));
+  }
+  EXPECT_TRUE((*writer)->finish());
+  auto recording = recordings::open_recording(recordings::make_memory_source(bytes), {});
+  EXPECT_TRUE(recording.ok()) << recording.error().text();
+  auto reader = CycleReader::open(std::move(*recording), by_triggers());
+  EXPECT_TRUE(reader.ok()) << reader.error().text();
+  reader->read_whole_every(whole_every);
+  Outcome outcome;
+  for (auto cycle = reader->next(); cycle && *cycle; cycle = reader->next())
+    outcome.cycles.push_back(std::move(**cycle));
+  outcome.report = reader->report();
+  events_read = reader->summary().events();
+  return outcome;
+}
+
+TEST(CycleReader, EventsThatNoImageNeedsAreLeftOutOfMostCycles) {
+  SynthesisOptions synthesis;
+  synthesis.jitter_us = 100;
+  uint64_t all_events = 0, some_events = 0;
+  const Outcome all = cut_raw(60, synthesis, 1, all_events), some = cut_raw(60, synthesis, 20, some_events);
+  expect_exact(all, 60, synthesis);
+  expect_exact(some, 60, synthesis);
+  ASSERT_EQ(all.cycles.size(), some.cycles.size());
+  for (size_t i = 0; i < all.cycles.size(); ++i) {
+    EXPECT_EQ(some.cycles[i].events, all.cycles[i].events);
+    EXPECT_EQ(some.cycles[i].begin_us, all.cycles[i].begin_us);
+    EXPECT_GT(some.cycles[i].confidence, 0.5F);
+    EXPECT_EQ(some.cycles[i].polarity, all.cycles[i].polarity);
+  }
+  EXPECT_LT(static_cast<double>(some_events), 0.8 * static_cast<double>(all_events));
+}
+
 TEST(CycleReader, OtherChannelsAndEdgesAreIgnored) {
   SynthesisOptions synthesis;
   const auto add_others = [](uint64_t, SynthesisedCycle& cycle) {

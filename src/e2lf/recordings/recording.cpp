@@ -259,6 +259,11 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   return !batch.empty();
 }
 
+void RecordingReader::skip_events(int64_t begin_us, int64_t end_us) {
+  const int64_t shift_us = shift_us_.value_or(0) - part_shift_us_;
+  skip_decoding(begin_us + shift_us, end_us + shift_us);
+}
+
 Result<void> RecordingReader::seek_before(int64_t) {
   return Error{ErrorCode::kUnsupported, cat("a ", info_.format, " recording is not seekable; read it from the start"),
                name_};

@@ -108,6 +108,11 @@ class RecordingReader {
   /// input, an end inside a word is not a violation.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
+  /// Declares that events with begin_us <= t < end_us (times as returned by read()) are not needed. A format that
+  /// decodes faster without them leaves out those that are not decoded yet, as many as is cheap; triggers are always
+  /// returned. The span holds until another one is given, or until seek().
+  void skip_events(int64_t begin_us, int64_t end_us);
+
   /// Seeks to the first event or trigger with t >= t_us, forwards or backwards, and resets the summary. Fails with
   /// kUnsupported if the source is not seekable.
   [[nodiscard]] Result<void> seek(int64_t t_us);
@@ -142,6 +147,9 @@ class RecordingReader {
   /// Appends the next events and triggers with absolute times, at most `max_events` of each. Returns false when there
   /// are no more. Counts violations in summary_; the caller counts events and triggers.
   [[nodiscard]] virtual Result<bool> read_next(EventBatch& batch, size_t max_events) = 0;
+
+  /// skip_events() in the times of read_next(). The default leaves out nothing.
+  virtual void skip_decoding(int64_t /*begin_us*/, int64_t /*end_us*/) {}
 
   /// Declares, before read_next() appends anything, that the clock of what follows may have started again. `byte` is
   /// the position, and `before_us` the last time before it.

@@ -314,7 +314,8 @@ TEST(PipeCamera, GivesWhatIsWrittenUntilTheWriterLeaves) {
 }
 
 /// A recording of `cycles` pattern cycles in `path`; its events.
-EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, const cycles::SynthesisOptions& synthesis) {
+EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, const cycles::SynthesisOptions& synthesis,
+                        const std::string& format = "hdf5") {
   EventBatch all;
   for (uint64_t number = 0; number < cycles; ++number) {
     capture::EventImages images(synthesis.schedule.num_images(), 48, 64);
@@ -323,7 +324,7 @@ EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, cons
     all.events.append(cycle.batch.events);
     all.triggers.insert(all.triggers.end(), cycle.batch.triggers.begin(), cycle.batch.triggers.end());
   }
-  auto writer = create_recording(path, "hdf5", kInfo).value();
+  auto writer = create_recording(path, format, kInfo).value();
   EXPECT_TRUE(writer->write(all).ok() && writer->finish().ok());
   return all;
 }
@@ -340,6 +341,25 @@ TEST(ReplayCamera, GivesTheSameEventsAtRecordedSpeed) {
   EXPECT_EQ(played.events, all.events);
   EXPECT_EQ(played.triggers, all.triggers);
   EXPECT_GE(duration_us, all.events.t.back() - all.events.t.front());
+}
+
+TEST(ReplayCamera, DeliversARawRecordingByteForByteAtRecordedSpeed) {
+  const TestFolder folder;
+  cycles::SynthesisOptions synthesis;
+  synthesis.schedule = cycles::plain_schedule(4, 10000);
+  const EventBatch all = write_cycles(folder / "a.raw", 3, synthesis, "evt3");
+  auto camera = open_replay_camera(folder / "a.raw").value();
+  const auto begin = Clock::now();
+  ASSERT_TRUE(camera->start());
+  std::vector<uint8_t> bytes, delivered;
+  size_t reads = 0;
+  for (; camera->read(bytes).value(); ++reads) delivered.insert(delivered.end(), bytes.begin(), bytes.end());
+  const auto duration_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin).count();
+  EXPECT_EQ(delivered, read_file(folder / "a.raw").value());
+  EXPECT_GE(duration_us, all.events.t.back() - all.events.t.front() - 5000);
+  EXPECT_GT(reads, 20U);
+  auto reader = open_camera("replay:" + (folder / "a.raw").string()).value();
+  EXPECT_EQ(read_all(*reader).value().events, all.events);
 }
 
 TEST(ReplayCamera, CyclesCarryTheirArrival) {

@@ -10,7 +10,8 @@
 namespace e2lf::recordings {
 
 /// Opens a recording of any readable format and delivers it as EVT3 words at the times of its events, as a camera
-/// would. Fails as open_recording() does, and with kInvalidValue (the sensor is too large for EVT3).
+/// would. A RAW recording in EVT3 is delivered byte for byte. Fails as open_recording() does, and with kInvalidValue
+/// (the sensor is too large for EVT3).
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path);
 
 /// Opens the named pipe at `address`, or standard input if it is empty, and waits for the first byte. Fails with
