@@ -29,3 +29,5 @@ exists simulation/out/colour simulation/out/equivalence/index.html simulation/ou
 page docs/video.md video
 exists video/out/frames/frame_000000.png
 page docs/viewer.md
+page docs/live.md
+exists live/out/last.npy live/out/live.json
