@@ -9,10 +9,10 @@
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/output/pictures.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/pipeline/patterns.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/orientation_arguments.h"
@@ -89,7 +89,7 @@ void bind_codes(py::module_& module) {
   module.def(
       "read_codes",
       [](const fs::path& path) {
-        return to_array(take(cli::read_patterns(take(find_file_or_bundled(kBundledCodes, path.string())))));
+        return to_array(take(pipeline::read_patterns(take(find_file_or_bundled(kBundledCodes, path.string())))));
       },
       py::arg("path"),
       "Aperture patterns: float32 [N, view_y, view_x], 0 = closed, 1 = open.\n\n"

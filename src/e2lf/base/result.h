@@ -28,8 +28,8 @@ enum class ErrorCode {
 /// Returns the name of a code as used in JSON output, e.g. "not_found".
 [[nodiscard]] const char* error_code_name(ErrorCode code);
 
-/// The settings with which a caller can fix an error or override an assumption. The library only names the setting; the
-/// verbs of e2lf add the command-line flag.
+/// The settings with which a caller can fix an error or override an assumption. The library only names the setting;
+/// each program adds how it is made there.
 enum class Setting {
   kNone,
   kOverwrite,

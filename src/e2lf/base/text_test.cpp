@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/base/progress.h"
-
 namespace e2lf {
 namespace {
 
@@ -40,13 +38,6 @@ TEST(Suggestion, NamesAllWhereNoneIsNear) {
   EXPECT_EQ(suggestion("x", {}), "there are none");
   const std::string many = suggestion("learning", std::vector<std::string>(20, "steps"));
   EXPECT_TRUE(many.ends_with("steps, ...")) << many;
-}
-
-TEST(ProgressLine, ShowsShareAndRemainingTime) {
-  EXPECT_EQ(progress_line("reconstruct", 1, 2, 3.0),
-            "reconstruct  [" + std::string(15, '#') + std::string(15, '.') + "] 50 %  3 s left");
-  EXPECT_THAT(progress_line("x", 1, 10, 10.0), HasSubstr("1 min 30 s left"));
-  EXPECT_THAT(progress_line("x", 1, 101, 72.6), HasSubstr("2 h 1 min left"));
 }
 
 TEST(ProgressLine, LeavesTheTimeOutWhenItIsNotKnown) {

@@ -119,7 +119,7 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   return {};
 }
 
-/// Finds the brightness as recon::FieldSequence does, which takes a copy of the light field.
+/// Finds the brightness as pipeline::FieldSequence does, which takes a copy of the light field.
 void Session::find_tone(LiveField& field) {
   if (!black_) black_ = recon::auto_black(field.light_field);
   if (gain_) return;

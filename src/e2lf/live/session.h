@@ -78,7 +78,7 @@ class Session {
                                                             std::chrono::milliseconds patience);
 
   /// Returns a copy of the newest light field, with its brightness as it is shown, or nothing if there is none yet. The
-  /// values are those of recon::FieldSequence for this gain and black level.
+  /// values are those of pipeline::FieldSequence for this gain and black level.
   [[nodiscard]] std::optional<LiveField> freeze();
 
  private:

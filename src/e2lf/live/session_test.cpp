@@ -7,7 +7,7 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/live/half_size.h"
 #include "e2lf/live/live_requests.h"
-#include "e2lf/recon/field_sequence.h"
+#include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/recordings/live/camera.h"
 #include "testing/test_streams.h"
 
@@ -110,8 +110,11 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   const auto frozen = session.freeze();
   ASSERT_TRUE(frozen.has_value());
   EXPECT_EQ(frozen->cycle.counts.events, cycle_images(0));
-  recon::FieldSequence sequence(recon::network_method(reconstructor()), {.gain = {}, .black = {}}, {});
-  const recon::Field expected = sequence.next(capture::Measurement(cycle_images(0))).value();
+  const recon::Reconstructor network = reconstructor();
+  pipeline::FieldSequence sequence([&](const capture::Measurement& measured,
+                                       const ProgressFn& progress) { return network.reconstruct(measured, progress); },
+                                   {.gain = {}, .black = {}}, {});
+  const pipeline::Field expected = sequence.next(capture::Measurement(cycle_images(0))).value();
   EXPECT_EQ(frozen->gain, expected.gain);
   EXPECT_EQ(frozen->black, expected.black);
   EXPECT_TRUE(std::ranges::equal(frozen->light_field.data(), expected.light_field.data()));

@@ -26,13 +26,15 @@ class Builder {
   std::string residual_blocks(const std::string& name, std::string input, size_t channels, size_t count) {
     for (size_t i = 0; i < count; ++i) {
       const std::string inner = conv(cat(name, "_", i, "a"), input, channels);
-      network_.layers.back().relu = true;
+      last().relu = true;
       const std::string outer = conv(cat(name, "_", i, "b"), inner, channels);
-      network_.layers.back().residual = input;
+      last().residual = input;
       input = outer;
     }
     return input;
   }
+
+  Layer& last() { return network_.layers.back(); }
 
   std::string add(Layer layer) {
     network_.layers.push_back(std::move(layer));
@@ -42,6 +44,32 @@ class Builder {
  private:
   Network& network_;
 };
+
+/// Appends the end of the network at full resolution.
+void add_head(Builder& build, std::string x, const UnetOptions& options) {
+  build.conv("head", x, 4 * options.head_width);
+  build.last().relu = true;
+  x = build.add({.name = "shuffle", .op = Op::kPixelShuffle, .inputs = {"head"}, .stride = 2, .residual = {}});
+  if (options.head_blocks > 0) {
+    const std::string detail = build.conv("detail", "input", options.head_width);
+    x = build.add({.name = "head_join", .op = Op::kAdd, .inputs = {x, detail}, .residual = {}});
+    x = build.residual_blocks("full", x, options.head_width, options.head_blocks);
+  }
+  const std::string skip = build.conv("skip", "input", options.output_channels, 1);
+  build.conv("output", x, options.output_channels);
+  build.last().residual = skip;
+}
+
+/// Appends the step from half resolution to the output, without any convolution at full resolution.
+void add_light_head(Builder& build, const std::string& x, const UnetOptions& options) {
+  build.add({.name = "output",
+             .op = Op::kConvTransposed,
+             .inputs = {x},
+             .out_channels = options.output_channels,
+             .kernel = 2,
+             .stride = 2,
+             .residual = {}});
+}
 
 }  // namespace
 
@@ -75,17 +103,11 @@ Network unet(const UnetOptions& options) {
     x = build.residual_blocks(cat("up", level), x, widths[level], options.blocks[level]);
   }
 
-  x = build.conv("head", x, 4 * options.head_width);
-  network.layers.back().relu = true;
-  x = build.add({.name = "shuffle", .op = Op::kPixelShuffle, .inputs = {x}, .stride = 2, .residual = {}});
-  if (options.head_blocks > 0) {
-    const std::string detail = build.conv("detail", "input", options.head_width);
-    x = build.add({.name = "head_join", .op = Op::kAdd, .inputs = {x, detail}, .residual = {}});
-    x = build.residual_blocks("full", x, options.head_width, options.head_blocks);
+  if (options.head_width == 0) {
+    add_light_head(build, x, options);
+  } else {
+    add_head(build, x, options);
   }
-  const std::string skip = build.conv("skip", "input", options.output_channels, 1);
-  build.conv("output", x, options.output_channels);
-  network.layers.back().residual = skip;
   return network;
 }
 

@@ -14,8 +14,10 @@ struct UnetOptions {
   size_t output_channels = 64;
   std::vector<size_t> widths = {80, 96, 128};
   std::vector<size_t> blocks = {2, 2, 2};  ///< residual blocks on each side; the last level has only one side
-  size_t head_width = 32;                  ///< channels at full resolution before the last 3x3 convolution
-  size_t head_blocks = 0;                  ///< residual blocks at full resolution
+  size_t head_width =
+      32;  ///< channels at full resolution before the last 3x3 convolution; 0 = the output follows directly
+           ///< from half resolution by a transposed 2x2 convolution (`head_blocks` has no effect)
+  size_t head_blocks = 0;  ///< residual blocks at full resolution
 };
 
 /// Builds a residual U-Net behind a pixel unshuffle by 2, with strided 2x2 convolutions down, transposed 2x2 ones up,

@@ -37,6 +37,18 @@ TEST(Unet, BlocksAtFullResolutionCostTheirConvolutions) {
   EXPECT_EQ(size_multiple(unet(with)), size_multiple(unet(without)));
 }
 
+TEST(Unet, WithoutAHeadItCostsNothingAtFullResolution) {
+  const Network network =
+      unet({.input_channels = 3, .output_channels = 5, .widths = {4, 6}, .blocks = {1, 1}, .head_width = 0});
+  const size_t stem = 12 * 4 * 9, level0 = 2 * 2 * 4 * 4 * 9, down = 4 * 6 * 4, middle = 2 * 6 * 6 * 9;
+  const size_t up = 6 * 4 * 4, output = 4 * 5 * 4;
+  EXPECT_DOUBLE_EQ(macs_per_pixel(network), (stem + level0 + output) / 4.0 + (down + middle + up) / 16.0);
+  const auto shapes = infer_shapes(network);
+  ASSERT_TRUE(shapes) << shapes.error().text();
+  EXPECT_EQ(shapes->back().channels, 5U);
+  EXPECT_EQ(shapes->back().scale, 1U);
+}
+
 TEST(Unet, BundledSizeFitsItsFileAndCost) {
   const Network network = unet({.input_channels = 9, .head_blocks = 4});
   EXPECT_LT(macs_per_pixel(network), 0.32 * macs_per_pixel(recnet(3)));

@@ -23,42 +23,48 @@ class BlockReader final : public RecordingReader {
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
-    const size_t begin = batch.events.size();
-    if (next_ == events_.size() && gate_.restart() && !parts_end_) {
-      // The rest of the earlier part's triggers.
+    if (next_ == events_.size()) E2LF_RETURN_IF_ERROR(read_block());
+    for (; is_part_over(); begin_later_part()) {
       const size_t before = batch.triggers.size();
-      E2LF_ASSIGN_OR_RETURN(parts_end_, take_rest(batch, max_events));
-      parts_end_ |= batch.triggers.size() == before;  // what is left belongs to a later part
-      return true;
+      E2LF_RETURN_IF_ERROR(take_triggers(batch, INT64_MAX, max_events));
+      if (batch.triggers.size() > before) return true;
     }
-    if (std::exchange(parts_end_, false)) begin_later_part();
-    bool more = true;
-    if (next_ == events_.size()) E2LF_RETURN_IF_ERROR(read_block(more));
-    if (next_ == 0 && begin == 0 && events_.size() <= max_events) {
+    const size_t end = std::min(part_end(), next_ + max_events);
+    const bool more = end < events_.size() || !has_ended_ || part_end_us() != INT64_MAX;
+    const int64_t until_us = !more ? INT64_MAX : end == next_ ? INT64_MIN : events_.t[end - 1];
+    const size_t begin = batch.events.size();
+    if (next_ == 0 && begin == 0 && end == events_.size()) {
       std::swap(batch.events, events_);
       events_.clear();
-      return take_beside(batch, begin, more, max_events);
+    } else {
+      batch.events.append(events_, next_, end);
+      next_ = end;
     }
-    const size_t end = std::min(events_.size(), next_ + max_events);
-    batch.events.append(events_, next_, end);
-    next_ = end;
-    more |= next_ < events_.size();
-    return take_beside(batch, begin, more, max_events);
+    if (const int64_t moved_us = shift_us(); moved_us != 0) {
+      for (size_t i = begin; i < batch.events.size(); ++i) batch.events.t[i] -= moved_us;
+    }
+    if (batch.events.size() > begin) last_us_ = std::max(last_us_, batch.events.t.back());
+    if (until_us == INT64_MIN) return more;
+    if (!more) triggers_apart_.end_parts();
+    E2LF_ASSIGN_OR_RETURN(const bool more_triggers, take_triggers(batch, until_us, max_events));
+    return more || more_triggers;
   }
 
   Result<void> seek_before(int64_t t_us) override {
     E2LF_RETURN_IF_ERROR(blocks_->seek_before(t_us));
+    // Triggers behind the last event of a part put the times of the next ones off.
+    if (!blocks_->restarts().empty()) E2LF_RETURN_IF_ERROR(blocks_->seek_before(INT64_MIN));
     events_.clear();
-    next_ = 0;
+    next_ = part_ = 0;
     triggers_.clear();
-    last_trigger_us_ = -kTimeLimitUs;
-    has_ended_ = parts_end_ = false;
+    last_trigger_us_ = last_us_ = -kTimeLimitUs;
+    has_ended_ = false;
     gate_.reset();
     return triggers_apart_.rewind();
   }
 
  private:
-  Result<void> read_block(bool& more) {
+  Result<void> read_block() {
     events_.clear();
     next_ = 0;
     block_.clear();
@@ -75,51 +81,64 @@ class BlockReader final : public RecordingReader {
       else
         summary_.add(Violation::kTimeBackwards, 0);
     }
-    more = !has_ended_ || gate_.restart();
     return {};
   }
 
+  /// What the times of the part at hand were moved by.
+  [[nodiscard]] int64_t shift_us() const { return part_ == 0 ? 0 : blocks_->restarts()[part_ - 1].shift_us; }
+
+  /// When the part behind the one at hand begins; times of blocks.
+  [[nodiscard]] int64_t part_end_us() const {
+    const std::span<const Restart> restarts = blocks_->restarts();
+    return part_ == restarts.size() ? INT64_MAX : restarts[part_].after_us + restarts[part_].shift_us;
+  }
+
+  /// Where the part at hand ends in events_.
+  [[nodiscard]] size_t part_end() const {
+    if (events_.empty() || events_.t.back() < part_end_us()) return events_.size();
+    const auto from = events_.t.begin() + static_cast<ptrdiff_t>(next_);
+    return static_cast<size_t>(std::lower_bound(from, events_.t.end(), part_end_us()) - events_.t.begin());
+  }
+
+  /// Whether all events of the part at hand have been handed out and there is a later one.
+  [[nodiscard]] bool is_part_over() const {
+    if (part_end_us() == INT64_MAX) return false;
+    return next_ == events_.size() ? has_ended_ : part_end() == next_;
+  }
+
   void begin_later_part() {
-    const Restart restart = *gate_.restart();
-    gate_.begin_part();
+    const Restart restart = blocks_->restarts()[part_];
+    ++part_;
     triggers_apart_.begin_part();
-    last_trigger_us_ = -kTimeLimitUs;
-    begin_part(restart.byte, restart.before_us);
+    begin_part(restart.byte, last_us_);
+    last_trigger_us_ = last_us_ = -kTimeLimitUs;
   }
 
-  /// Hands out the triggers that are left of a part whose events have all been; whether that is all of them.
-  Result<bool> take_rest(EventBatch& batch, size_t max_triggers) {
-    if (take_triggers(batch, INT64_MAX, max_triggers) || batch.triggers.size() >= max_triggers) return false;
-    E2LF_ASSIGN_OR_RETURN(const bool more, triggers_apart_.take(INT64_MAX, max_triggers - batch.triggers.size(),
-                                                                batch.triggers, summary_));
-    return !more || triggers_apart_.is_at_restart();
-  }
-
-  Result<bool> take_beside(EventBatch& batch, size_t begin, bool more, size_t max_triggers) {
-    if (!more) triggers_apart_.end_parts();
-    // At the end, triggers may need several batches.
-    if (!more || batch.events.size() > begin) {
-      more |= take_triggers(batch, more ? batch.events.t.back() : INT64_MAX, max_triggers);
+  /// Hands out the triggers of this part up to a time of the blocks; whether there are more.
+  Result<bool> take_triggers(EventBatch& batch, int64_t until_us, size_t max_triggers) {
+    const size_t begin = batch.triggers.size();
+    bool more = take_block_triggers(batch, std::min(until_us, part_end_us() - 1), max_triggers);
+    if (const size_t room = max_triggers - std::min(max_triggers, batch.triggers.size()); room > 0) {
+      const int64_t own_us = until_us == INT64_MAX ? until_us : until_us - shift_us();
+      E2LF_ASSIGN_OR_RETURN(const bool more_apart, triggers_apart_.take(own_us, room, batch.triggers, summary_));
+      more |= more_apart;
     }
-    if (batch.triggers.size() >= max_triggers) return more;
-    return triggers_apart_.take_beside(batch, begin, more, max_triggers - batch.triggers.size(), summary_);
+    if (batch.triggers.size() > begin) last_us_ = std::max(last_us_, batch.triggers.back().t);
+    return more;
   }
 
-  /// Hands out the triggers up to a time; whether there was no room for all. Those of a later part wait for it.
-  bool take_triggers(EventBatch& batch, int64_t until_us, size_t max_triggers) {
-    for (size_t taken = 0; !triggers_.empty() && triggers_.front().t <= until_us; ++taken) {
+  bool take_block_triggers(EventBatch& batch, int64_t until_us, size_t max_triggers) {
+    for (size_t taken = 0; !triggers_.empty() && triggers_.front().t <= until_us; triggers_.pop_front()) {
       if (taken == max_triggers) return true;
-      if (triggers_.front().t < last_trigger_us_) {
-        const bool is_last_part = has_ended_ && !gate_.restart();
-        const bool is_stray = triggers_.size() > 1 && triggers_[1].t >= last_trigger_us_;
-        if (!is_last_part && !is_stray) return false;
+      Trigger trigger = triggers_.front();
+      trigger.t -= shift_us();
+      if (trigger.t < last_trigger_us_) {
         summary_.add(Violation::kTimeBackwards, 0);
-        triggers_.pop_front();
         continue;
       }
-      last_trigger_us_ = triggers_.front().t;
-      batch.triggers.push_back(triggers_.front());
-      triggers_.pop_front();
+      last_trigger_us_ = trigger.t;
+      batch.triggers.push_back(trigger);
+      ++taken;
     }
     return false;
   }
@@ -128,12 +147,13 @@ class BlockReader final : public RecordingReader {
   TriggerFeed triggers_apart_;
   EventGate gate_;
   EventBatch block_;
-  EventColumns events_;  ///< believable and not yet handed out, from next_ on
+  EventColumns events_;  ///< believable and not yet handed out, from next_ on; times of the blocks, which go on
   size_t next_ = 0;
   std::deque<Trigger> triggers_;
+  size_t part_ = 0;                          ///< how many restarts of the blocks are in front of next_
   int64_t last_trigger_us_ = -kTimeLimitUs;  ///< of those handed out in this part
+  int64_t last_us_ = -kTimeLimitUs;          ///< of all that was handed out in this part
   bool has_ended_ = false;                   ///< there are no more blocks
-  bool parts_end_ = false;                   ///< a part has been handed out whole, and another one follows
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ void EventGate::release(EventColumns& events) {
 }
 
 void EventGate::reset() {
-  begin_part();
+  last_us_ = -kTimeLimitUs;
   waiting_.clear();
 }
 
@@ -27,8 +27,8 @@ bool EventGate::all_believable(const EventColumns& events, size_t begin) const {
   return (outside | backwards) == 0 && in_time;
 }
 
-/// Returns behind which event of those from `begin` on nothing is left; `end` comes down to where the rest has to wait.
-size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t& end, bool /*is_end*/, uint64_t byte,
+/// Returns behind which event of those from `begin` on nothing is left.
+size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t end, uint64_t byte,
                                       DecodeSummary& summary) {
   const auto time_at = [&](size_t i) { return events.t[i]; };
   size_t kept = begin;
@@ -56,11 +56,11 @@ size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t
 
 void EventGate::filter(EventColumns& events, size_t begin, bool is_end, uint64_t byte, DecodeSummary& summary) {
   const size_t wait = is_end ? 0 : std::min(kTimeLookAhead, events.size() - begin);
-  size_t judged = events.size() - wait;
+  const size_t judged = events.size() - wait;
   size_t kept = judged;
   byte -= std::exchange(num_released_, 0) * record_bytes_;
   if (!all_believable(events, begin)) {
-    kept = remove_unbelievable(events, begin, judged, is_end, byte, summary);
+    kept = remove_unbelievable(events, begin, judged, byte, summary);
   } else if (judged > begin) {
     last_us_ = events.t[judged - 1];
   }

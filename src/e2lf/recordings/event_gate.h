@@ -3,11 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/decode_summary.h"
-#include "e2lf/recordings/restart.h"
 
 namespace e2lf::recordings {
 
@@ -29,8 +27,7 @@ template <typename TimeAt>
 }
 
 /// Sorts out what damage has left unbelievable among events that carry their own full time (DAT, AEDAT4, CSV, npy):
-/// an event outside the sensor (kOutOfRange), an event before its predecessor (kTimeBackwards) unless the clock starts
-/// again there (restart.h), and an event later than
+/// an event outside the sensor (kOutOfRange), an event before its predecessor (kTimeBackwards), and an event later than
 /// most of its kTimeLookAhead successors or beyond kTimeLimitUs (kTimeJump), so that one flipped bit costs one event
 /// and not all that follow. The last kTimeLookAhead events wait for their successors until the next call.
 class EventGate {
@@ -44,30 +41,18 @@ class EventGate {
   void release(EventColumns& events);
 
   /// Removes unbelievable events from [begin, end) of `events` and counts them; `is_end` when no event follows.
-  /// `byte` is where the first of those that did not wait is in the file. Where the clock starts again, what follows
-  /// waits until begin_part().
+  /// `byte` is where the first of those that did not wait is in the file.
   void filter(EventColumns& events, size_t begin, bool is_end, uint64_t byte, DecodeSummary& summary);
-
-  /// Where the clock starts again with the events that wait, and the last time in front of them.
-  [[nodiscard]] const std::optional<Restart>& restart() const { return restart_; }
-
-  /// Takes the events that wait as those of a later part: times start again.
-  void begin_part() {
-    restart_.reset();
-    last_us_ = -kTimeLimitUs;
-  }
 
   /// Forgets time and waiting events: the reader went elsewhere.
   void reset();
 
  private:
   [[nodiscard]] bool all_believable(const EventColumns& events, size_t begin) const;
-  size_t remove_unbelievable(EventColumns& events, size_t begin, size_t& end, bool is_end, uint64_t byte,
-                             DecodeSummary& summary);
+  size_t remove_unbelievable(EventColumns& events, size_t begin, size_t end, uint64_t byte, DecodeSummary& summary);
 
   size_t width_, height_, record_bytes_;
   int64_t last_us_ = -kTimeLimitUs;
-  std::optional<Restart> restart_;
   EventColumns waiting_;
   size_t num_released_ = 0;  ///< of the events that filter() is about to see waited before
 };

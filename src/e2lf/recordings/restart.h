@@ -22,18 +22,15 @@ inline constexpr int64_t kMinRestartUs = 8'000;
 inline constexpr size_t kRestartWitnesses = 64;
 inline constexpr size_t kMinRestartWitnesses = 8;
 
-enum class RestartVerdict { kNo, kYes, kNeedMore };
-
-/// Whether the clock starts again with time i of `count`, which is earlier than the one in front of it, last_us: it
-/// falls by kMinRestartUs, and three quarters of the kRestartWitnesses times behind it go on from it, as they rise and
-/// stay below last_us. `is_end` = nothing follows: `fewest` times will do then; otherwise kNeedMore asks for more
-/// times.
+/// Returns whether the clock starts again with time i of `count`, which is earlier than the one in front of it,
+/// last_us: it falls by kMinRestartUs, and three quarters of the kRestartWitnesses times behind it go on from it, as
+/// they rise and stay below last_us. Fewer times than `fewest` do not suffice; the caller makes sure that
+/// kRestartWitnesses follow unless the recording ends.
 template <typename TimeAt>
-[[nodiscard]] RestartVerdict judge_restart(size_t i, size_t count, bool is_end, int64_t last_us, const TimeAt& time_at,
-                                           size_t fewest = kMinRestartWitnesses) {
+[[nodiscard]] bool is_restart(size_t i, size_t count, int64_t last_us, const TimeAt& time_at,
+                              size_t fewest = kMinRestartWitnesses) {
   const int64_t first_us = time_at(i);
-  if (first_us > last_us - kMinRestartUs) return RestartVerdict::kNo;
-  if (!is_end && count - i - 1 < kRestartWitnesses) return RestartVerdict::kNeedMore;
+  if (first_us > last_us - kMinRestartUs) return false;
   const size_t asked = std::min(count - i - 1, kRestartWitnesses);
   size_t in_favour = 0;
   int64_t latest_us = first_us;
@@ -45,8 +42,7 @@ template <typename TimeAt>
   }
   // A stretch of one time, as of zeroed bytes, is no clock that runs.
   const bool runs = latest_us > first_us || asked == 0;
-  const bool goes_on = asked >= fewest && 4 * in_favour >= 3 * asked && runs;
-  return goes_on ? RestartVerdict::kYes : RestartVerdict::kNo;
+  return asked >= fewest && 4 * in_favour >= 3 * asked && runs;
 }
 
 }  // namespace e2lf::recordings

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "testing/chunked_source.h"
@@ -222,6 +223,162 @@ TEST(JoinedRecordings, OfAnotherEncodingOrSizeAreRefusedWithTheirPlace) {
   const auto all = read_all(*reader);
   ASSERT_FALSE(all);
   EXPECT_EQ(all.error().location, "memory: byte " + std::to_string(place));
+}
+
+/// AEDAT4 packets of 1,000 events, each with its triggers behind it.
+Bytes aedat4_of(const EventBatch& first, const EventBatch& second) {
+  std::vector<std::pair<int32_t, aedat4::Bytes>> packets;
+  for (const EventBatch* part : {&first, &second}) {
+    size_t trigger = 0;
+    for (size_t begin = 0; begin < part->events.size(); begin += 1000) {
+      EventColumns events;
+      events.append(part->events, begin, begin + 1000);
+      std::vector<std::pair<int8_t, int64_t>> triggers;
+      for (; trigger < part->triggers.size() && part->triggers[trigger].t <= events.t.back(); ++trigger) {
+        triggers.emplace_back(part->triggers[trigger].p != 0 ? 1 : 2, part->triggers[trigger].t);
+      }
+      packets.emplace_back(0, aedat4::event_packet(events));
+      packets.emplace_back(3, aedat4::trigger_packet(triggers));
+    }
+  }
+  return aedat4::make_file(packets, aedat4::Compression::kLz4);
+}
+
+TEST(ContainersOfTwoParts, GoOnBehindTheEarlierPart) {
+  const TestFolder folder;
+  EventBatch first = part_of(60'000, 1000, 6'000'000, 1), second = part_of(60'000, 500, 7'000'000, 2);
+  for (EventBatch* part : {&first, &second}) {
+    for (Trigger& trigger : part->triggers) trigger.id = 0;
+  }
+  const Bytes dat = joined(first, second, "dat", false);
+  const Bytes aedat4 = aedat4_of(first, second);
+  for (const Bytes* bytes : {&dat, &aedat4}) {
+    SCOPED_TRACE(bytes == &dat ? "dat" : "aedat4");
+    int64_t shift_us = 0;
+    const EventBatch expected = continued(first, second, shift_us, bytes != &dat);
+    for (const size_t max_events : {RecordingReader::kDefaultBatch, size_t{64}, size_t{1000}}) {
+      const Decoded decoded = decode(*bytes, 1, max_events);
+      EXPECT_TRUE(decoded.batch == expected) << max_events;
+      ASSERT_EQ(decoded.summary.num_restarts, 1U);
+      EXPECT_EQ(decoded.summary.restarts[0].shift_us, shift_us);
+      EXPECT_EQ(decoded.summary.num_violations(), 0U);
+      if (bytes == &dat) {
+        EXPECT_EQ(decoded.summary.restarts[0].byte, encode(first, "dat").size());
+      }
+    }
+    auto reader =
+        open_recording(make_memory_source(std::span<const uint8_t>(*bytes)), {.policy = DecodePolicy::kSkip}).value();
+    EventBatch batch;
+    for (const size_t i : {size_t{90'000}, size_t{30'000}, size_t{119'000}}) {
+      const int64_t t_us = expected.events.t[i];
+      const auto place = std::lower_bound(expected.events.t.begin(), expected.events.t.end(), t_us);
+      ASSERT_TRUE(reader->seek(t_us));
+      ASSERT_TRUE(reader->read(batch).value());
+      EXPECT_EQ(batch.events[0], expected.events[static_cast<size_t>(place - expected.events.t.begin())]);
+    }
+  }
+}
+
+TEST(DatOfTwoParts, TakesTheTriggersOfEachPartFromTheFileBesideIt) {
+  const TestFolder folder;
+  const EventBatch first = part_of(60'000, 1000, 6'000'000, 1), second = part_of(60'000, 500, 6'000'000, 2);
+  const auto write = [&](const EventBatch& batch, const std::string& name) {
+    RecordingInfo info;
+    info.width = 640;
+    info.height = 480;
+    auto writer = create_recording(folder / name, "dat", info).value();
+    writer->write(batch).value();
+    writer->finish().value();
+  };
+  const auto append_records = [&](const std::string& from, const std::string& to) {
+    const auto later = read_file(folder / from).value();
+    const auto begin = std::search(later.begin(), later.end(), std::begin("% end"), std::begin("% end") + 5) + 8;
+    std::ofstream file(folder / to, std::ios::app | std::ios::binary);
+    file.write(reinterpret_cast<const char*>(&*begin), later.end() - begin);
+  };
+  write(first, "a.dat");
+  write(second, "b.dat");
+  append_records("b.dat", "a.dat");
+  append_records("b_trigger.dat", "a_trigger.dat");
+  int64_t shift_us = 0;
+  const EventBatch expected = continued(first, second, shift_us);
+  auto reader = open_recording(folder / "a.dat").value();
+  const EventBatch all = read_all(*reader).value();
+  EXPECT_TRUE(all.events == expected.events);
+  EXPECT_TRUE(all.triggers == expected.triggers);
+  EXPECT_EQ(reader->summary().num_violations(), 0U);
+}
+
+/// Reads all of a text whose events are these, in this order.
+Decoded decode_text(const std::vector<Event>& events, RestartPolicy restart = RestartPolicy::kContinue) {
+  std::string text = "x,y,p,t\n";
+  for (const Event& event : events) {
+    text += cat(event.x, ",", event.y, ",", int{event.p}, ",", event.t, "\n");
+  }
+  OpenOptions options;
+  options.policy = DecodePolicy::kSkip;
+  options.restart = restart;
+  auto reader =
+      open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()), "text"), options).value();
+  Decoded decoded;
+  decoded.batch = read_all(*reader).value();
+  decoded.summary = reader->summary();
+  return decoded;
+}
+
+std::vector<Event> events_of(const EventBatch& batch) {
+  std::vector<Event> events;
+  for (size_t i = 0; i < batch.events.size(); ++i) events.push_back(batch.events[i]);
+  return events;
+}
+
+TEST(JoinedTexts, GoOnBehindTheEarlierPartAndAreNotMixed) {
+  const EventBatch first = part_of(3'000, 1000, 600'000, 1), second = part_of(2'000, 500, 900'000, 2);
+  std::vector<Event> both = events_of(first);
+  const std::vector<Event> later = events_of(second);
+  both.insert(both.end(), later.begin(), later.end());
+  const int64_t shift_us = first.events.t.back() + 1 - second.events.t.front();
+  const Decoded decoded = decode_text(both);
+  ASSERT_EQ(decoded.summary.num_restarts, 1U);
+  EXPECT_EQ(decoded.summary.restarts[0].shift_us, shift_us);
+  EXPECT_EQ(decoded.summary.out_of_order, 0U);
+  EXPECT_TRUE(decode_text(both, RestartPolicy::kSplit).batch.events == first.events);
+  for (size_t i = first.events.size(); i < both.size(); ++i) both[i].t += shift_us;
+  EXPECT_TRUE(events_of(decoded.batch) == both);
+}
+
+TEST(UnsortedTexts, AreSortedAndNotTakenForJoinedOnes) {
+  const EventBatch part = part_of(5'000, 1000, 900'000, 1);
+  const std::vector<Event> sorted = events_of(part);
+  const auto by = [&](const auto& key) {
+    std::vector<Event> events = sorted;
+    std::stable_sort(events.begin(), events.end(), [&](const Event& a, const Event& b) { return key(a) < key(b); });
+    return events;
+  };
+  const auto of_times = [](const EventBatch& batch) {
+    return std::vector<int64_t>(batch.events.t.begin(), batch.events.t.end());
+  };
+  for (const std::vector<Event>& events :
+       {by([](const Event& e) { return e.p; }), by([](const Event& e) { return -e.p; }),
+        by([](const Event& e) { return e.y; }), by([](const Event& e) { return e.x; }),
+        by([](const Event& e) { return (e.t * 7919) % 10007; })}) {
+    const Decoded decoded = decode_text(events);
+    EXPECT_EQ(decoded.summary.num_restarts, 0U);
+    EXPECT_EQ(of_times(decoded.batch), of_times(part));
+    EXPECT_GT(decoded.summary.out_of_order, 0U);
+  }
+}
+
+TEST(DamagedTimes, OfDatAreNoRestarts) {
+  const EventBatch part = part_of(50'000, 1000, 6'000'000, 1);
+  Bytes bytes = encode(part, "dat");
+  const size_t header = header_bytes(bytes, "dat");
+  // Single times far ahead and far behind, and a stretch of zeros.
+  for (size_t i = 1000; i < 40'000; i += 777) bytes[header + 8 * i + 2] ^= 0x20;
+  std::fill_n(bytes.begin() + static_cast<ptrdiff_t>(header + 8 * 41'000), 8 * 300, uint8_t{0});
+  const Decoded decoded = decode(bytes, 1);
+  EXPECT_EQ(decoded.summary.num_restarts, 0U);
+  EXPECT_EQ(decoded.batch.events.t.back(), part.events.t.back());
 }
 
 TEST(SmallStepsBack, AreNoRestarts) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/sorted_runs.h"
 
 namespace e2lf::recordings {
@@ -53,6 +54,8 @@ class SortedPipe final : public EventBlocks {
     return more || end > 0;
   }
 
+  std::span<const Restart> restarts() const override { return blocks_->restarts(); }
+
   Result<void> seek_before(int64_t t_us) override { return blocks_->seek_before(t_us); }
 
  private:
@@ -90,6 +93,8 @@ class SortedFile final : public EventBlocks {
     block.events.append(memory_, next_, end);
     return std::exchange(next_, end) < end;
   }
+
+  std::span<const Restart> restarts() const override { return blocks_->restarts(); }
 
   Result<void> seek_before(int64_t t_us) override {
     E2LF_RETURN_IF_ERROR(prepare());
@@ -181,6 +186,7 @@ class SortedFile final : public EventBlocks {
 
 std::unique_ptr<EventBlocks> make_time_sorted(std::unique_ptr<EventBlocks> blocks, bool is_seekable, std::string name,
                                               const TimeSortOptions& options) {
+  blocks = make_continued(std::move(blocks), EventOrder::kAny);
   if (is_seekable) return std::make_unique<SortedFile>(std::move(blocks), options);
   return std::make_unique<SortedPipe>(std::move(blocks), std::move(name), options.pipe_events);
 }

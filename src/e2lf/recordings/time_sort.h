@@ -15,7 +15,8 @@ struct TimeSortOptions {
 };
 
 /// Blocks in order of time, whatever the order in `blocks`; events of one time keep theirs. What is out of order is
-/// counted (DecodeSummary::out_of_order), nothing is dropped.
+/// counted (DecodeSummary::out_of_order), nothing is dropped. Where the clock starts again, it goes on
+/// (continued_clock.h), and parts are not mixed.
 /// A source that can be sought is read once to see whether it is in order and, when it is not and holds more than
 /// memory_events, sorted through a temporary file (SortedRuns). One that cannot be sought is sorted as it comes, and
 /// next() fails with kUnsupported at an event that comes more than pipe_events too late. `name` is the location.

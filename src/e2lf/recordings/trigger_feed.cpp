@@ -21,8 +21,7 @@ Result<void> TriggerFeed::refill(DecodeSummary& summary) {
 /// Triggers are few: one that falls at the end may well be all that the later part has.
 bool TriggerFeed::starts_again() const {
   const auto time_at = [&](size_t i) { return block_[i].t; };
-  return block_[next_].t < last_us_ && !is_last_part_ &&
-         judge_restart(next_, block_.size(), ended_, last_us_, time_at, 0) == RestartVerdict::kYes;
+  return block_[next_].t < last_us_ && !is_last_part_ && is_restart(next_, block_.size(), last_us_, time_at, 0);
 }
 
 void TriggerFeed::begin_part() {
@@ -53,15 +52,6 @@ Result<bool> TriggerFeed::take(int64_t until_us, size_t max_triggers, std::vecto
     last_us_ = trigger.t;
     ++taken;
   }
-}
-
-Result<bool> TriggerFeed::take_beside(EventBatch& batch, size_t begin, bool more_events, size_t max_triggers,
-                                      DecodeSummary& summary) {
-  const bool has_events = batch.events.size() > begin;
-  if (more_events && !has_events) return true;
-  const int64_t until_us = more_events ? batch.events.t.back() : INT64_MAX;
-  E2LF_ASSIGN_OR_RETURN(const bool more_triggers, take(until_us, max_triggers, batch.triggers, summary));
-  return more_events || more_triggers;
 }
 
 Result<void> TriggerFeed::rewind() {

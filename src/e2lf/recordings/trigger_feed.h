@@ -36,11 +36,6 @@ class TriggerFeed {
   [[nodiscard]] Result<bool> take(int64_t until_us, size_t max_triggers, std::vector<Trigger>& triggers,
                                   DecodeSummary& summary);
 
-  /// Appends what belongs to a batch whose events from `begin` on were just read: all triggers up to its last event, or
-  /// the rest once the events have ended. False when there are no more events and no more triggers.
-  [[nodiscard]] Result<bool> take_beside(EventBatch& batch, size_t begin, bool more_events, size_t max_triggers,
-                                         DecodeSummary& summary);
-
   /// Whether the triggers of this part have ended and those of a later one wait, whose clock starts again.
   [[nodiscard]] bool is_at_restart() const { return is_at_restart_; }
 

@@ -7,7 +7,8 @@
 
 namespace e2lf::capture {
 
-/// What the sensor sees under each pattern (Eq. 1): float32 [pattern, y, x], row-major, divided by the number of views.
+/// The intensities that the sensor receives under each pattern (Eq. 1), divided by the number of views: float32
+/// [pattern, y, x], row-major.
 struct CodedIntensities {
   size_t num_patterns = 0, height = 0, width = 0;
   std::vector<float> values;

@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The place of an element as its indices, "[0, 2, 14, 7]".
+/// Returns the position of an element as its indices, "[0, 2, 14, 7]".
 std::string place_of(size_t element, const std::vector<size_t>& shape) {
   std::vector<size_t> place(shape.size());
   for (size_t axis = shape.size(); axis-- > 0; element /= shape[axis]) place[axis] = element % shape[axis];
   return shape_text(place);
 }
 
-/// Fails where floating-point numbers are no whole ones, and names the first.
+/// Fails if floating-point numbers are not integers, naming the first one.
 Result<void> check_whole(const NpyArray& array, const std::string& location) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
   const auto is_finite = [](float value) { return std::isfinite(value); };
@@ -34,22 +34,22 @@ Result<void> check_whole(const NpyArray& array, const std::string& location) {
     return Error{ErrorCode::kInvalidValue,
                  cat(count, count == 1 ? " count is" : " counts are", " not finite (NaN or infinity), the first is ",
                      *infinite, " at ", place_of(index_of(infinite), array.shape),
-                     "; event images hold whole numbers, replace what is none"),
+                     "; event images contain integers, so replace these values"),
                  location};
   }
   const auto part = std::find_if(values.begin(), values.end(), [](float value) { return value != std::trunc(value); });
   if (part == values.end()) return {};
   return Error{ErrorCode::kInvalidValue,
                cat("the count ", *part, " at ", place_of(index_of(part), array.shape),
-                   " is not a whole number; event images hold sums of signed events, undo what they were scaled by"),
+                   " is not a whole number; event images contain sums of signed events, so undo their scaling"),
                location};
 }
 
-/// `array` as int16 values; anything that is not a whole number within int16 is an error.
+/// Converts `array` to int16; any value that is not an integer within int16 is an error.
 Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string& location) {
   if (array.type.starts_with('f')) E2LF_RETURN_IF_ERROR(check_whole(array, location));
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> rough, array.to_float(location));
-  // In unsigned numbers of 8 to 64 bits, -1 is the largest; what is beyond half of it was negative.
+  // In unsigned numbers of 8 to 64 bits, -1 is the largest value, so values beyond half of it were negative.
   const bool is_unsigned = array.type.starts_with('u');
   const auto half = static_cast<float>(std::ldexp(0.5, static_cast<int>(8 * array.item_size)));
   std::vector<int16_t> counts(rough.size());
@@ -71,7 +71,7 @@ Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string&
   return counts;
 }
 
-/// Cycles from an array [cycles, N-1, y, x] or [N-1, y, x].
+/// Returns the cycles of an array [cycles, N-1, y, x] or [N-1, y, x].
 Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
   if ((shape.size() != 3 && shape.size() != 4) || array.num_elements() == 0) {
@@ -79,7 +79,7 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
                  cat("event images have shape ", shape_text(shape), "; expected [N-1, y, x] or [cycles, N-1, y, x]"),
                  location};
   }
-  // No camera shows more patterns than it has columns.
+  // No display shows more patterns than a camera has columns.
   constexpr size_t kMostTransitions = 16;
   if (shape[shape.size() - 3] > kMostTransitions && shape.back() <= kMostTransitions) {
     return Error{
@@ -115,7 +115,7 @@ Result<void> check_codes(const NpyArray& codes, size_t transitions, const std::s
 Result<EventImageFile> from_arrays(NpzArrays arrays, const fs::path& path) {
   const auto found = arrays.find("events");
   if (found == arrays.end()) {
-    return Error{ErrorCode::kNotFound, "no array \"events\" in the file; expected events and, when known, codes",
+    return Error{ErrorCode::kNotFound, "the file contains no array \"events\"; add it and, if they are known, codes",
                  path.string()};
   }
   EventImageFile file;
@@ -129,7 +129,7 @@ Result<EventImageFile> from_arrays(NpzArrays arrays, const fs::path& path) {
   return file;
 }
 
-/// The K of event_image_0000K.npy, or nothing for other names.
+/// Returns the K of event_image_0000K.npy, or nothing for other names.
 std::optional<size_t> image_number(const fs::path& path) {
   const std::string stem = path.stem().string(), prefix = "event_image_";
   if (path.extension() != ".npy" || !stem.starts_with(prefix)) return std::nullopt;
@@ -140,7 +140,7 @@ std::optional<size_t> image_number(const fs::path& path) {
   return number;
 }
 
-/// The folder's event images in order; their numbers must run from 0 without a gap.
+/// Lists the event images of a folder in order; their numbers must run from 0 without gaps.
 Result<std::vector<fs::path>> list_images(const fs::path& folder) {
   std::vector<std::pair<size_t, fs::path>> found;
   std::error_code status;
@@ -235,7 +235,8 @@ Result<EventImageFile> read_event_images(const fs::path& path) {
     return EventImageFile{std::move(cycles), {}, {}, {}};
   }
   return Error{ErrorCode::kUnsupported,
-               "not a kind of event image file; use .npz, .npy, .mat or a folder of event_image_*.npy", path.string()};
+               "this is not a file of event images; use .npz, .npy, .mat or a folder of event_image_*.npy",
+               path.string()};
 }
 
 Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {

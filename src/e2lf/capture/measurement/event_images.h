@@ -12,8 +12,8 @@
 
 namespace e2lf::capture {
 
-/// Event images of one cycle: int16 [transition, y, x], row-major; each value is the sum of the signed events (+1 ON,
-/// -1 OFF) of a pixel in one pattern transition (Eq. 2). N patterns make N - 1 transitions.
+/// The event images of one cycle: int16 [transition, y, x], row-major. Each value is the sum of the signed events (+1
+/// ON, -1 OFF) of a pixel during one transition between patterns (Eq. 2). N patterns have N - 1 transitions.
 struct EventImages {
   size_t transitions = 0, height = 0, width = 0;
   std::vector<int16_t> counts;
@@ -32,31 +32,34 @@ struct EventImages {
   bool operator==(const EventImages&) const = default;
 };
 
-/// What an EVENTS.npz holds: one entry per cycle, all of one shape, and what is known of how they came about.
+/// The content of an EVENTS.npz file: one entry per cycle, all of the same shape, and the properties of the camera that
+/// are known.
 struct EventImageFile {
   std::vector<EventImages> cycles;
   std::optional<NpyArray> codes;       ///< [N, view_y, view_x]
   std::optional<NpyArray> camera;      ///< see camera_from_npy()
-  std::optional<NpyArray> views = {};  ///< how the views come out; see views_from_npy()
+  std::optional<NpyArray> views = {};  ///< the orientation of the views; see views_from_npy()
 };
 
 /// Reads event images from
-///  - an .npz with `events` [cycles, N-1, y, x] or [N-1, y, x] (any integer type, or float with whole values) and maybe
-///  `codes`, `camera` and `views`;
-///  - a .mat before version 7.3 with the same arrays, their axes in MATLAB's order: events (y, x, N-1, cycles), codes
-///  (view_y, view_x, N), camera and views (1, length);
-///  - an .npy of either shape;
-///  - a folder of event_image_00000.npy ... as the paper's software writes them, [y, x] or [y, x, 1] each, one per
+///  - an .npz file with `events` [cycles, N-1, y, x] or [N-1, y, x] (any integer type, or floats with integral values)
+///  and optionally `codes`, `camera` and `views`;
+///  - a .mat file before version 7.3 with the same arrays, whose axes are in MATLAB's order: events (y, x, N-1,
+///  cycles), codes (view_y, view_x, N), camera and views (1, length);
+///  - an .npy file of either shape;
+///  - a folder of event_image_00000.npy, ... as the paper's software writes them, [y, x] or [y, x, 1], one per
 ///  transition.
-/// NaN, fractions and values beyond int16 are kInvalidValue, different sizes or a missing number kShape / kNotFound.
+/// Fails with kInvalidValue (NaN, fractions, or values beyond int16), kShape (images of different sizes), kNotFound (no
+/// such file or array, or a missing number in a folder), kUnsupported (another extension) and as the readers of these
+/// formats do.
 [[nodiscard]] Result<EventImageFile> read_event_images(const std::filesystem::path& path);
 
-/// Writes `events` int16 [cycles, N-1, y, x], and `codes`, `camera` and `views` when given, as an .npz. All cycles must
-/// have one shape. Fails with kIo.
+/// Writes an .npz file with `events` int16 [cycles, N-1, y, x] and, if given, `codes`, `camera` and `views`. All cycles
+/// must have the same shape. Fails with kIo.
 [[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
 
-/// The same as a .mat, with its axes as read_event_images() says. Fails with kIo, and with kUnsupported (2 GiB or more,
-/// codes of a type that MATLAB has not).
+/// Writes a .mat file with the same arrays, in the axis order that read_event_images() describes. Fails with kIo, and
+/// with kUnsupported (2 GiB or more, or codes of a type that MATLAB does not have).
 [[nodiscard]] Result<void> write_event_images_mat(const std::filesystem::path& path, const EventImageFile& file);
 
 }  // namespace e2lf::capture

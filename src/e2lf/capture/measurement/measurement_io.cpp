@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kImages = "images";
 constexpr const char* kLensArray = "lens_array";
 
-/// The images of each cycle, from an array [cycles, image, y, x].
+/// Returns the images of each cycle from an array [cycles, image, y, x].
 Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
   if (shape.size() != 4 || array.num_elements() == 0) {
@@ -60,8 +60,8 @@ Result<MeasurementFile> measurement_of_arrays(NpzArrays arrays, const fs::path& 
     E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));
     if (events.cycles.size() != file.cycles.size()) {
       return Error{ErrorCode::kShape,
-                   cat(file.cycles.size(), " cycles of images beside ", events.cycles.size(),
-                       " of events; give both of each cycle"),
+                   cat(file.cycles.size(), " cycles of images with ", events.cycles.size(),
+                       " of events; give both for each cycle"),
                    location};
     }
     for (size_t i = 0; i < file.cycles.size(); ++i) {

@@ -17,7 +17,7 @@ using lightfield::LightField;
 
 namespace {
 
-/// A finite number, or nothing where the text is none.
+/// Returns a finite number, or nothing if the text is none.
 std::optional<float> finite_number(const std::string& text) {
   char* end = nullptr;
   const float value = std::strtof(text.c_str(), &end);
@@ -31,7 +31,8 @@ Result<std::optional<float>> parse_gain(const std::string& gain) {
   if (gain == "auto") return std::optional<float>();
   const auto value = finite_number(gain);
   if (!value || *value <= 0) {
-    return Error{ErrorCode::kInvalidValue, cat("\"", gain, "\" is no gain; give auto or a positive number"), "--gain"};
+    return Error{ErrorCode::kInvalidValue, cat("\"", gain, "\" is not a gain; give auto or a positive number"),
+                 "--gain"};
   }
   return value;
 }
@@ -40,19 +41,10 @@ Result<std::optional<float>> parse_black(const std::string& black) {
   if (black == "auto") return std::optional<float>();
   const auto value = finite_number(black);
   if (!value || *value < 0) {
-    return Error{ErrorCode::kInvalidValue, cat("\"", black, "\" is no brightness; give auto, 0 or a positive number"),
-                 "--black"};
+    return Error{ErrorCode::kInvalidValue,
+                 cat("\"", black, "\" is not a brightness; give auto, 0 or a positive number"), "--black"};
   }
   return value;
-}
-
-Result<recon::Tone> tone_of(const std::string& gain, const std::string& black,
-                            const std::optional<capture::SensorProfile>& camera) {
-  recon::Tone tone;
-  E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(gain));
-  E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(black));
-  if (!tone.black && (tone.gain || !camera || !camera->is_pixel())) tone.black = 0.0F;
-  return tone;
 }
 
 Result<void> write_reconstruction(const fs::path& folder, LightField& light_field, const std::string& format,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf codes render: what an aperture display shows
+// e2lf codes render: images for an aperture display
 #include <algorithm>
 #include <cstdio>
 
@@ -32,13 +32,14 @@ struct RenderArguments {
   int64_t duration_us = 10000;
 };
 
-/// One picture of a cycle, in the order of the schedule.
+/// One image of a cycle, in the order of the schedule.
 struct NamedFrame {
   std::string file;
   ByteImage picture;
 };
 
-/// The schedule's patterns: their inverses first, as the paper's display needs it, unless there are to be none.
+/// The patterns of the schedule, preceded by their inverses as the paper's display requires, unless inverses are
+/// omitted.
 struct Sequence {
   cycles::Schedule schedule;
   std::vector<capture::Codes> parts;  ///< one after another
@@ -65,7 +66,7 @@ Result<std::vector<NamedFrame>> render_frames(const RenderArguments& arguments, 
   return frames;
 }
 
-/// All frames beside each other, so that one look tells whether flips and turns are right.
+/// Returns a sheet with all frames side by side, which shows whether flips and rotations are correct.
 ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
   constexpr size_t kColumns = 4, kWidth = 320, kGap = 4;
   const ByteImage& first = frames.front().picture;
@@ -85,7 +86,7 @@ ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
   return sheet;
 }
 
-/// What a program that drives the display reads: frame, when it begins in the cycle, how long it is shown.
+/// Returns the table for a program that drives the display: the frame, its start in the cycle, and its duration.
 std::string csv_of(const cycles::Schedule& schedule, const std::vector<NamedFrame>& frames) {
   std::string text = "index,file,name,begin_us,duration_us,event_image\n";
   int64_t begin_us = 0;
@@ -107,13 +108,13 @@ Result<void> write_frame(const fs::path& folder, const NamedFrame& frame, const 
 
 Result<void> check_depth(const RenderArguments& arguments, const capture::Codes& codes) {
   if (arguments.bits == 8 || capture::is_binary(codes)) return {};
-  return Error{ErrorCode::kInvalidValue, "the patterns hold values between 0 and 1, which one bit cannot show; use 8",
-               "--bits"};
+  return Error{ErrorCode::kInvalidValue,
+               "the patterns contain values between 0 and 1, which one bit cannot represent; use 8", "--bits"};
 }
 
 Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   RunRecord record("codes render");
-  E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(pipeline::KnownCodes known, load_codes(arguments.codes, record));
   known.codes = capture::codes_of_whole_cycle(known.codes).value_or(known.codes);
   E2LF_RETURN_IF_ERROR(check_depth(arguments, known.codes));
   const Sequence sequence = sequence_of(arguments, known.codes);
@@ -139,7 +140,7 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_codes_render(const std::vector<std::string>& arguments) {
-  Verb verb("codes render", "Make the pictures that an aperture display shows, and their schedule.",
+  Verb verb("codes render", "Make the images that an aperture display shows, and their schedule.",
             "e2lf codes render -m e2lf-n4 -o out/display --flip-x --bits 1");
   RenderArguments render_arguments;
   capture::DisplayLayout& layout = render_arguments.layout;
@@ -148,14 +149,14 @@ int run_codes_render(const std::vector<std::string>& arguments) {
   app.add_option("-o,--output", render_arguments.output, "folder to write")->required();
   app.add_option("--width", layout.width_px, "of the display, px")->capture_default_str();
   app.add_option("--height", layout.height_px, "of the display, px")->capture_default_str();
-  app.add_option("--cell", layout.cell_px, "side of an aperture cell, px")->capture_default_str();
-  app.add_option("--offset-x", layout.offset_x_px, "the aperture is so far right of the centre, px");
-  app.add_option("--offset-y", layout.offset_y_px, "the aperture is so far below the centre, px");
-  app.add_option("--rotate", render_arguments.rotation_deg, "turn the patterns clockwise, degrees")
+  app.add_option("--cell", layout.cell_px, "width and height of an aperture cell, px")->capture_default_str();
+  app.add_option("--offset-x", layout.offset_x_px, "offset of the aperture from the centre to the right, px");
+  app.add_option("--offset-y", layout.offset_y_px, "offset of the aperture from the centre downwards, px");
+  app.add_option("--rotate", render_arguments.rotation_deg, "rotation of the patterns, clockwise, degrees")
       ->check(CLI::IsMember({0, 90, 180, 270}))
       ->capture_default_str();
-  app.add_flag("--flip-x", layout.flip_x, "left and right change places, before turning");
-  app.add_flag("--flip-y", layout.flip_y, "top and bottom change places, before turning");
+  app.add_flag("--flip-x", layout.flip_x, "mirror the patterns left to right, before the rotation");
+  app.add_flag("--flip-y", layout.flip_y, "mirror the patterns top to bottom, before the rotation");
   app.add_option("--format", render_arguments.format, "png or bmp")
       ->check(CLI::IsMember({"png", "bmp"}))
       ->capture_default_str();
@@ -163,8 +164,8 @@ int run_codes_render(const std::vector<std::string>& arguments) {
       ->check(CLI::IsMember({1, 8}))
       ->capture_default_str();
   app.add_flag("--no-inverses", render_arguments.no_inverses,
-               "leave out the inverse patterns that the paper's display needs");
-  app.add_option("--duration-us", render_arguments.duration_us, "--no-inverses: how long each pattern is shown")
+               "omit the inverse patterns that the paper's display needs");
+  app.add_option("--duration-us", render_arguments.duration_us, "duration of each pattern, with --no-inverses")
       ->check(whole_number(1))
       ->capture_default_str();
   return verb.run(arguments, [&] {

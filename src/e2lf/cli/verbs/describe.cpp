@@ -8,7 +8,6 @@
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/output/pictures.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/eval/event_statistics.h"
@@ -22,6 +21,7 @@
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/model/video/video_model.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/report/chart.h"
 
 namespace e2lf::cli {
@@ -32,7 +32,7 @@ std::string orientation_text(const std::optional<capture::Orientation>& views) {
   return views ? capture::orientation_name(*views) : "not told";
 }
 
-/// How many of the values lie in each of the bins of equal width.
+/// Returns a histogram of the values in bins of equal width.
 std::string histogram(const char* label, std::span<const float> values, float low, float high, size_t bins) {
   report::LineChart chart{label, "share, %", {{"", {}, /*is_filled=*/true}}};
   std::vector<double> counts(bins);
@@ -52,13 +52,13 @@ std::string histogram(const char* label, std::span<const float> values, float lo
 
 Result<void> show(const capture::EventImageFile& file, const std::string& name, report::Page& page) {
   const capture::EventImages& first = file.cycles.front();
-  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
+  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, and grey is none.");
   E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(first), "event images"}}, 1600, page));
   page.drawing(transition_bars(eval::event_statistics(first).events_per_pixel));
   constexpr float kMost = 16.5F;
   const std::vector<float> counts(first.counts.begin(), first.counts.end());
-  page.drawing(histogram("events of a pixel in a transition, ON less OFF; those beyond 16 at the ends", counts, -kMost,
-                         kMost, 33));
+  page.drawing(histogram("ON minus OFF events of a pixel in a transition; values beyond 16 are counted at the ends",
+                         counts, -kMost, kMost, 33));
   if (!file.codes) return {};
   E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, capture::codes_from_npy(*file.codes, name));
   page.heading("Patterns");
@@ -71,10 +71,10 @@ Result<void> show(const lightfield::LightField& field, float low, float high, re
   E2LF_RETURN_IF_ERROR(
       add_pictures({{lightfield::contact_sheet(field), "all views, in the order of the aperture"}}, 1600, page));
   page.heading("Parallax");
-  E2LF_RETURN_IF_ERROR(
-      add_pictures({{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
-                     "the middle view; below and beside it the EPIs of the cuts in the colours of their frames"}},
-                   1200, page));
+  E2LF_RETURN_IF_ERROR(add_pictures(
+      {{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
+        "the middle view, with the EPIs of two cuts below and beside it, framed in the colours of the cuts"}},
+      1200, page));
   page.heading("Values").drawing(histogram("value", field.data(), std::min(low, 0.0F), std::max(high, 1.0F), 128));
   return {};
 }
@@ -100,7 +100,7 @@ Result<Description> describe_model(const fs::path& path) {
   return Description{model::summary_text(model), std::move(json), show_patterns};
 }
 
-/// Data to train on, as `e2lf pack` writes it.
+/// Describes training data that `e2lf pack` wrote.
 Result<Description> describe_packed_data(Safetensors file, const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const learn::PackedData data, learn::sort_packed_data(std::move(file), path.string()));
   Json light_fields = Json::array();
@@ -127,7 +127,8 @@ Result<Description> describe_event_images(const fs::path& path) {
   const auto kept = std::make_shared<const capture::EventImageFile>(std::move(read));
   const capture::EventImageFile& file = *kept;
   const capture::EventImages& first = file.cycles.front();
-  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup({{}, {}, file.camera, file.views}, path));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::RecordedSetup setup,
+                        pipeline::recorded_setup({{}, {}, file.camera, file.views}, path));
   const eval::EventStatistics statistics = eval::event_statistics(first);
   Json json = {{"kind", "event images"},
                {"cycles", file.cycles.size()},
@@ -147,7 +148,7 @@ Result<Description> describe_event_images(const fs::path& path) {
                      [kept, name = path.string()](report::Page& page) { return show(*kept, name, page); }};
 }
 
-/// A measurement with intensity images.
+/// Describes a measurement with intensity images.
 Result<Description> describe_images(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const capture::MeasurementFile file, capture::read_measurements(path));
   const capture::Measurement& first = file.cycles.front();

@@ -68,7 +68,7 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
   }
   if (summary.out_of_order > 0) text += cat("sorted:    ", summary.out_of_order, " events were out of order\n");
   text += cat("left out:  ", losses.empty() ? "nothing" : recordings::loss_text(losses), "\n");
-  if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " stretches of time are incomplete\n");
+  if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " time intervals are incomplete\n");
   if (info.table) {
     text +=
         cat("read as:   ", info.table->columns, "; times in ", info.table->time_unit, "; ", info.table->polarity, "\n");
@@ -80,7 +80,7 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
   return text;
 }
 
-/// One part of a recording whose clock starts again, kept apart.
+/// Describes one part of a recording whose clock starts again.
 std::string part_text(size_t number, const recordings::DecodeSummary& part) {
   return cat("part ", number, ":    ", part.events(), " events, ", part.triggers, " triggers, ", time_text(part), "\n");
 }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// e2lf info: what a file or folder is
+// e2lf info: description of a file or folder
 #include <cstdio>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/flags/option_types.h"
 #include "e2lf/cli/output/output.h"
@@ -12,6 +11,7 @@
 #include "e2lf/cli/verbs/rate_plot.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/recordings/event_rate.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ namespace {
 
 struct InfoArguments {
   fs::path path;
-  fs::path plot;  ///< picture of the event rate; empty = none
+  fs::path plot;  ///< chart of the event rate; empty = none
   std::vector<fs::path> reports;
   DescribeOptions options;
 };
@@ -77,8 +77,8 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(const Description found, describe(kind, path, arguments.options));
   if (!arguments.plot.empty()) {
-    return Error{ErrorCode::kInvalidValue, "this is no recording, there is no event rate to plot; leave --plot out",
-                 path.string()};
+    return Error{ErrorCode::kInvalidValue,
+                 "this is not a recording, so there is no event rate to plot; leave --plot out", path.string()};
   }
   print(found, verb.common());
   return write_report(found, arguments, {}, reports);
@@ -87,7 +87,7 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_info(const std::vector<std::string>& arguments) {
-  Verb verb("info", "Say what a file or folder is: a recording, event images, a light field or a model.",
+  Verb verb("info", "Describe a file or folder: a recording, event images, a light field or a model.",
             "e2lf info recording.raw --plot rate.svg");
   InfoArguments info;
   verb.app()
@@ -95,7 +95,7 @@ int run_info(const std::vector<std::string>& arguments) {
       ->required()
       ->type_name(kThingType);
   verb.app()
-      .add_option("--plot", info.plot, "recordings: write the event rate over time as a picture (.svg, .png)")
+      .add_option("--plot", info.plot, "recordings: write a chart of the event rate over time (.svg, .png)")
       ->check(chart_name());
   add_report_option(verb.app(), info.reports);
   add_recording_options(verb.app(), info.options.recording, kRecordingOptions);

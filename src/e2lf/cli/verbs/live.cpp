@@ -10,12 +10,13 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/camera_option.h"
+#include "e2lf/cli/flags/cycle_input.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/model_option.h"
-#include "e2lf/cli/flags/network_choice.h"
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/output/light_field_output.h"
+#include "e2lf/cli/output/method_notes.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -23,7 +24,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/live/session.h"
-#include "e2lf/recon/field_sequence.h"
+#include "e2lf/pipeline/method.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -105,57 +106,61 @@ Result<void> check_network(const model::Model& model, const cycles::Schedule& sc
                ""};
 }
 
-/// Makes the better light fields by this model, in several passes.
-FineMethod fine_method(model::Model model, engine::Precision precision, const capture::Orientation& views) {
+/// Makes the better light fields by this network, in several passes.
+FineMethod fine_method(recon::Reconstructor network, const capture::Orientation& views) {
   constexpr size_t kPasses = 4;
-  return [model = std::move(model), precision, views](const live::LiveField& frozen) -> Result<lightfield::LightField> {
-    // An engine runs once at a time, so that this one is not the session's.
-    E2LF_ASSIGN_OR_RETURN(const auto network, recon::Reconstructor::create(model, {.precision = precision}));
+  return [network = std::move(network), views](const live::LiveField& frozen) -> Result<lightfield::LightField> {
     const auto method = [&](const capture::Measurement& counts, const ProgressFn& progress) {
       return network.reconstruct(counts, progress, network.num_passes(kPasses), frozen.cycle.cycles);
     };
-    recon::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black}, {});
-    E2LF_ASSIGN_OR_RETURN(recon::Field field, sequence.next(frozen.cycle.counts));
+    pipeline::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black}, {});
+    E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(frozen.cycle.counts));
     if (!views.is_upright()) lightfield::orient(field.light_field, views);
     return std::move(field.light_field);
   };
 }
 
+/// Opens a network that takes the event images of the cycles.
+Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
+                                            pipeline::MethodChoice choice) {
+  auto method = pipeline::open_method(std::move(choice));
+  if (!method) return by_flag(method.error(), arguments.source);
+  E2LF_RETURN_IF_ERROR(check_network(method->network->model(), cycles.schedule()));
+  return method;
+}
+
 Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
   Instrument instrument;
-  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
-  E2LF_ASSIGN_OR_RETURN(const CycleFlags flags, wanted_cycles(arguments.cycles, arguments.codes, model));
-  E2LF_ASSIGN_OR_RETURN(instrument.reader, open_reader(arguments, flags, recordings));
+  pipeline::MethodChoice choice{.precision = arguments.precision};
+  E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(choice.codes, read_named_codes(arguments.codes));
+  E2LF_ASSIGN_OR_RETURN(instrument.reader, open_reader(arguments, wanted_cycles(arguments.cycles, choice), recordings));
   const cycles::CycleReader& cycles = instrument.reader->cycles();
-  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, setup_of_cycles(arguments.source, cycles));
-  E2LF_ASSIGN_OR_RETURN(auto camera, camera_of_events(arguments.camera, setup, record));
-  if (!model) {
-    E2LF_ASSIGN_OR_RETURN(model, find_bundled_network(arguments.source, arguments.codes, setup, camera, record));
+  E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
+  if (!arguments.camera.empty()) {
+    E2LF_ASSIGN_OR_RETURN(choice.camera, load_camera(arguments.camera, record));
   }
-  E2LF_RETURN_IF_ERROR(check_network(*model, cycles.schedule()));
-  E2LF_ASSIGN_OR_RETURN(const auto known, find_codes(arguments.codes, model, setup.codes, record));
-  tell_patterns(arguments.source, *model, known, record);
-  tell_camera(camera, *model, record);
-  if (!camera && model::is_told_the_camera(*model)) camera = model->camera;
-  E2LF_ASSIGN_OR_RETURN(const recon::Tone tone, tone_of(arguments.gain, arguments.black, camera));
+  note_named_codes(arguments.codes, choice.codes, choice.events.codes, record);
+  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, cycles, choice));
+  note_method(method, arguments.source, arguments.codes.model, 1, record);
+  pipeline::OpenedMethod best = method;
+  if (!arguments.fine_model.empty()) {
+    E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(arguments.fine_model));
+    record.add_input(arguments.fine_model);
+    E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, cycles, std::move(choice)));
+  }
+  pipeline::Tone tone;
+  E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
+  E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
+  tone = method.complete(tone);
   E2LF_ASSIGN_OR_RETURN(const auto size, live::size_from_name(arguments.size));
-  const bool is_camera_named = !arguments.camera.empty() && camera->views;
-  const auto views = arguments.orientation.after(is_camera_named ? camera->views : setup.views);
   instrument.options.size = live::SizeChoice(size);
   instrument.options.gain = tone.gain;
   instrument.options.black = tone.black;
-  instrument.options.views = views.value_or(capture::Orientation{});
+  instrument.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
   instrument.reader->set_average(arguments.average);
-  model::Model best = *model;
-  if (!arguments.fine_model.empty()) {
-    E2LF_ASSIGN_OR_RETURN(best, model::read_model(arguments.fine_model));
-    record.add_input(arguments.fine_model);
-    E2LF_RETURN_IF_ERROR(check_network(best, cycles.schedule()));
-    tell_camera(camera, best, record);
-  }
-  E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
-  E2LF_ASSIGN_OR_RETURN(instrument.network, recon::Reconstructor::create(std::move(*model), {.precision = precision}));
-  instrument.fine = fine_method(std::move(best), precision, instrument.options.views);
+  instrument.network = *method.network;
+  instrument.fine = fine_method(*best.network, instrument.options.views);
   return instrument;
 }
 

@@ -61,7 +61,7 @@ Result<void> LivePage::finish() {
 }
 
 int run_view(const std::vector<std::string>& arguments) {
-  Verb verb("view", "Look at light fields, events, recordings and models in a browser. This build has no viewer.",
+  Verb verb("view", "Show light fields, events, recordings and models in a browser. This build has no viewer.",
             "./run e2lf view out/demo/recon");
   verb.app().allow_extras();
   return verb.run(arguments, []() -> Result<void> { return no_viewer(); });

@@ -48,6 +48,10 @@ TEST(EngineParity, BlocksAtFullResolutionGiveTheSameLightField) {
                 26, 34);
 }
 
+TEST(EngineParity, ANetworkWithoutAHeadGivesTheSameLightField) {
+  expect_parity(model::unet({.input_channels = 9, .widths = {16, 24}, .blocks = {1, 2}, .head_width = 0}), 28, 36);
+}
+
 /// The same over frames of a network that remembers.
 void expect_parity_over_frames(const model::Network& network, const model::Weights& weights, int64_t height,
                                int64_t width) {

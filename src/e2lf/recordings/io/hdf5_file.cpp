@@ -36,7 +36,7 @@ std::string text_of_attribute(hid_t attribute) {
   return text.substr(0, text.find('\0'));
 }
 
-/// False when a chunk that the elements lie in is not stored whole.
+/// Returns false if a chunk with some of the elements is not stored completely.
 bool chunks_are_whole(const DatasetShape& shape, uint64_t begin, uint64_t count) {
   if (!shape.storage.is_chunked()) return true;
   const uint64_t chunk_columns = shape.storage.chunk.size() == 2 ? shape.storage.chunk[1] : 1;
@@ -61,7 +61,7 @@ Result<Handle> open_file(ByteSource& source) {
     file = e2lf::hdf5::open_bytes(std::move(bytes));
   }
   if (!file.valid()) {
-    return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file; it is damaged or not complete",
+    return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file, which is damaged or incomplete",
                  source.name()};
   }
   return file;
@@ -103,36 +103,67 @@ Result<void> write_text_attribute(hid_t object, const std::string& name, const s
 
 namespace {
 
-Result<DatasetShape> open_rows(hid_t file, const std::string& name, const std::string& location, size_t dimensions) {
+Result<DatasetShape> open_any(hid_t file, const std::string& name, const std::string& location) {
   const LibraryLock lock;
   DatasetShape shape;
   shape.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!shape.dataset.valid()) {
-    return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; is it an event recording?"), location};
-  }
-  E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
-  const Storage& storage = shape.storage;
-  if (storage.extents.size() != dimensions || (dimensions == 2 && storage.extents[1] == 0)) {
-    return Error{ErrorCode::kShape,
-                 cat("data set ", name, " has ", storage.extents.size(), " dimensions, not ", dimensions,
-                     "; is it an event recording?"),
+    return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; it may not be an event recording"),
                  location};
   }
-  shape.columns = dimensions == 2 ? storage.extents[1] : 1;
-  shape.chunk_length = storage.is_chunked() ? storage.chunk[0] : 0;
-  shape.length = std::min(storage.claimed_elements(), storage.stored_elements) / shape.columns;
-  shape.is_cut = shape.length < storage.claimed_elements() / shape.columns;
+  E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
   return shape;
+}
+
+/// Sets what a data set of so many columns holds.
+DatasetShape with_columns(DatasetShape shape, uint64_t columns) {
+  const Storage& storage = shape.storage;
+  shape.columns = columns;
+  shape.chunk_length = storage.is_chunked() ? storage.chunk[0] : 0;
+  shape.length = std::min(storage.claimed_elements(), storage.stored_elements) / columns;
+  shape.is_cut = shape.length < storage.claimed_elements() / columns;
+  return shape;
+}
+
+Error other_shape(const DatasetShape& shape, const std::string& name, const std::string& location,
+                  const char* expected) {
+  return {ErrorCode::kShape,
+          cat("data set ", name, " has ", shape.storage.extents.size(), " dimensions, not ", expected,
+              "; is it an event recording?"),
+          location};
 }
 
 }  // namespace
 
 Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location) {
-  return open_rows(file, name, location, 1);
+  E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_any(file, name, location));
+  const std::vector<hsize_t>& extents = shape.storage.extents;
+  if (extents.size() == 2 && extents[0] == 1 && extents[1] != 1) return open_row(file, name, 0, location);
+  if (extents.size() != 1 && !(extents.size() == 2 && extents[1] == 1)) return other_shape(shape, name, location, "1");
+  return with_columns(std::move(shape), 1);
+}
+
+Result<DatasetShape> open_row(hid_t file, const std::string& name, uint64_t row, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_any(file, name, location));
+  const std::vector<hsize_t> extents = shape.storage.extents;
+  if (extents.size() != 2 || row >= extents[0]) return other_shape(shape, name, location, "2");
+  // Where a part is missing, no row is whole.
+  const bool is_whole = shape.storage.stored_elements >= shape.storage.claimed_elements();
+  if (!is_whole || !e2lf::hdf5::chunks_are_whole(shape.dataset.get(), shape.storage)) {
+    return Error{ErrorCode::kTruncated, cat("data set ", name, " is not stored whole; copy the file again"), location};
+  }
+  shape = with_columns(std::move(shape), 1);
+  shape.length = extents[1];
+  shape.row = row;
+  return shape;
 }
 
 Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location) {
-  return open_rows(file, name, location, 2);
+  E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_any(file, name, location));
+  const std::vector<hsize_t>& extents = shape.storage.extents;
+  if (extents.size() != 2 || extents[1] == 0) return other_shape(shape, name, location, "2");
+  const uint64_t columns = extents[1];
+  return with_columns(std::move(shape), columns);
 }
 
 Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count, void* out,
@@ -140,11 +171,12 @@ Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_
   const LibraryLock lock;
   const hid_t dataset = shape.dataset.get();
   E2LF_RETURN_IF_ERROR(e2lf::hdf5::check_filters(shape.storage, location));
-  if (!chunks_are_whole(shape, begin, count)) {
+  if (!shape.row && !chunks_are_whole(shape, begin, count)) {
     return Error{ErrorCode::kTruncated, cat("elements from ", begin, " on are missing; the file is damaged"), location};
   }
   const Handle file_space(H5Dget_space(dataset), H5Sclose);
-  const hsize_t start[] = {begin, 0}, length[] = {count, shape.columns};
+  const hsize_t start[] = {shape.row.value_or(begin), shape.row ? begin : 0};
+  const hsize_t length[] = {shape.row ? 1 : count, shape.row ? count : shape.columns};
   const Handle memory_space(H5Screate_simple(static_cast<int>(shape.storage.extents.size()), length, nullptr),
                             H5Sclose);
   if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, length, nullptr) < 0 ||
@@ -162,7 +194,7 @@ Result<GrowingDataset> GrowingDataset::create(hid_t parent, const std::string& n
   const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_chunk(properties.get(), 1, &chunk);
-  // Optional: the file can be created and looked at where the filter is not installed.
+  // Optional, so that the file can be created and inspected where the filter is not installed.
   if (filter != 0) H5Pset_filter(properties.get(), filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
   GrowingDataset result;
   result.name_ = name;
@@ -192,7 +224,7 @@ Result<void> GrowingDataset::append_chunk(const std::vector<uint8_t>& bytes, siz
   const LibraryLock lock;
   const hsize_t start = length_, total = length_ + count;
   if (H5Dset_extent(dataset_.get(), &total) < 0) return write_error(name_);
-  // A bit of the mask set = that filter was not applied.
+  // A bit that is set means that this filter was not applied.
   const uint32_t filter_mask = is_filtered ? 0 : 1;
   if (H5Dwrite_chunk(dataset_.get(), H5P_DEFAULT, filter_mask, &start, size, bytes.data()) < 0) {
     return write_error(name_);

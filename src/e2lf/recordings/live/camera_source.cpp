@@ -37,10 +37,10 @@ class CameraSource final : public ByteSource {
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
     std::unique_lock<std::mutex> lock(mutex_);
     while (buffer_.size() - begin_ < wanted) {
-      // A signal wakes nobody here.
+      // A signal does not wake this thread.
       while (waiting_.empty() && !has_ended_ && !stop_requested()) changed_.wait_for(lock, kNap);
       if (stop_requested() && !is_stopped_) {
-        is_stopped_ = true;  // takes no more than what has arrived
+        is_stopped_ = true;  // reads no more than what has arrived
         lock.unlock();
         camera_->stop();
         changed_.notify_all();
@@ -53,7 +53,7 @@ class CameraSource final : public ByteSource {
     const bool is_behind = backlog_.most_behind_us >= kBehindUs || backlog_.loses_events;
     if (is_behind && !std::exchange(is_told_, true)) {
       const std::string text = behind_text();
-      lock.unlock();  // who takes the message may wait for others
+      lock.unlock();  // the receiver of the message may wait for others
       camera_->keeps_unread() ? log_info(text) : log_warning(text);
     }
     return std::span<const uint8_t>(buffer_).subspan(begin_);
@@ -65,7 +65,7 @@ class CameraSource final : public ByteSource {
   }
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t) override {
-    return Error{ErrorCode::kUnsupported, "a live source cannot be sought; record it to a file first", name_};
+    return Error{ErrorCode::kUnsupported, "a live source is not seekable; record it to a file first", name_};
   }
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
@@ -86,7 +86,7 @@ class CameraSource final : public ByteSource {
     Clock::time_point arrival;
   };
 
-  /// The thread: moves what the camera delivers to waiting_.
+  /// The thread function: moves what the camera delivers to waiting_.
   void take_bytes() {
     std::vector<uint8_t> bytes;
     for (;;) {
@@ -110,7 +110,7 @@ class CameraSource final : public ByteSource {
     changed_.notify_all();
   }
 
-  /// Moves everything that waits behind what is left in the buffer.
+  /// Appends everything that is waiting to the rest of the buffer.
   void append_waiting() {
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
     begin_ = 0;
@@ -124,20 +124,20 @@ class CameraSource final : public ByteSource {
     changed_.notify_all();
   }
 
-  /// What is said once to whom reads too slowly.
+  /// Returns the message that is logged once if the reader is too slow.
   std::string behind_text() const {
-    return cat(name_, ": the input comes faster than it is processed: what is read now arrived ",
+    return cat(name_, ": the input arrives faster than it is processed: what is read now arrived ",
                static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
                " MiB wait in memory; beyond that ",
                camera_->keeps_unread() ? "the sender waits, and nothing is lost"
-                                       : "the camera is not read, and its driver loses what it cannot keep",
+                                       : "the camera is not read, and its driver loses what it cannot buffer",
                ". Record the input to a file and process that, or choose a faster method");
   }
 
   std::unique_ptr<Camera> camera_;
   std::string name_;
 
-  // The reader's own.
+  // Used only by the reader.
   bool is_told_ = false;
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0;

@@ -9,11 +9,11 @@
 
 namespace e2lf::recordings {
 
-/// Bytes that may wait between a camera and its reader; when there are more the camera is not read: see
+/// Number of bytes that may wait between a camera and its reader. If more are waiting, the camera is not read; see
 /// Camera::keeps_unread().
 inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 
-/// Starts a camera and the thread that takes its bytes. The source ends when the camera does, and stops it when it is
+/// Starts a camera and a thread that reads its bytes. The source ends with the camera, and stops it when it is
 /// destroyed. Fails as Camera::start() does.
 [[nodiscard]] Result<std::unique_ptr<ByteSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name);
 

@@ -43,7 +43,7 @@ std::deque<Codec> built_in_codecs() {
        .side_file = dat::trigger_path},
       {.name = "raw",
        .extensions = {".raw"},
-       .description = "Prophesee RAW in the encoding its header names",
+       .description = "Prophesee RAW in the encoding that its header names",
        .detect = is_raw_header,
        .open = open_raw,
        .create = create_raw},
@@ -79,14 +79,14 @@ std::deque<Codec> built_in_codecs() {
       {.name = "aedat3", .description = "AEDAT 3 of cAER", .detect = aedat::detect_aedat3, .open = aedat::open_aedat3},
       {.name = "rosbag",
        .extensions = {".db3"},
-       .description = "bag of ROS 2, stored by SQLite",
+       .description = "ROS 2 bag, stored with SQLite",
        .detect = rosbag::detect_sqlite,
        .open = rosbag::open_sqlite,
        .is_folder = rosbag::is_bag_folder,
        .open_folder = rosbag::open_folder},
       {.name = "mcap",
        .extensions = {".mcap"},
-       .description = "bag of ROS 2, stored as MCAP",
+       .description = "ROS 2 bag, stored as MCAP",
        .detect = rosbag::detect_mcap,
        .open = rosbag::open_mcap},
       {.name = "npy",
@@ -126,7 +126,7 @@ std::deque<Codec> built_in_codecs() {
   };
 }
 
-/// A codec stays where it is once it is in the table: others point to it.
+/// Codecs in the table never move, because others point to them.
 struct Table {
   std::mutex mutex;
   std::deque<Codec> codecs = built_in_codecs();
@@ -162,13 +162,13 @@ std::string codec_names() {
 
 Result<const Codec*> detect_codec(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
-  if (head.empty()) return Error{ErrorCode::kTruncated, "nothing came: the input is empty", source.name()};
+  if (head.empty()) return Error{ErrorCode::kTruncated, "the input is empty", source.name()};
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
   const std::filesystem::path path = source.logical_path();
   const Codec* const by_extension = codec_of_extension(path);
-  // An archive of arrays whose names say nothing is still one of arrays.
+  // An archive of arrays without known names is still an archive of arrays.
   const bool is_npz = by_extension != nullptr && by_extension->name == "npz" && head.front() == 'P';
   if (const auto text = foreign_file_text(head); text && !is_npz) {
     return Error{ErrorCode::kUnsupported, cat("this is ", *text), source.name()};
@@ -177,8 +177,9 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   if (const auto text = foreign_records_text(head, lower_extension(path))) {
     return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
   }
-  return Error{ErrorCode::kFormat, cat("not a recording of a known format; name its format, one of ", codec_names()),
-               source.name(), Setting::kInputFormat};
+  return Error{ErrorCode::kFormat,
+               cat("this is not a recording of a known format; name its format, one of ", codec_names()), source.name(),
+               Setting::kInputFormat};
 }
 
 std::string names_to_write() {
@@ -192,11 +193,10 @@ std::string names_to_write() {
 Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
   if (!format.empty()) return find_codec(format);
   if (const Codec* codec = codec_of_extension(path)) return codec;
-  return Error{
-      ErrorCode::kInvalidValue,
-      cat("no format has the extension of this name; take another, as .raw or .hdf5, or name the format, one of ",
-          names_to_write()),
-      path.string(), Setting::kOutputFormat};
+  return Error{ErrorCode::kInvalidValue,
+               cat("no format has this extension; use another, e.g. .raw or .hdf5, or name the format, one of ",
+                   names_to_write()),
+               path.string(), Setting::kOutputFormat};
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
@@ -228,7 +228,7 @@ Result<const Codec*> find_codec(const std::string& name) {
 
 namespace {
 
-/// Only a format that may hold several streams lists them.
+/// Only formats that may contain several streams list them.
 Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingReader> reader) {
   const RecordingInfo& info = reader->info();
   if (reader->options().stream.empty() || !info.streams.empty()) return reader;
@@ -248,7 +248,7 @@ bool is_recording_folder(const std::filesystem::path& path) {
 Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
                                                         const OpenOptions& options) {
   std::shared_ptr<DecodeSummary> losses;
-  // No more bytes than needed: a live source of a format that is named may not have more for a while.
+  // No more bytes than needed: a live source of a named format may not have more for a while.
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
   if (is_packed(head)) {
     losses = std::make_shared<DecodeSummary>();
@@ -285,7 +285,7 @@ Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem:
   if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
     return Error{
         ErrorCode::kUnsupported,
-        cat("the format ", codec->name, " goes back in its file, which a pipe or device cannot do; name a file"),
+        cat("the format ", codec->name, " requires seeking, which a pipe or device does not support; name a file"),
         path.string()};
   }
   if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info);

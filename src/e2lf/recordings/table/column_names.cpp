@@ -9,12 +9,15 @@
 namespace e2lf::recordings::table {
 namespace {
 
-/// The words of a text in lower case; the Greek letter of "us" becomes a Latin one.
+/// Returns the words of a text in lower case. A capital after a small letter begins a word ("timestampNs"), the Greek
+/// letter of "us" is replaced by a Latin one, and "micro seconds" becomes one word.
 std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words(1);
   for (size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
     const std::string_view pair = text.substr(i, 2);
+    const bool is_hump = i > 0 && std::isupper(byte) != 0 && std::islower(static_cast<unsigned char>(text[i - 1])) != 0;
+    if (is_hump && !words.back().empty()) words.emplace_back();
     if (pair == "\xC2\xB5" || pair == "\xCE\xBC") {
       words.back() += 'u';
       ++i;
@@ -25,6 +28,12 @@ std::vector<std::string> words_of(std::string_view text) {
     }
   }
   if (words.back().empty()) words.pop_back();
+  for (size_t i = 0; i + 1 < words.size(); ++i) {
+    const bool is_prefix = words[i] == "milli" || words[i] == "micro" || words[i] == "nano";
+    if (!is_prefix || !words[i + 1].starts_with("sec")) continue;
+    words[i] += words[i + 1];
+    words.erase(words.begin() + static_cast<ptrdiff_t>(i) + 1);
+  }
   return words;
 }
 
@@ -90,8 +99,8 @@ const char* time_unit_name(TimeUnit unit) {
 ColumnName parse_column_name(std::string_view name) {
   std::vector<std::string> words = words_of(name);
   const auto is_filler = [](const std::string& word) {
-    return is_one_of(word,
-                     {"event", "events", "ev", "px", "pixel", "pixels", "pos", "coord", "coordinate", "addr", "in"});
+    return is_one_of(word, {"event", "events", "ev", "px", "pixel", "pixels", "pos", "position", "positions", "coord",
+                            "coords", "coordinate", "coordinates", "addr", "address", "loc", "location", "in"});
   };
   words.erase(std::remove_if(words.begin(), words.end(), is_filler), words.end());
   if (words.size() > 1 && words[0] == "time" && words[1] == "stamp") {
@@ -99,13 +108,14 @@ ColumnName parse_column_name(std::string_view name) {
     words[0] = "timestamp";
   }
   ColumnName result;
+  // A name in another language may still say the unit.
+  if (words.size() > 1) result.unit = parse_time_unit(words.back());
   if (words.empty() || words.size() > 2) return result;
   if (words.size() == 1 && words[0] == "xy") result.is_xy = true;
   for (const KnownName& known : kNames) {
     const bool fits = known.is_prefix ? words[0].starts_with(known.name) : words[0] == known.name;
     if (!fits) continue;
-    if (words.size() == 2) result.unit = parse_time_unit(words[1]);
-    // Another second word makes it another thing: "t_offset".
+    // Any other second word changes the meaning: "t_offset".
     if (words.size() == 2 && (known.field != Field::kT || result.unit == TimeUnit::kAuto)) return result;
     result.field = known.field;
     result.rank = static_cast<size_t>(&known - kNames);

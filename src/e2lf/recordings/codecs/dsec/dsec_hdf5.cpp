@@ -10,6 +10,8 @@
 #include "e2lf/files/file.h"
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/dsec/event_places.h"
+#include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/table/column_names.h"
 #include "e2lf/recordings/table/number_columns.h"
 #include "e2lf/recordings/table/wrapped_times.h"
@@ -26,7 +28,8 @@ constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
 /// One column of events: a data set, read in its own kind of numbers.
 struct NumberColumn {
   DatasetShape shape;
-  table::NumberField field;  ///< of the numbers once read
+  std::string member = {};        ///< of records
+  table::NumberField field = {};  ///< of the numbers once read
 };
 
 struct KnownNumber {
@@ -41,15 +44,25 @@ constexpr KnownNumber kNumbers[] = {{"u1", H5T_INTEGER, H5T_SGN_NONE, 1}, {"u2",
                                     {"i4", H5T_INTEGER, H5T_SGN_2, 4},    {"i8", H5T_INTEGER, H5T_SGN_2, 8},
                                     {"f4", H5T_FLOAT, H5T_SGN_ERROR, 4},  {"f8", H5T_FLOAT, H5T_SGN_ERROR, 8}};
 
-/// The numbers of a data set, so that none is clipped on the way; empty for other elements.
-std::string number_type(hid_t dataset) {
+/// The numpy code of numbers that clips none of a type's on the way; empty for other elements.
+std::string number_code(hid_t type) {
+  for (const KnownNumber& known : kNumbers) {
+    const bool has_sign = known.kind != H5T_INTEGER || H5Tget_sign(type) == known.sign;
+    if (H5Tget_class(type) == known.kind && H5Tget_size(type) == known.bytes && has_sign) return known.type;
+  }
+  if (H5Tget_class(type) == H5T_FLOAT && H5Tget_size(type) == 2) return "f4";
+  return H5Tget_class(type) == H5T_ENUM ? "i1" : "";  // numpy's bool
+}
+
+/// The same for the elements of a data set, or for a field of its records.
+std::string number_type(hid_t dataset, const std::string& field = "") {
   const Handle type(H5Dget_type(dataset), H5Tclose);
   if (!type.valid()) return "";
-  for (const KnownNumber& known : kNumbers) {
-    const bool has_sign = known.kind != H5T_INTEGER || H5Tget_sign(type.get()) == known.sign;
-    if (H5Tget_class(type.get()) == known.kind && H5Tget_size(type.get()) == known.bytes && has_sign) return known.type;
-  }
-  return H5Tget_class(type.get()) == H5T_ENUM ? "i1" : "";  // numpy's bool
+  if (field.empty()) return number_code(type.get());
+  const int member = H5Tget_member_index(type.get(), field.c_str());
+  if (member < 0) return "";
+  const Handle member_type(H5Tget_member_type(type.get(), static_cast<unsigned>(member)), H5Tclose);
+  return number_code(member_type.get());
 }
 
 hid_t memory_type(const std::string& type) {
@@ -155,20 +168,30 @@ class RowBlocks : public EventBlocks {
   virtual Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) = 0;
   virtual Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) = 0;
 
-  /// Reads rows into numbers_.
+  /// Reads rows into numbers_, of records one field alone.
   Result<const uint8_t*> read_numbers(const DatasetShape& shape, const std::string& type, uint64_t begin,
-                                      uint64_t count) {
+                                      uint64_t count, const std::string& member = "") {
     numbers_.resize(count * shape.columns * element_size(type));
-    E2LF_RETURN_IF_ERROR(read_elements(shape, memory_type(type), begin, count, numbers_.data(), location_));
+    Handle record;
+    if (!member.empty()) {
+      record = Handle(H5Tcreate(H5T_COMPOUND, element_size(type)), H5Tclose);
+      H5Tinsert(record.get(), member.c_str(), 0, memory_type(type));
+    }
+    const hid_t memory = member.empty() ? memory_type(type) : record.get();
+    E2LF_RETURN_IF_ERROR(read_elements(shape, memory, begin, count, numbers_.data(), location_));
     return static_cast<const uint8_t*>(numbers_.data());
+  }
+  Result<const uint8_t*> read_numbers(const NumberColumn& column, uint64_t begin, uint64_t count) {
+    return read_numbers(column.shape, column.field.type, begin, count, column.member);
   }
 
   /// The first number behind the sample that is wanted.
   Result<std::optional<double>> find_further(const DatasetShape& shape, const table::NumberField& field,
-                                             const table::TableSample::IsWanted& is_wanted) {
+                                             const table::TableSample::IsWanted& is_wanted,
+                                             const std::string& member = "") {
     for (uint64_t begin = table::kSampledRows; begin < length_; begin += kBlock) {
       const uint64_t count = std::min(kBlock, length_ - begin);
-      E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape, field.type, begin, count));
+      E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape, field.type, begin, count, member));
       const auto values = table::to_doubles(numbers, field, count);
       const auto wanted = std::find_if(values.begin(), values.end(), is_wanted);
       if (wanted != values.end()) return std::optional<double>(*wanted);
@@ -194,18 +217,26 @@ class RowBlocks : public EventBlocks {
 
 class ColumnBlocks final : public RowBlocks {
  public:
-  /// The columns of one group under four names, "x", "y", "p" and "t" or the like.
-  static Result<std::unique_ptr<ColumnBlocks>> open(hid_t file, const std::array<std::string, 4>& names,
-                                                    const OpenOptions& options, const std::string& location,
-                                                    RecordingInfo& info) {
+  /// The columns x, y, p and t: data sets, fields of one data set of records, or the rows of a data set [4, events].
+  static Result<std::unique_ptr<ColumnBlocks>> open(hid_t file, const EventPlace& place, const OpenOptions& options,
+                                                    const std::string& location, RecordingInfo& info) {
     auto blocks = std::make_unique<ColumnBlocks>();
-    blocks->location_ = location + ": events";
+    const bool are_records = !place.fields[0].empty(), are_rows = !place.rows.empty() && !are_records;
+    blocks->location_ = cat(location, ": ", place.rows.empty() ? place.name : place.rows);
+    std::array<std::string, 4> names;
     for (size_t i = 0; i < 4; ++i) {
       NumberColumn& column = blocks->columns_[i];
-      E2LF_ASSIGN_OR_RETURN(column.shape, open_dataset(file, names[i], location));
-      const std::string type = number_type(column.shape.dataset.get());
+      const std::string& dataset = place.rows.empty() ? place.columns[i] : place.rows;
+      if (are_rows) {
+        E2LF_ASSIGN_OR_RETURN(column.shape, open_row(file, dataset, i, location));
+      } else {
+        E2LF_ASSIGN_OR_RETURN(column.shape, open_dataset(file, dataset, location));
+      }
+      if (are_records) column.member = place.fields[i];
+      if (!are_rows) names[i] = are_records ? place.fields[i] : dataset.substr(dataset.rfind('/') + 1);
+      const std::string type = number_type(column.shape.dataset.get(), column.member);
       column.field = {type, 0, element_size(type)};
-      if (column.field.type.empty()) return no_numbers(names[i], location);
+      if (type.empty()) return no_numbers(are_records ? cat(dataset, ": ", names[i]) : dataset, location);
       blocks->is_cut_ |= column.shape.is_cut;
     }
     blocks->length_ = blocks->columns_[3].shape.length;
@@ -214,37 +245,42 @@ class ColumnBlocks final : public RowBlocks {
         return Error{ErrorCode::kShape, "the columns of events differ in length; the file is damaged", location};
       }
     }
-    E2LF_RETURN_IF_ERROR(blocks->decide(names, options, location, info));
+    E2LF_RETURN_IF_ERROR(blocks->decide(names, are_rows, options, location, info));
     E2LF_ASSIGN_OR_RETURN(blocks->offset_us_, read_offset(file, options, blocks->unit_, location));
     return blocks;
   }
 
  private:
-  Result<void> decide(const std::array<std::string, 4>& names, const OpenOptions& options, const std::string& location,
-                      RecordingInfo& info) {
+  Result<void> decide(const std::array<std::string, 4>& names, bool is_ordered, const OpenOptions& options,
+                      const std::string& location, RecordingInfo& info) {
     table::TableSample sample;
-    sample.is_ordered = false;
+    sample.is_ordered = is_ordered;
     const uint64_t count = std::min<uint64_t>(length_, table::kSampledRows);
     for (size_t i = 0; i < 4; ++i) {
       const NumberColumn& column = columns_[i];
-      E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, 0, count));
-      const std::string name = names[i].substr(names[i].rfind('/') + 1);
-      sample.columns.push_back({name, unit_of_attribute(column.shape.dataset.get()),
+      E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column, 0, count));
+      const bool has_own = column.member.empty() && !is_ordered;
+      sample.columns.push_back({names[i], has_own ? unit_of_attribute(column.shape.dataset.get()) : TimeUnit::kAuto,
                                 table::to_doubles(numbers, column.field, count),
                                 table::is_integer_type(column.field.type)});
     }
     sample.find_further = [&](size_t i, const auto& is_wanted) {
-      return find_further(columns_[i].shape, columns_[i].field, is_wanted);
+      return find_further(columns_[i].shape, columns_[i].field, is_wanted, columns_[i].member);
     };
     E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, location, info));
     unit_ = layout.unit;
     polarity_ = layout.polarity;
+    if (!is_ordered) return {};
+    const auto [x, y, p, t] = layout.columns;
+    std::array<NumberColumn, 4> in_order;
+    for (size_t i = 0; const size_t from : {x, y, p, t}) in_order[i++] = std::move(columns_[from]);
+    columns_ = std::move(in_order);
     return {};
   }
 
   template <typename T>
   Result<void> read(const NumberColumn& column, uint64_t begin, uint64_t count, T* out, uint8_t* bad) {
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, begin, count));
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column, begin, count));
     table::to_column(numbers, column.field, count, out, bad);
     return {};
   }
@@ -253,14 +289,14 @@ class ColumnBlocks final : public RowBlocks {
     E2LF_RETURN_IF_ERROR(read(columns_[0], begin, count, events.x.data(), bad.data()));
     E2LF_RETURN_IF_ERROR(read(columns_[1], begin, count, events.y.data(), bad.data()));
     const NumberColumn& polarities = columns_[2];
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(polarities.shape, polarities.field.type, begin, count));
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(polarities, begin, count));
     table::to_polarities(numbers, polarities.field, polarity_, count, events.p.data(), bad.data());
     return read_times(begin, count, events.t.data(), bad.data());
   }
 
   Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
     const NumberColumn& column = columns_[3];
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column.shape, column.field.type, begin, count));
+    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column, begin, count));
     table::to_times(numbers, column.field, unit_, count, times_us, bad);
     return {};
   }
@@ -323,58 +359,6 @@ class MatrixBlocks final : public RowBlocks {
   table::RecordFields fields_;
 };
 
-/// Whether a path is there, with all of its groups.
-bool is_there(hid_t file, const std::string& path) {
-  for (size_t end = path.find('/'); end != std::string::npos; end = path.find('/', end + 1)) {
-    if (H5Lexists(file, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
-  }
-  return H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0;
-}
-
-bool is_dataset(hid_t file, const std::string& name) {
-  return is_there(file, name) && Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose).valid();
-}
-
-/// The names of what is in a group ("" = the file).
-std::vector<std::string> members_of(hid_t file, const std::string& group) {
-  constexpr hsize_t kMost = 1000;
-  std::vector<std::string> names;
-  const Handle opened(H5Gopen2(file, group.empty() ? "/" : group.c_str(), H5P_DEFAULT), H5Gclose);
-  H5G_info_t about{};
-  if (!opened.valid() || H5Gget_info(opened.get(), &about) < 0) return names;
-  for (hsize_t i = 0; i < std::min(about.nlinks, kMost); ++i) {
-    std::array<char, 256> name{};
-    if (H5Lget_name_by_idx(opened.get(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size(), H5P_DEFAULT) >
-        0) {
-      names.emplace_back(name.data());
-    }
-  }
-  return names;
-}
-
-/// The columns x, y, p and t in a group by their names; empty where one is missing.
-std::array<std::string, 4> find_columns(hid_t file, const std::string& group) {
-  std::array<std::pair<size_t, std::string>, 4> best;
-  for (const std::string& name : members_of(file, group)) {
-    const table::ColumnName known = table::parse_column_name(name);
-    if (!known.field) continue;
-    auto& [rank, chosen] = best[static_cast<size_t>(*known.field)];
-    const std::string path = group.empty() ? name : cat(group, "/", name);
-    if ((!chosen.empty() && rank <= known.rank) || !is_dataset(file, path)) continue;
-    rank = known.rank;
-    chosen = path;
-  }
-  return {best[0].second, best[1].second, best[2].second, best[3].second};
-}
-
-/// A column that is missing gets the name by which the error calls it.
-std::array<std::string, 4> with_usual_names(std::array<std::string, 4> names, const std::string& group) {
-  for (size_t field = 0; field < 4; ++field) {
-    if (names[field].empty()) names[field] = cat(group, group.empty() ? "" : "/", table::kFieldLetters[field]);
-  }
-  return names;
-}
-
 template <typename Blocks>
 Result<std::unique_ptr<EventBlocks>> unwrapped(Result<std::unique_ptr<Blocks>> opened) {
   E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Blocks> blocks, std::move(opened));
@@ -382,16 +366,14 @@ Result<std::unique_ptr<EventBlocks>> unwrapped(Result<std::unique_ptr<Blocks>> o
   return table::make_unwrapped(std::move(blocks), unit);
 }
 
-/// Where data sets keep the events of several cameras: MVSEC's groups and those of others.
-std::vector<std::string> groups_of(hid_t file) {
-  std::vector<std::string> groups = {"events", ""};
-  for (const char* camera : {"davis", "prophesee", "events", "dvs"}) {
-    for (const char* side : {"left", "right"}) {
-      const std::string group = cat(camera, "/", side);
-      if (is_there(file, group)) groups.push_back(group);
-    }
-  }
-  return groups;
+Result<std::unique_ptr<EventBlocks>> open_place(hid_t file, const EventPlace& place, const OpenOptions& options,
+                                                const std::string& location, RecordingInfo& info) {
+  const bool is_matrix = !place.rows.empty() && place.fields[0].empty();
+  if (!is_matrix) return unwrapped(ColumnBlocks::open(file, place, options, location, info));
+  E2LF_ASSIGN_OR_RETURN(const DatasetShape shape, open_matrix(file, place.rows, location));
+  const bool is_flat = shape.storage.extents[0] == 4 && shape.columns != 4;
+  return is_flat ? unwrapped(ColumnBlocks::open(file, place, options, location, info))
+                 : unwrapped(MatrixBlocks::open(file, place.rows, options, location, info));
 }
 
 class DsecWriter final : public RecordingWriter {
@@ -487,22 +469,20 @@ class DsecWriter final : public RecordingWriter {
 Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options, const std::string& location,
                                                   RecordingInfo& info) {
   const LibraryLock lock;
-  const std::vector<std::string> groups = groups_of(file);
-  for (const std::string& group : groups) {
-    if (group.ends_with("/left") && is_there(file, cat(group.substr(0, group.size() - 4), "right"))) {
-      info.assumptions.push_back(
-          {cat("the events are those of ", group, "; the file also holds the camera \"right\"")});
+  const std::vector<EventPlace> places = find_event_places(file);
+  if (!places.empty()) {
+    std::vector<NamedStream> streams;
+    for (const EventPlace& place : places) streams.push_back({cat(streams.size()), place.name, ""});
+    size_t chosen = 0;
+    if (places.size() > 1) {
+      E2LF_ASSIGN_OR_RETURN(chosen, choose_stream(streams, options, location, info));
     }
-    const std::string rows = group.empty() ? "events" : cat(group, "/events");
-    if (is_dataset(file, rows)) return unwrapped(MatrixBlocks::open(file, rows, options, location, info));
-    const std::array<std::string, 4> names = find_columns(file, group);
-    const bool has_any = !names[3].empty() && !(names[0].empty() && names[1].empty());
-    if (has_any) return unwrapped(ColumnBlocks::open(file, with_usual_names(names, group), options, location, info));
+    return open_place(file, places[chosen], options, location, info);
   }
   return Error{
       ErrorCode::kNotFound,
-      "the file has no events: neither CD/events (Metavision) nor the columns events/x, y, p, t or xs, ys, ps, "
-      "ts, nor a data set events [events, 4]; is it a recording?",
+      "the file has no events: neither CD/events (Metavision), nor a group with the columns x, y, p, t or xs, ys, ps, "
+      "ts, nor records with such fields, nor a data set events [events, 4]; is it a recording?",
       location};
 }
 

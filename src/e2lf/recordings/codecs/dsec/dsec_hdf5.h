@@ -18,9 +18,9 @@ namespace e2lf::recordings::hdf5_events {
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_dsec_file(const std::filesystem::path& path,
                                                                         const RecordingInfo& info);
 
-/// Events as blocks: the columns above; columns x, y, p, t or xs, ys, ps, ts of any types, in the group `events` or in
-/// none; or v2e's data set `events` [events, 4]. Times are as OpenOptions::time_unit says. What is assumed is added to
-/// `info`. Fails with kNotFound when the file has none of them and kShape when columns differ in length.
+/// Events as blocks, from the places of event_places.h, numbers of any type. Of several places options.stream chooses
+/// one by its number or name. Times are as OpenOptions::time_unit says. What is assumed is added to `info`. Fails with
+/// kNotFound when the file has no such place and kShape when columns differ in length.
 [[nodiscard]] Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options,
                                                                 const std::string& location, RecordingInfo& info);
 

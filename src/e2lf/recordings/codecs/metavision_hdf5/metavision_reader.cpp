@@ -8,6 +8,7 @@
 #include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/event_chunks.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
+#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/layout.h"
 #include "e2lf/recordings/time_sort.h"
@@ -85,6 +86,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
     E2LF_RETURN_IF_ERROR(table::refuse_table_options(options, "hdf5", name));
     E2LF_ASSIGN_OR_RETURN(blocks, EventChunks::open(file.get(), name, options.threads));
+    blocks = make_continued(std::move(blocks), EventOrder::kByTime);
     if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
       triggers = TriggerFeed(std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events"));
     }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "e2lf/base/printable.h"
@@ -82,6 +84,7 @@ std::vector<std::string> names_in(std::string_view line, bool has_decimal_comma)
   line.remove_prefix(std::min(line.size(), line.find_first_not_of("#%/; \t\xEF\xBB\xBF")));
   const char* separators = !has_decimal_comma && line.find(',') != std::string_view::npos ? ","
                            : line.find(';') != std::string_view::npos                     ? ";"
+                           : line.find('|') != std::string_view::npos                     ? "|"
                            : line.find('\t') != std::string_view::npos                    ? "\t"
                                                                                           : " ";
   std::vector<std::string> names;
@@ -114,23 +117,20 @@ bool take_names(std::string_view line, TextHead& head) {
 
 struct Cells {
   std::vector<std::string_view> words;
-  std::vector<double> values;  ///< as many where all are numbers
-  [[nodiscard]] bool are_numbers() const { return !words.empty() && values.size() == words.size(); }
+  std::vector<double> values = {};  ///< as many; NaN for what is no number
+  size_t numbers = 0;
+  /// Enough numbers for an event; other columns may hold text.
+  [[nodiscard]] bool are_numbers() const { return numbers >= table::kNumFields; }
 };
 
 Cells cells_of(std::string_view line, bool has_decimal_comma) {
-  Cells cells{split(line, has_decimal_comma), {}};
+  Cells cells{split(line, has_decimal_comma)};
   for (const std::string_view word : cells.words) {
     const auto value = parse_cell(word, has_decimal_comma);
-    if (!value) break;
-    cells.values.push_back(*value);
+    cells.values.push_back(value.value_or(std::numeric_limits<double>::quiet_NaN()));
+    cells.numbers += value.has_value();
   }
   return cells;
-}
-
-bool has_any_number(const Cells& cells, bool has_decimal_comma) {
-  return std::any_of(cells.words.begin(), cells.words.end(),
-                     [&](std::string_view word) { return parse_cell(word, has_decimal_comma).has_value(); });
 }
 
 /// Whether a time is written in seconds as e2lf and E2VID do, with six decimals.
@@ -164,7 +164,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
   for (std::string_view line : lines) {
     if (line.starts_with(kUtf8Mark)) line.remove_prefix(kUtf8Mark.size());
     cells.push_back(is_comment(line) ? Cells() : cells_of(line, head.has_decimal_comma));
-    if (cells.back().are_numbers() && cells.back().words.size() >= 4) ++widths[cells.back().words.size()];
+    if (cells.back().are_numbers()) ++widths[cells.back().words.size()];
   }
   const auto most =
       std::max_element(widths.begin(), widths.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -193,7 +193,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
       head.height = height;
       has_size_line = true;
       head.names_line = line;
-    } else if (!has_begun && !is_data && !has_any_number(cells[i], head.has_decimal_comma)) {
+    } else if (!has_begun && !is_data && cells[i].numbers == 0) {
       if (!has_names) has_names = take_names(line, head);
       head.names_line = line;
     } else {
@@ -202,7 +202,10 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
       ++head.lines;
       if (is_data) {
         const bool is_first_six = has_six_decimals(words[0]);
-        for (const std::string_view word : words) has_point |= word.find_first_of(".,eE") != std::string_view::npos;
+        for (size_t column = 0; column < head.columns; ++column) {
+          const bool is_number = !std::isnan(cells[i].values[column]);
+          has_point |= is_number && words[column].find_first_of(".,eE") != std::string_view::npos;
+        }
         are_six = are_six && is_first_six;
         for (size_t column = 0; column < head.columns; ++column) {
           head.sample.columns[column].values.push_back(cells[i].values[column]);

@@ -80,7 +80,10 @@ bool to_integer(const Decimal& number, int shift, Rounding rounding, int64_t& va
 }
 
 double to_double(const Decimal& number) {
-  const double size = static_cast<double>(number.digits) * std::pow(10.0, number.exponent);
+  // A division of exact numbers rounds once: "4.700000e+01" is whole.
+  const double power = std::pow(10.0, std::abs(number.exponent));
+  const auto digits = static_cast<double>(number.digits);
+  const double size = number.exponent < 0 ? digits / power : digits * power;
   return number.is_negative ? -size : size;
 }
 
@@ -107,6 +110,7 @@ std::optional<uint8_t> polarity_of(std::string_view word) {
   std::array<char, kLongest> lower{};
   if (word.size() > kLongest) return std::nullopt;
   std::transform(word.begin(), word.end(), lower.begin(), [](char c) { return static_cast<char>(c | 0x20); });
+  if (word == "+" || word == "-") return uint8_t{word == "+"};
   const std::string_view name(lower.data(), word.size());
   if (std::find(std::begin(kOn), std::end(kOn), name) != std::end(kOn)) return uint8_t{1};
   if (std::find(std::begin(kOff), std::end(kOff), name) != std::end(kOff)) return uint8_t{0};
@@ -125,6 +129,10 @@ bool parse_polarity(const char*& next, const char* end, char point, const table:
     if (polarity) p = *polarity;
     return polarity.has_value();
   }
+  if (next != end && (*next == '+' || *next == '-') && (next + 1 == end || is_separator(next[1], false))) {
+    p = *next++ == '+' ? 1 : 0;
+    return true;
+  }
   Decimal number;
   if (!parse_decimal(next, end, point, number)) return false;
   p = code.of(number.exponent == 0 && !number.is_negative ? static_cast<double>(number.digits) : to_double(number));
@@ -135,7 +143,7 @@ bool parse_polarity(const char*& next, const char* end, char point, const table:
 
 bool is_separator(char c, bool has_decimal_comma) {
   return (c == ',' && !has_decimal_comma) || c == ' ' || c == ';' || c == '\t' || c == '\r' || c == '\n' || c == '"' ||
-         c == '\'';
+         c == '\'' || c == '|';
 }
 
 bool is_comment(std::string_view line) {

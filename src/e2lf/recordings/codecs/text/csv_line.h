@@ -21,7 +21,7 @@ struct LineLayout {
   bool has_decimal_comma = false;
 };
 
-/// Between two numbers: commas (unless they are decimal), semicolons, blanks, quotes, in any number.
+/// Between two numbers: commas (unless they are decimal), semicolons, bars, blanks, quotes, in any number.
 [[nodiscard]] bool is_separator(char c, bool has_decimal_comma);
 
 /// Whether a line is a comment, which begins with #, %, // or ;.
@@ -30,7 +30,7 @@ struct LineLayout {
 /// The words between separators.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view line, bool has_decimal_comma);
 
-/// A number, or a polarity in words (true, ON); nothing for other words.
+/// A number, or a polarity in words (true, ON, +); nothing for other words.
 [[nodiscard]] std::optional<double> parse_cell(std::string_view word, bool has_decimal_comma);
 
 /// Reads one line, without its end, as an event. Times are exact to the microsecond: whole nanoseconds are rounded

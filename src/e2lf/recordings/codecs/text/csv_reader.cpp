@@ -309,6 +309,8 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
 }  // namespace
 
 bool detect(std::span<const uint8_t> head) {
+  // An archive may hold a text as it is.
+  if (std::find(head.begin(), head.end(), uint8_t{0}) != head.end()) return false;
   const auto read = read_head(head.first(std::min(head.size(), kDetectBytes)), head.size() < kDetectBytes, "");
   return read.ok() && read->columns > 0 && 2 * read->bad_lines <= read->lines;
 }

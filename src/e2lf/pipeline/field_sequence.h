@@ -7,23 +7,20 @@
 #include "e2lf/recon/event_judgement.h"
 #include "e2lf/recon/reconstruct.h"
 
-namespace e2lf::recon {
-
-/// A Reconstructor as a method. It makes `passes` over sums of `cycles` cycles; see Reconstructor::reconstruct().
-[[nodiscard]] Method network_method(Reconstructor reconstructor, size_t passes = 1, size_t cycles = 1);
+namespace e2lf::pipeline {
 
 /// Each colour on its own, from the pixels behind its filter, by a method for grey; of two filters of one colour the
 /// mean. The light field has a pixel for each block of 2x2. Fails as `grey` does, and with kShape where the images have
 /// an odd side.
-[[nodiscard]] Method colour_method(Method grey, const capture::ColourFilter& filter);
+[[nodiscard]] recon::Method colour_method(recon::Method grey, const capture::ColourFilter& filter);
 
 /// The light field of one cycle.
 struct Field {
-  lightfield::LightField light_field;            ///< less the black level, multiplied with the gain
-  float black = 0, gain = 1;                     ///< the same for all of a sequence
-  double reconstruct_s = 0;                      ///< what the method took
-  std::optional<EventError> error = {};          ///< against its events, where the camera is known
-  std::optional<EventJudgement> judgement = {};  ///< of that error, at the first of a sequence
+  lightfield::LightField light_field;                   ///< less the black level, multiplied with the gain
+  float black = 0, gain = 1;                            ///< the same for all of a sequence
+  double reconstruct_s = 0;                             ///< what the method took
+  std::optional<recon::EventError> error = {};          ///< against its events, where the camera is known
+  std::optional<recon::EventJudgement> judgement = {};  ///< of that error, at the first of a sequence
 };
 
 /// What a sequence does to brightness; nothing = found at the first light field of a cycle with events.
@@ -44,8 +41,8 @@ enum class Judging {
 class FieldSequence {
  public:
   /// `check`: nothing = no comparison with the events. `rival`: another camera that judge() compares with.
-  FieldSequence(Method method, Tone tone, std::optional<EventCheck> check, std::optional<Rival> rival = {},
-                Judging judging = Judging::kNone)
+  FieldSequence(recon::Method method, Tone tone, std::optional<recon::EventCheck> check,
+                std::optional<recon::Rival> rival = {}, Judging judging = Judging::kNone)
       : method_(std::move(method)),
         tone_(tone),
         check_(std::move(check)),
@@ -59,12 +56,12 @@ class FieldSequence {
   [[nodiscard]] const Tone& tone() const { return tone_; }
 
  private:
-  Method method_;
+  recon::Method method_;
   Tone tone_;
-  std::optional<EventCheck> check_;
-  std::optional<Rival> rival_;
+  std::optional<recon::EventCheck> check_;
+  std::optional<recon::Rival> rival_;
   Judging judging_ = Judging::kNone;
   bool is_first_ = true;
 };
 
-}  // namespace e2lf::recon
+}  // namespace e2lf::pipeline

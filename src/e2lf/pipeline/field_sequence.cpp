@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recon/field_sequence.h"
+#include "e2lf/pipeline/field_sequence.h"
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/recon/gain.h"
 
-namespace e2lf::recon {
+namespace e2lf::pipeline {
 
-Method network_method(Reconstructor reconstructor, size_t passes, size_t cycles) {
-  const auto shared = std::make_shared<Reconstructor>(std::move(reconstructor));
-  return [shared, passes, cycles](const capture::Measurement& measurement, const ProgressFn& progress) {
-    return shared->reconstruct(measurement, progress, passes, cycles);
-  };
-}
-
-Method colour_method(Method grey, const capture::ColourFilter& filter) {
+recon::Method colour_method(recon::Method grey, const capture::ColourFilter& filter) {
   return [grey = std::move(grey), filter](const capture::Measurement& measurement,
                                           const ProgressFn& progress) -> Result<lightfield::LightField> {
     if (measurement.kind != capture::MeasurementKind::kEventImages) {
@@ -58,25 +50,24 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   E2LF_ASSIGN_OR_RETURN(field.light_field, method_(measurement, progress));
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (check_ && capture::has_events(measurement.kind)) {
-    E2LF_ASSIGN_OR_RETURN(field.error, event_error(*check_, field.light_field, 1.0F, measurement.events));
+    E2LF_ASSIGN_OR_RETURN(field.error, recon::event_error(*check_, field.light_field, 1.0F, measurement.events));
     if (is_first_ && judging_ != Judging::kNone) {
       // The images of intensities have no signs.
       const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
-      E2LF_ASSIGN_OR_RETURN(field.judgement,
-                            judge(*check_, field.light_field, measurement.events, rival_,
-                                  judging_ == Judging::kChanges && is_of_events ? method_ : Method()));
+      const bool has_changes = judging_ == Judging::kChanges && is_of_events;
+      E2LF_ASSIGN_OR_RETURN(field.judgement, recon::judge(*check_, field.light_field, measurement.events, rival_,
+                                                          has_changes ? method_ : recon::Method()));
     }
     is_first_ = false;
   }
   // Without events nothing tells how bright the scene is: a later cycle does.
   const bool has_scene = !capture::has_events(measurement.kind) || !capture::is_without_events(measurement.events);
-  if (!tone_.black && has_scene) tone_.black = auto_black(field.light_field);
+  if (!tone_.black && has_scene) tone_.black = recon::auto_black(field.light_field);
   field.black = tone_.black.value_or(0.0F);
-  apply_tone(field.light_field, field.black, 1.0F);
-  if (!tone_.gain && has_scene) tone_.gain = auto_gain(field.light_field);
+  if (!tone_.gain && has_scene) tone_.gain = recon::auto_gain(field.light_field, field.black);
   field.gain = tone_.gain.value_or(1.0F);
-  apply_tone(field.light_field, 0.0F, field.gain);
+  recon::apply_tone(field.light_field, field.black, field.gain);
   return field;
 }
 
-}  // namespace e2lf::recon
+}  // namespace e2lf::pipeline

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/pipeline/recorded_setup.h"
 
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/cycles/shown_pattern.h"
+#include "e2lf/files/result_folder.h"
 
-namespace e2lf::cli {
+namespace e2lf::pipeline {
 namespace fs = std::filesystem;
 namespace {
 
@@ -12,20 +14,20 @@ constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_ca
                      *kColourNote = "recorded_colour_filter";
 constexpr const char* kSize = "recording_bytes";
 
-/// What tells a recording from another that took its place.
+/// Returns the size of a recording, which distinguishes it from another that replaced it.
 uint64_t size_of(const fs::path& path) {
   std::error_code error;
   const uint64_t bytes = fs::file_size(path, error);
   return error ? 0 : bytes;
 }
 
-void note_with_size(RunRecord& record, const char* key, Json note, const fs::path& recording) {
+Json with_size(Json note, const fs::path& recording) {
   note[kSize] = size_of(recording);
-  record.note(key, std::move(note));
+  return note;
 }
 
-/// A note of the run record beside a recording; nothing where a file of this name is no record of ours, or one of
-/// another recording.
+/// Returns a note of the run record beside a recording, or nothing if the file with this name is not a record of e2lf
+/// or describes another recording.
 std::optional<Json> note_beside(const fs::path& recording, const char* key) {
   const fs::path path = record_path_beside(recording);
   std::error_code error;
@@ -59,11 +61,14 @@ void keep_setup(const RecordedSetup& setup, capture::EventImageWriter& writer) {
   if (setup.has_own_views()) writer.set_views(capture::views_to_npy(*setup.views));
 }
 
-void note_setup(RunRecord& record, const RecordedSetup& setup, const fs::path& recording) {
-  if (setup.codes) note_with_size(record, kCodesNote, capture::codes_to_json(*setup.codes), recording);
-  if (setup.camera) note_with_size(record, kCameraNote, capture::to_json(*setup.camera), recording);
-  if (setup.has_own_views())
-    note_with_size(record, kViewsNote, {{"views", capture::orientation_name(*setup.views)}}, recording);
+Json setup_notes(const RecordedSetup& setup, const fs::path& recording) {
+  Json notes = Json::object();
+  if (setup.codes) notes[kCodesNote] = with_size(capture::codes_to_json(*setup.codes), recording);
+  if (setup.camera) notes[kCameraNote] = with_size(capture::to_json(*setup.camera), recording);
+  if (setup.has_own_views()) {
+    notes[kViewsNote] = with_size({{"views", capture::orientation_name(*setup.views)}}, recording);
+  }
+  return notes;
 }
 
 Result<RecordedSetup> recorded_setup(const fs::path& recording, const recordings::RecordingInfo& info) {
@@ -81,7 +86,7 @@ Result<RecordedSetup> recorded_setup(const fs::path& recording, const recordings
       E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_json(*note, beside));
     }
   }
-  // The record first: `e2lf convert --turn-views` tells by it what the header, which it copies, says otherwise.
+  // The record takes precedence: with `e2lf convert --turn-views` it differs from the header, which is copied.
   if (const auto note = note_beside(recording, kViewsNote)) {
     E2LF_ASSIGN_OR_RETURN(setup.views, capture::orientation_from_name(note->value("views", ""), beside));
   } else {
@@ -106,13 +111,21 @@ Result<RecordedSetup> recorded_setup(const capture::MeasurementFile& file, const
   return setup;
 }
 
+Result<RecordedSetup> setup_of_cycles(const fs::path& recording, const cycles::CycleReader& reader) {
+  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(recording, reader.recording().info()));
+  if (reader.schedule().views) setup.views = reader.schedule().views;
+  if (!setup.codes) return setup;
+  if (auto codes = cycles::codes_of_images(*setup.codes, reader.schedule())) setup.codes = std::move(codes);
+  return setup;
+}
+
 std::string recorded_colour_filter(const fs::path& events) {
   const auto note = note_beside(events, kColourNote);
   return note ? note->value("colours", "") : "";
 }
 
-void note_colour_filter(RunRecord& record, const std::string& filter, const fs::path& events) {
-  if (!filter.empty()) note_with_size(record, kColourNote, {{"colours", filter}}, events);
+Json colour_filter_notes(const std::string& filter, const fs::path& events) {
+  return filter.empty() ? Json::object() : Json{{kColourNote, with_size({{"colours", filter}}, events)}};
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::pipeline

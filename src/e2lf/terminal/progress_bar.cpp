@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/base/progress.h"
+#include "e2lf/terminal/progress_bar.h"
 
 #include <algorithm>
 #include <cmath>

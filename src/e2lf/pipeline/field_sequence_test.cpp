@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recon/field_sequence.h"
+#include "e2lf/pipeline/field_sequence.h"
 
 #include <array>
 #include <gtest/gtest.h>
 
 #include "e2lf/recon/gain.h"
 
-namespace e2lf::recon {
+namespace e2lf::pipeline {
 namespace {
 
 /// A method whose light field has the value of the first count everywhere, in hundredths.
@@ -52,7 +52,7 @@ TEST(FieldSequence, TakesAGivenGainAndHandsOnWhatFails) {
 }
 
 TEST(FieldSequence, ComparesWithTheEventsWhereTheCameraIsKnown) {
-  FieldSequence sequence(constant_field, {.gain = 1.0F}, EventCheck{capture::default_codes(), {}});
+  FieldSequence sequence(constant_field, {.gain = 1.0F}, recon::EventCheck{capture::default_codes(), {}});
   const Field field = sequence.next(images_of(30)).value();
   ASSERT_TRUE(field.error);
   EXPECT_GT(field.error->at_first, 0);
@@ -62,7 +62,7 @@ TEST(ColourMethod, EachColourComesFromThePixelsBehindItsFilter) {
   capture::EventImages images(3, 4, 6);
   const std::array<int16_t, 4> counts = {10, 20, 40, 70};  // of the places of each block
   for (size_t place = 0; place < 4; ++place) images.counts[place / 2 * 6 + place % 2] = counts[place];
-  const Method colour = colour_method(constant_field, capture::colour_filter_from_name("rggb").value());
+  const recon::Method colour = colour_method(constant_field, capture::colour_filter_from_name("rggb").value());
   const auto field = colour(images, {});
   ASSERT_TRUE(field) << field.error().text();
   EXPECT_EQ(field->shape(), (lightfield::Shape{8, 8, 2, 3, 3}));
@@ -76,4 +76,4 @@ TEST(ColourMethod, EachColourComesFromThePixelsBehindItsFilter) {
 }
 
 }  // namespace
-}  // namespace e2lf::recon
+}  // namespace e2lf::pipeline
