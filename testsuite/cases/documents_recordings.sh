@@ -35,3 +35,5 @@ if "$E2LF" --version | grep "^metavision: ON (.*simulated" >/dev/null; then
   page docs/camera.md
   exists camera/capture.raw camera/capture.bias
 fi
+page docs/live.md
+exists live/out/last.npy live/out/live.json

@@ -171,7 +171,7 @@ void CycleAssembler::judge_by_events() {
 }
 
 std::optional<TimeSlice> CycleAssembler::unused_time(const PatternTracker& tracker) const {
-  if (!pattern_ || !open_ || open_->is_whole) return std::nullopt;
+  if (!pattern_ || !open_ || open_->is_whole || whole_every_ == 1) return std::nullopt;
   const auto& patterns = options_.schedule.patterns;
   TimeSlice unused{pattern_begin_us_ + window_us_, pattern_begin_us_ - window_us_};
   for (size_t i = *pattern_; !patterns[i].image; i = (i + 1) % patterns.size()) {

@@ -98,6 +98,7 @@ class CycleReader::Impl {
   void read_whole_every(uint64_t cycles) {
     const bool can_skip = options_.source == CycleSource::kTriggers && !options_.one_trigger_per_cycle;
     assembler_.make_whole_every(can_skip ? cycles : 1);
+    if (cycles == 1 && has_skipped_) reader_->skip_events(0, 0);
   }
 
   CycleReport report() const {
