@@ -53,12 +53,12 @@ fails 3 "ended by itself" camera "period_us=0;end_at=$size" accumulate camera://
 py -c 'import numpy as np; assert (np.load("ended.npz")["events"] == np.load("sent.npz")["events"]).all()'
 
 # An unplugged camera and a sender that breaks off keep what came, in every verb, and the exit code says so.
-fails 3 "connection to the camera is lost" camera "unplug_at=50001;period_us=100" record camera://metavision -o unplugged.raw
-[ "$(words_of unplugged.raw)" -gt 40000 ] || fail "$(words_of unplugged.raw) bytes of 50001 before it was unplugged"
+fails 3 "connection to the camera is lost" camera "unplug_at=50001;buffer=1000;period_us=20000" record camera://metavision -o unplugged.raw
+[ "$(words_of unplugged.raw)" -gt 30000 ] || fail "$(words_of unplugged.raw) bytes of 50001 before it was unplugged"
 [ "$(json unplugged.raw.run.json 'j["notes"]["ended_by"]')" = failure ] || fail "the record of an unplugged camera"
-fails 3 "connection to the camera is lost" camera "unplug_at=50001;period_us=100" convert camera://metavision unplugged.csv --strict
-fails 3 "connection to the camera is lost" camera "unplug_at=50001;period_us=100" info camera://metavision
-[ "$(wc -l <unplugged.csv)" -gt 5000 ] || fail "$(wc -l <unplugged.csv) events"
+fails 3 "connection to the camera is lost" camera "unplug_at=50001;buffer=1000;period_us=20000" convert camera://metavision unplugged.csv --strict
+fails 3 "connection to the camera is lost" camera "unplug_at=50001;buffer=1000;period_us=20000" info camera://metavision
+[ "$(wc -l <unplugged.csv)" -gt 1000 ] || fail "$(wc -l <unplugged.csv) events"
 /usr/bin/python3 - <<'PY' &
 import socket, struct, time
 data = open("sent.raw", "rb").read()
@@ -74,12 +74,12 @@ for _ in range(2):
     connection.close()
 PY
 sender=$!
-trap 'kill "$sender" 2>/dev/null; remove_folder' EXIT
+trap 'kill "$sender" 2>/dev/null || true; remove_folder' EXIT
 wait_for port "$sender"
 fails 3 "the sender broke off" "$E2LF" record "tcp://127.0.0.1:$(cat port)" -o reset.raw
 cmp <(head -c 60000 sent.raw) reset.raw
 fails 3 "the sender broke off" "$E2LF" convert "tcp://127.0.0.1:$(cat port)" reset.csv
-[ "$(wc -l <reset.csv)" -gt 5000 ] || fail "$(wc -l <reset.csv) events"
+[ "$(wc -l <reset.csv)" -gt 1000 ] || fail "$(wc -l <reset.csv) events"
 
 # Ctrl-C keeps all that came.
 E2LF_STAND_IN="serial=A1;width=96;height=64;file=sent.raw;period_us=1000" "$E2LF" record camera://metavision -o stopped.raw --quiet 2>log.txt &
