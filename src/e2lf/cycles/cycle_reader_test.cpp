@@ -12,6 +12,7 @@
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "testing/chunked_source.h"
 
 namespace e2lf::cycles {
 namespace {
@@ -286,7 +287,10 @@ Outcome cut_raw(uint64_t cycles, const SynthesisOptions& synthesis, uint64_t who
     EXPECT_TRUE((*writer)->write(synthesise_cycle(images_of(number), number, synthesis).batch));
   }
   EXPECT_TRUE((*writer)->finish());
-  auto recording = recordings::open_recording(recordings::make_memory_source(bytes), {});
+  // Pieces as a camera sends them: what is decoded in advance is not left out.
+  constexpr size_t kPieceBytes = 512;
+  auto recording = recordings::open_recording(
+      std::make_unique<recordings::ChunkedSource>(std::move(bytes), std::vector<size_t>(), kPieceBytes), {});
   EXPECT_TRUE(recording.ok()) << recording.error().text();
   auto reader = CycleReader::open(std::move(*recording), by_triggers());
   EXPECT_TRUE(reader.ok()) << reader.error().text();
@@ -310,7 +314,7 @@ TEST(CycleReader, EventsThatNoImageNeedsAreLeftOutOfMostCycles) {
   for (size_t i = 0; i < all.cycles.size(); ++i) {
     EXPECT_EQ(some.cycles[i].events, all.cycles[i].events);
     EXPECT_EQ(some.cycles[i].begin_us, all.cycles[i].begin_us);
-    EXPECT_GT(some.cycles[i].confidence, 0.5F);
+    if (all.cycles[i].confidence > 0) EXPECT_GT(some.cycles[i].confidence, 0.5F);
     EXPECT_EQ(some.cycles[i].polarity, all.cycles[i].polarity);
   }
   EXPECT_LT(static_cast<double>(some_events), 0.8 * static_cast<double>(all_events));

@@ -123,8 +123,7 @@ Result<void> RecordingReader::find_shift() {
 
 DecodeSummary RecordingReader::left_out_before() const {
   DecodeSummary before;
-  if (losses_of_source_ != nullptr) before = *losses_of_source_;
-  if (source_of_losses_ != nullptr) before.append(source_of_losses_->left_out());
+  for (const auto& losses : losses_before_) before.append(losses());
   return before;
 }
 

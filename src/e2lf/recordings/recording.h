@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -132,12 +133,9 @@ class RecordingReader {
   /// assumptions.
   void take_container(RecordingInfo info) { info_ = std::move(info); }
 
-  /// Includes the losses that a source counts which is not owned by this reader, such as the one that decompresses its
-  /// bytes.
-  void count_losses_of(std::shared_ptr<const DecodeSummary> losses) { losses_of_source_ = std::move(losses); }
-
-  /// Includes the losses of a source that this reader reads, directly or through another source.
-  void count_losses_of(std::shared_ptr<const ByteSource> source) { source_of_losses_ = std::move(source); }
+  /// Includes the losses of a source from which the bytes of this reader come, such as a camera, a bag, or the one that
+  /// decompresses them.
+  void count_losses(std::function<DecodeSummary()> losses) { losses_before_.push_back(std::move(losses)); }
 
   /// Returns the summary of everything that read() has returned and of what was left out before, with times shifted
   /// like the events'.
@@ -177,8 +175,7 @@ class RecordingReader {
   void pass_over_cut(const DecodeSummary& before);
   void count(const EventColumns& events, size_t begin, size_t end);
 
-  std::shared_ptr<const DecodeSummary> losses_of_source_;
-  std::shared_ptr<const ByteSource> source_of_losses_;
+  std::vector<std::function<DecodeSummary()>> losses_before_;
   PendingBatch pending_;                        ///< read but not yet returned, with absolute times
   bool has_begun_ = false, has_ended_ = false;  ///< options_.from_us or to_us was reached
   std::optional<Restart> joint_;                ///< before what comes next, if that is earlier

@@ -285,8 +285,8 @@ Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSour
   if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
   if (!codec->is_table) E2LF_RETURN_IF_ERROR(refuse_table_options(options, codec->name, source->name()));
   E2LF_ASSIGN_OR_RETURN(auto reader, codec->open(std::move(source), options));
-  if (losses != nullptr) reader->count_losses_of(std::move(losses));
-  if (live != nullptr) reader->count_losses_of(std::move(live));
+  if (losses != nullptr) reader->count_losses([losses] { return *losses; });
+  if (live != nullptr) reader->count_losses([live] { return live->left_out(); });
   return check_stream(std::move(reader));
 }
 
