@@ -8,7 +8,6 @@
 #include <fcntl.h>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 #include <mutex>
 #include <sstream>
 #include <sys/file.h>
@@ -49,7 +48,10 @@ uint64_t number(const Scenario& scenario, const std::string& key, uint64_t other
 /// The words of a RAW recording, without its header.
 std::vector<uint8_t> words_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(file)), {});
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  std::vector<uint8_t> bytes(error ? 0 : size);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   const std::string end = "% end\n";
   const auto header = std::search(bytes.begin(), bytes.end(), end.begin(), end.end());
   if (header != bytes.end()) bytes.erase(bytes.begin(), header + static_cast<long>(end.size()));
@@ -107,13 +109,14 @@ struct Camera {
   /// Drops the triggers of inputs that are off.
   std::vector<uint8_t> visible(std::vector<uint8_t> bytes) const {
     if (!format.starts_with("EVT3")) return bytes;
+    unsigned inputs = 0;
+    for (const auto& [channel, id] : trigger_in.get_available_channels()) {
+      inputs |= static_cast<unsigned>(trigger_in.is_enabled(channel)) << id;
+    }
     size_t kept = 0;
     for (size_t i = 0; i + 1 < bytes.size(); i += 2) {
-      bool is_on = bytes[i + 1] >> 4 != 0xA;
-      for (const auto& [channel, id] : trigger_in.get_available_channels()) {
-        is_on = is_on || ((bytes[i + 1] & 0xF) == id && trigger_in.is_enabled(channel));
-      }
-      if (!is_on) continue;
+      const bool is_trigger = bytes[i + 1] >> 4 == 0xA;
+      if (is_trigger && (inputs >> (bytes[i + 1] & 0xF) & 1) == 0) continue;
       bytes[kept++] = bytes[i];
       bytes[kept++] = bytes[i + 1];
     }
