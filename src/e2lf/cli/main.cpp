@@ -39,6 +39,7 @@ const std::vector<VerbEntry>& verbs() {
       {"epi", "light field -> epipolar plane image", run_epi},
       {"animate", "light field -> film with a moving viewpoint or focus, or a quilt", run_animate},
       {"view", "show light fields, events, recordings and models in a browser", run_view},
+      {"live", "show light fields while the camera records", run_live},
       {"pack", "light fields and photographs -> one file for training", run_pack},
       {"train", "learn aperture patterns and a network jointly", run_train},
       {"resume", "continue a training run", run_resume},
@@ -49,7 +50,7 @@ const std::vector<VerbEntry>& verbs() {
   return list;
 }
 
-/// The version, what this build can do, and what kernels run as on this processor.
+/// Prints the version, the features of this build, and the instruction set that the kernels use on this processor.
 int print_version() {
   std::printf("e2lf %s\n%sinstructions: %s\n", kVersion, kFeatures, e2lf::current_isa().c_str());
   return 0;
@@ -72,7 +73,7 @@ int print_completion(const std::string& shell, const std::string& example, const
 int run_completion(const std::vector<std::string>& arguments) {
   if (!arguments.empty() && !arguments.front().starts_with("-")) {
     const auto script = completion_script(arguments.front(), {});
-    if (!script) return fail("completion", script.error(), 2);  // it names the shells
+    if (!script) return fail("completion", script.error(), 2);  // the error names the shells
   }
   return run_subverb(
       "completion",
@@ -85,7 +86,8 @@ int run_completion(const std::vector<std::string>& arguments) {
       arguments);
 }
 
-/// e2lf shell-texts FOLDER, for the build: manual pages (man1/) and completion (bash/, zsh/, fish/).
+/// Implements e2lf shell-texts FOLDER for the build: writes manual pages (man1/) and completion scripts (bash/, zsh/,
+/// fish/).
 int write_texts(const std::vector<std::string>& arguments) {
   if (arguments.size() != 2) {
     std::fprintf(stderr, "usage: e2lf shell-texts FOLDER\n");
@@ -108,7 +110,7 @@ int write_texts(const std::vector<std::string>& arguments) {
 int run(const std::vector<std::string>& arguments) {
   const std::string first = arguments.empty() ? "" : arguments.front();
   if (first == "--version" || first == "version") return print_version();
-  // Not in the list of verbs: of the build.
+  // Not in the list of verbs, because only the build uses it.
   if (first == "shell-texts") return write_texts(arguments);
   return run_subverb("", verbs(), arguments);
 }

@@ -116,6 +116,7 @@ int run_epi(const std::vector<std::string>& arguments);
 int run_equivalence(const std::vector<std::string>& arguments);
 int run_eval(const std::vector<std::string>& arguments);
 int run_info(const std::vector<std::string>& arguments);
+int run_live(const std::vector<std::string>& arguments);
 int run_model(const std::vector<std::string>& arguments);
 int run_pack(const std::vector<std::string>& arguments);
 int run_reconstruct(const std::vector<std::string>& arguments);

@@ -116,6 +116,12 @@ std::optional<capture::Codes> OpenedMethod::codes_of_signs() const {
   return codes && camera && !camera->is_pixel() ? std::optional(codes->codes) : std::nullopt;
 }
 
+Tone OpenedMethod::complete(Tone tone) const {
+  const bool is_pixel = camera && camera->is_pixel();
+  if (!tone.black && (tone.gain || !is_pixel)) tone.black = 0.0F;
+  return tone;
+}
+
 Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   if (!network && use.passes > 1) {
     return Error{ErrorCode::kInvalidValue, cat("the method ", algorithm, " makes one pass; leave it out"), "passes"};
@@ -169,7 +175,6 @@ Judging judging_of(const OpenedMethod& opened) {
 Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone, bool is_checked) {
   E2LF_ASSIGN_OR_RETURN(recon::Method ready, method.ready(use));
   const bool is_pixel = method.camera && method.camera->is_pixel();
-  if (!tone.black && (tone.gain || !is_pixel)) tone.black = 0.0F;
   std::optional<recon::EventCheck> check;
   std::optional<recon::Rival> rival;
   // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
@@ -180,7 +185,7 @@ Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse&
     if (is_pixel) check->pixels = method.camera;
     rival = rival_of(method);
   }
-  return FieldSequence(std::move(ready), tone, std::move(check), std::move(rival), judging_of(method));
+  return FieldSequence(std::move(ready), method.complete(tone), std::move(check), std::move(rival), judging_of(method));
 }
 
 }  // namespace e2lf::pipeline

@@ -53,6 +53,10 @@ struct OpenedMethod {
   /// the paper's event model are known.
   [[nodiscard]] std::optional<capture::Codes> codes_of_signs() const;
 
+  /// Completes a tone: a black level that it leaves open is 0 unless physical pixels leave it open, too, and brightness
+  /// is not to be measured.
+  [[nodiscard]] Tone complete(Tone tone) const;
+
   /// Returns the method for such a use. Fails with kInvalidValue if it makes one pass or takes one cycle; the location
   /// is "passes" or "cycles".
   [[nodiscard]] Result<recon::Method> ready(const MethodUse& use = {}) const;
@@ -66,9 +70,8 @@ struct OpenedMethod {
 [[nodiscard]] Result<OpenedMethod> open_method(MethodChoice choice);
 
 /// Begins a sequence of light fields. Each is compared with its events if `is_checked` and somebody tells the patterns,
-/// unless it is made of several cycles or in colour; the first is judged if the method knows its camera. A black level
-/// that `tone` leaves open is 0 unless physical pixels leave it open, too, and brightness is not to be measured. Fails
-/// as OpenedMethod::ready() does.
+/// unless it is made of several cycles or in colour; the first is judged if the method knows its camera. The tone is
+/// completed by OpenedMethod::complete(). Fails as OpenedMethod::ready() does.
 [[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone,
                                                   bool is_checked);
 

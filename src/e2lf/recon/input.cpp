@@ -146,6 +146,13 @@ void fill_lens_array(const capture::CodedIntensities& image, float scale, size_t
 
 Result<InputPlanes> network_input(const capture::Measurement& measurement, std::span<const model::InputGroup> groups,
                                   const InputConditions& conditions, size_t size_multiple) {
+  InputPlanes planes;
+  E2LF_RETURN_IF_ERROR(network_input(measurement, groups, conditions, size_multiple, planes));
+  return planes;
+}
+
+Result<void> network_input(const capture::Measurement& measurement, std::span<const model::InputGroup> groups,
+                           const InputConditions& conditions, size_t size_multiple, InputPlanes& planes) {
   E2LF_REQUIRE(conditions.cycles >= 1, "counts are of one cycle at least");
   E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
   E2LF_REQUIRE(measurement.height() > 0 && measurement.width() > 0, "images must not be empty");
@@ -154,8 +161,8 @@ Result<InputPlanes> network_input(const capture::Measurement& measurement, std::
   }
   const std::vector<size_t> first_channels =
       group_begins(groups, measurement.events.transitions, conditions.conditioning.size(), measurement.images.count);
-  InputPlanes planes(first_channels.back(), round_up(measurement.height(), size_multiple),
-                     round_up(measurement.width(), size_multiple));
+  planes.resize(first_channels.back(), round_up(measurement.height(), size_multiple),
+                round_up(measurement.width(), size_multiple));
   if (std::any_of(groups.begin(), groups.end(), is_of_counts)) {
     fill_counts(measurement.events, groups, first_channels, conditions, planes);
   }
@@ -169,7 +176,7 @@ Result<InputPlanes> network_input(const capture::Measurement& measurement, std::
       fill_lens_array(measurement.images, scale, first_channels[g], planes);
     }
   }
-  return planes;
+  return {};
 }
 
 }  // namespace e2lf::recon

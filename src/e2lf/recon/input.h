@@ -33,4 +33,9 @@ struct InputConditions {
                                                 std::span<const model::InputGroup> groups,
                                                 const InputConditions& conditions, size_t size_multiple = 1);
 
+/// The same into `planes`, whose memory is used again.
+[[nodiscard]] Result<void> network_input(const capture::Measurement& measurement,
+                                         std::span<const model::InputGroup> groups, const InputConditions& conditions,
+                                         size_t size_multiple, InputPlanes& planes);
+
 }  // namespace e2lf::recon

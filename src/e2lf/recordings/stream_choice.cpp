@@ -10,7 +10,7 @@ namespace e2lf::recordings {
 std::string one_line(std::string text) {
   for (size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
-    // In UTF-8 those from 0x80 to 0x9F stand behind 0xC2.
+    // In UTF-8, control characters from 0x80 to 0x9F follow 0xC2.
     const bool is_second = i > 0 && text[i - 1] == '\xC2' && byte < 0xA0;
     if (byte < 0x20 || byte == 0x7F || is_second) text[i] = '?';
   }

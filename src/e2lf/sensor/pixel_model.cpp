@@ -177,7 +177,8 @@ Result<void> check(const capture::Codes& codes, const capture::SensorProfile& ca
                  ""};
   }
   if (!(options.gain >= 0.0F) || !std::isfinite(options.gain)) {
-    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is no brightness; use zero or more"), ""};
+    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is not a brightness; use zero or more"),
+                 ""};
   }
   if (codes.num_patterns < 2 || !capture::is_black_first(codes)) {
     return Error{ErrorCode::kShape, "the event model pixel needs patterns that begin with black; use others", ""};

@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The place of an element as its indices, "[0, 2, 14, 7]".
+/// Returns the position of an element as its indices, "[0, 2, 14, 7]".
 std::string place_of(size_t element, const std::vector<size_t>& shape) {
   std::vector<size_t> place(shape.size());
   for (size_t axis = shape.size(); axis-- > 0; element /= shape[axis]) place[axis] = element % shape[axis];
   return shape_text(place);
 }
 
-/// Fails where floating-point numbers are no whole ones, and names the first.
+/// Fails if floating-point numbers are not integers, naming the first one.
 Result<void> check_whole(const NpyArray& array, const std::string& location) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
   const auto is_finite = [](float value) { return std::isfinite(value); };
@@ -45,11 +45,11 @@ Result<void> check_whole(const NpyArray& array, const std::string& location) {
                location};
 }
 
-/// `array` as int16 values; anything that is not a whole number within int16 is an error.
+/// Converts `array` to int16; any value that is not an integer within int16 is an error.
 Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string& location) {
   if (array.type.starts_with('f')) E2LF_RETURN_IF_ERROR(check_whole(array, location));
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> rough, array.to_float(location));
-  // In unsigned numbers of 8 to 64 bits, -1 is the largest; what is beyond half of it was negative.
+  // In unsigned numbers of 8 to 64 bits, -1 is the largest value, so values beyond half of it were negative.
   const bool is_unsigned = array.type.starts_with('u');
   const auto half = static_cast<float>(std::ldexp(0.5, static_cast<int>(8 * array.item_size)));
   std::vector<int16_t> counts(rough.size());
@@ -71,7 +71,7 @@ Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string&
   return counts;
 }
 
-/// Cycles from an array [cycles, N-1, y, x] or [N-1, y, x].
+/// Returns the cycles of an array [cycles, N-1, y, x] or [N-1, y, x].
 Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
   if ((shape.size() != 3 && shape.size() != 4) || array.num_elements() == 0) {
@@ -79,7 +79,7 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
                  cat("event images have shape ", shape_text(shape), "; expected [N-1, y, x] or [cycles, N-1, y, x]"),
                  location};
   }
-  // No camera shows more patterns than it has columns.
+  // No display shows more patterns than a camera has columns.
   constexpr size_t kMostTransitions = 16;
   if (shape[shape.size() - 3] > kMostTransitions && shape.back() <= kMostTransitions) {
     return Error{
@@ -127,7 +127,7 @@ Result<EventImageFile> from_arrays(const NpzArrays& arrays, const fs::path& path
   return file;
 }
 
-/// The K of event_image_0000K.npy, or nothing for other names.
+/// Returns the K of event_image_0000K.npy, or nothing for other names.
 std::optional<size_t> image_number(const fs::path& path) {
   const std::string stem = path.stem().string(), prefix = "event_image_";
   if (path.extension() != ".npy" || !stem.starts_with(prefix)) return std::nullopt;
@@ -138,7 +138,7 @@ std::optional<size_t> image_number(const fs::path& path) {
   return number;
 }
 
-/// The folder's event images in order; their numbers must run from 0 without a gap.
+/// Lists the event images of a folder in order; their numbers must run from 0 without gaps.
 Result<std::vector<fs::path>> list_images(const fs::path& folder) {
   std::vector<std::pair<size_t, fs::path>> found;
   std::error_code status;

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kImages = "images";
 constexpr const char* kLensArray = "lens_array";
 
-/// The images of each cycle, from an array [cycles, image, y, x].
+/// Returns the images of each cycle from an array [cycles, image, y, x].
 Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
   if (shape.size() != 4 || array.num_elements() == 0) {

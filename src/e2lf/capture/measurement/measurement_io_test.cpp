@@ -76,7 +76,7 @@ TEST(MeasurementFile, RefusesArraysThatDoNotFit) {
   EXPECT_THAT(error_of({{"images", images},
                         {"events", make_npy(std::vector<size_t>{2, 1, 8, 4}, std::span<const int16_t>(counts))}})
                   .message,
-              HasSubstr("beside 2 of events"));
+              HasSubstr("with 2 of events"));
   std::vector<float> bad = values;
   bad[3] = std::numeric_limits<float>::infinity();
   EXPECT_THAT(error_of({{"lens_array", make_npy(std::vector<size_t>{1, 8, 8}, std::span<const float>(bad))}}).message,

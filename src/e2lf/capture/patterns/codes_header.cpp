@@ -29,7 +29,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-/// A row as codes_from_json() takes it.
+/// Returns a row in the form that codes_from_json() reads.
 Result<Json> row_from(const std::string& text, const std::string& location) {
   if (text.find_first_not_of("01") == std::string::npos) return Json(text);
   Json row = Json::array();

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char *kCameraKey = "e2lf_camera", *kViewsKey = "e2lf_views";
 
-/// The value of the first line with this key, or null.
+/// Returns the value of the first line with this key, or null.
 const std::string* find_line(const HeaderLines& header, const char* key) {
   const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
   return line == header.end() ? nullptr : &line->second;

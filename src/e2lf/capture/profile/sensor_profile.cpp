@@ -15,7 +15,7 @@ using enum PixelConstant;
 
 struct KeyRange {
   const char* key;
-  float low, high;  // what a value may be
+  float low, high;  // range of the value
 };
 
 /// In the order of PixelConstant.
@@ -29,7 +29,7 @@ constexpr KeyRange kPixelKeys[] = {
 };
 static_assert(std::size(kPixelKeys) == kNumPixelConstants);
 
-constexpr float kMostSlope = 2.0F;  // of the logarithm of a transmission, from the middle to the edge
+constexpr float kMostSlope = 2.0F;  // slope of the logarithm of a transmission, from the centre to the edge
 
 constexpr const char* kEventModels[] = {"reference-aware", "quantised", "pixel"};
 
@@ -69,7 +69,7 @@ Result<void> read_pixel(OptionReader constants, SensorProfile& camera) {
   return constants.finish();
 }
 
-/// The fields of the paper's constants with their keys.
+/// The paper's constants with their keys.
 constexpr std::pair<KeyRange, float SensorConstants::*> kPaperKeys[] = {
     {{"eps", 1e-6F, 1e3F}, &SensorConstants::eps},
     {{"tau", 0.01F, 10.0F}, &SensorConstants::tau},
@@ -117,7 +117,7 @@ Json json_numbers(const std::vector<float>& values) {
   return json;
 }
 
-/// 0 for a part that follows at once, 1 for one that never does.
+/// Returns 0 for a part that follows at once, and 1 for one that never does.
 float lag(float rate_hz) {
   constexpr float kUsualRate = 30.0F;
   return kUsualRate / (kUsualRate + rate_hz);

@@ -25,13 +25,13 @@ enum class PixelConstant : uint8_t {
   kThresholdOn,    ///< contrast threshold of ON events, natural logarithm
   kThresholdOff,   ///< contrast threshold of OFF events
   kMismatch,       ///< relative standard deviation over the pixels of a factor that is common to both thresholds
-  kMismatchEach,   ///< the same of a factor for each threshold alone
+  kMismatchEach,   ///< relative standard deviation of an independent factor of each threshold
   kNoise,          ///< standard deviation of the log intensity at the end of a pattern
-  kShotNoise,      ///< the same in the dark; decreases with the square root of (I + eps) / eps
+  kShotNoise,      ///< additional standard deviation in the dark; decreases with the square root of (I + eps) / eps
   kResetSpan,      ///< after black, the reference lies up to this many OFF thresholds above the level; 1 without noise
   kResetOffset,    ///< and lower by this offset, natural logarithm
   kDarkOff,        ///< fraction of pixels with a spurious OFF event per pattern, in the dark
-  kDarkOn,         ///< the same of ON events
+  kDarkOn,         ///< fraction of pixels with a spurious ON event per pattern, in the dark
   kBlackTime,      ///< duration of the black pattern, s
   kLitTime,        ///< duration of each active pattern, s
 };

@@ -2,6 +2,7 @@
 #include "e2lf/cli/flags/cycle_input.h"
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/cli/flags/file_kind.h"
 
 namespace e2lf::cli {
@@ -47,6 +48,19 @@ Result<pipeline::CycleInput> open_cycle_input(const std::filesystem::path& input
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kCycleOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(capture::MeasurementFile file, capture::read_measurements(input));
   return named(pipeline::CycleInput::create(std::move(file), std::move(options)));
+}
+
+CycleFlags wanted_cycles(CycleFlags flags, const pipeline::MethodChoice& choice) {
+  if (choice.model) {
+    flags.num_wanted = choice.model->num_patterns;
+  } else if (choice.codes) {
+    flags.num_wanted = choice.codes->num_patterns;
+  }
+  const auto codes = choice.codes || !choice.model ? choice.codes : choice.model->codes;
+  if (codes && codes->num_patterns >= 2) {
+    flags.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
+  }
+  return flags;
 }
 
 }  // namespace e2lf::cli

@@ -307,13 +307,13 @@ fs::path OutputFile::record_path() const {
 Result<void> OutputFile::check_place() const {
   E2LF_RETURN_IF_ERROR(check_output(target_, overwrite_));
   const fs::path record = record_path_beside(target_);
-  // The record of a result that is gone is of no use to anyone.
+  // The record of a result that no longer exists is useless.
   if (is_there(record) && !(is_our_record(record) && (overwrite_ || !is_there(target_)))) {
     return foreign_side(record, target_, is_our_record(record));
   }
   if (triggers_.empty() || !is_there(triggers_)) return {};
   if (const fs::path owner = other_owner(triggers_, target_); !owner.empty()) {
-    // The same triggers will do; a recording that cannot be made again is not put at that risk.
+    // The existing triggers are the same; but this risk is not taken for a recording that cannot be repeated.
     return is_live_ ? shared_triggers(triggers_, target_, owner) : Result<void>();
   }
   const bool is_ours = is_our_trigger_file(triggers_);
@@ -322,7 +322,7 @@ Result<void> OutputFile::check_place() const {
 
 Result<void> OutputFile::commit() {
   if (!workspace_) return {};
-  // What is there may have changed since create().
+  // The files may have changed since create().
   E2LF_RETURN_IF_ERROR(check_place());
   bool keeps_triggers = triggers_.empty();
   const fs::path new_triggers = workspace_->path() / triggers_.filename();
@@ -331,7 +331,8 @@ Result<void> OutputFile::commit() {
     keeps_triggers = is_there(new_triggers) && is_same_content(new_triggers, triggers_);
     if (!owner.empty() && !keeps_triggers) return shared_triggers(triggers_, target_, owner);
   }
-  // Old side files go first: a result without its triggers is poorer, one with those of another is wrong.
+  // Old side files are removed first: a result without its triggers is incomplete, but one with those of another is
+  // wrong.
   std::error_code error;
   fs::remove(record_path_beside(target_), error);
   if (!keeps_triggers) fs::remove(triggers_, error);

@@ -24,7 +24,7 @@ CLI::Validator report_name() {
   return {check, ""};
 }
 
-/// As it was typed, as far as one can tell.
+/// Returns the command line as it was typed, as far as possible.
 std::string command_line() {
   std::ifstream in("/proc/self/cmdline", std::ios::binary);
   std::vector<std::string> words;
@@ -109,7 +109,7 @@ std::string transition_bars(const std::vector<double>& events_per_pixel) {
 Result<void> write_chart(const std::string& svg, const fs::path& name, const fs::path& place) {
   const std::string drawing = report::file_svg(svg);
   if (name.extension() != ".png") return write_file(place, drawing);
-  constexpr size_t kWidth = 1800;  // twice that of the drawing
+  constexpr size_t kWidth = 1800;  // twice the width of the drawing
   auto image = film::draw_svg(drawing, kWidth);
   if (!image) {
     Error error = image.error();

@@ -36,7 +36,7 @@ std::string sha256(const void* data, size_t size) {
   return hex({digest, length});
 }
 
-/// In constant memory: recordings are larger than that.
+/// Computed in constant memory, because recordings may be larger than memory.
 Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progress) {
   std::ifstream file(path, std::ios::binary);
   std::error_code ignored;
@@ -59,7 +59,7 @@ Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progr
   return hex({digest, length});
 }
 
-/// Says which inputs have changed since the run that is made again.
+/// Warns of inputs that have changed since the run that is repeated.
 void warn_of_other_inputs(const Json& inputs, const Json& earlier_run) {
   if (!earlier_run.is_object() || !earlier_run.contains("inputs")) return;
   const auto whole = [](const Json& input) { return fs::absolute(input.value("path", "")).lexically_normal(); };

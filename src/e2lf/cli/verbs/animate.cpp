@@ -33,7 +33,7 @@ struct AnimateArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// The disparities that the scene has, for a sweep of the focus through it.
+/// Estimates the range of disparities in the scene, for a sweep of the focus.
 Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, const LightField& light_field,
                                           RunRecord& record) {
   if (arguments.has_focus_range) return depth::DisparityRange{arguments.from, arguments.to};
@@ -103,7 +103,7 @@ Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
   return {};
 }
 
-/// The name that displays read, made of the one that was given.
+/// Returns the given name with the suffix that displays read.
 fs::path quilt_name(const fs::path& named, const lightfield::Shape& shape, const film::Quilt& quilt) {
   const std::string stem = named.stem().string();
   if (stem.find("_qs") != std::string::npos) return named;

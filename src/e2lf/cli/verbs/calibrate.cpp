@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf calibrate: event images of still scenes -> the constants of the camera
+// e2lf calibrate: event images of static scenes -> constants of the camera
 #include "e2lf/calibrate/calibrate.h"
 
 #include <algorithm>
@@ -66,7 +66,7 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
   return source;
 }
 
-/// The patterns of all inputs, which must be the same.
+/// Returns the patterns of the inputs, which must be the same for all.
 Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const std::vector<Source>& sources,
                                     RunRecord& record) {
   std::optional<capture::Codes> codes;
@@ -106,7 +106,7 @@ void keep_first_transitions(capture::Codes& codes, std::vector<calibrate::StillS
   }
 }
 
-/// Fails where two outputs, or an output and the record of the camera file, have one name.
+/// Fails if two outputs, or an output and the record of the camera file, have the same name.
 Result<void> check_distinct(const CalibrateArguments& arguments) {
   std::vector<fs::path> names;
   for (const fs::path& path :
@@ -150,7 +150,8 @@ Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<Out
   return {};
 }
 
-/// How far the light field that a network makes of some events, told a camera, is from explaining them.
+/// Returns by how much the events that a network's light field implies differ from the actual ones, given a sensor
+/// profile.
 Result<double> error_told(model::Model model, const capture::SensorProfile& camera, const capture::Codes& codes,
                           const capture::EventImages& events) {
   model.camera = camera;
@@ -161,8 +162,8 @@ Result<double> error_told(model::Model model, const capture::SensorProfile& came
   return error.least;
 }
 
-/// Compares both cameras with the events of the first cycle, by the named network or a bundled one: {"start", "found",
-/// "better"}. Null where no network is told the camera and fits these patterns.
+/// Compares both cameras with the events of the first cycle, using the named or a bundled network: {"start", "found",
+/// "better"}. Returns null if no network conditioned on the sensor profile matches these patterns.
 Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture::Codes& codes,
                              const capture::SensorProfile& start, const capture::SensorProfile& found,
                              const capture::EventImages& events) {
@@ -181,7 +182,7 @@ Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture:
   }
   E2LF_ASSIGN_OR_RETURN(const double before, error_told(*model, start, codes, events));
   E2LF_ASSIGN_OR_RETURN(const double after, error_told(std::move(*model), found, codes, events));
-  constexpr double kAlike = 0.01;  // of the error: a smaller difference says nothing
+  constexpr double kAlike = 0.01;  // smaller differences of the error are not significant
   const char* better = after > (1.0 + kAlike) * before   ? "start"
                        : before > (1.0 + kAlike) * after ? "found"
                                                          : "neither";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf codes render: what an aperture display shows
+// e2lf codes render: images for an aperture display
 #include <algorithm>
 #include <cstdio>
 
@@ -32,13 +32,14 @@ struct RenderArguments {
   int64_t duration_us = 10000;
 };
 
-/// One picture of a cycle, in the order of the schedule.
+/// One image of a cycle, in the order of the schedule.
 struct NamedFrame {
   std::string file;
   ByteImage picture;
 };
 
-/// The schedule's patterns: their inverses first, as the paper's display needs it, unless there are to be none.
+/// The patterns of the schedule, preceded by their inverses as the paper's display requires, unless inverses are
+/// omitted.
 struct Sequence {
   cycles::Schedule schedule;
   std::vector<capture::Codes> parts;  ///< one after another
@@ -65,7 +66,7 @@ Result<std::vector<NamedFrame>> render_frames(const RenderArguments& arguments, 
   return frames;
 }
 
-/// All frames beside each other, so that one look tells whether flips and turns are right.
+/// Returns a sheet with all frames side by side, which shows whether flips and rotations are correct.
 ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
   constexpr size_t kColumns = 4, kWidth = 320, kGap = 4;
   const ByteImage& first = frames.front().picture;
@@ -85,7 +86,7 @@ ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
   return sheet;
 }
 
-/// What a program that drives the display reads: frame, when it begins in the cycle, how long it is shown.
+/// Returns the table for a program that drives the display: the frame, its start in the cycle, and its duration.
 std::string csv_of(const cycles::Schedule& schedule, const std::vector<NamedFrame>& frames) {
   std::string text = "index,file,name,begin_us,duration_us,event_image\n";
   int64_t begin_us = 0;

@@ -33,7 +33,8 @@ struct ConvertArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// What --format says, else the extension. A folder of views is what has none: "x.mat" is meant to be something else.
+/// Returns the format of --format, or else of the extension. A name without an extension is a folder of views, while
+/// "x.mat" is not.
 Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& arguments) {
   if (!arguments.format.empty()) return lightfield::parse_format(arguments.format);
   const lightfield::LightFieldFormat format = lightfield::format_of_path(arguments.output);
@@ -90,8 +91,8 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   return {};
 }
 
-/// Writes the record of a converted recording, with the patterns and the camera that the input says, and with its views
-/// as `given` says beyond that.
+/// Writes the record of a converted recording, with the patterns and the camera of the input, and with the orientation
+/// of the views changed by `given`.
 Result<void> write_record(RunRecord& record, const fs::path& input, const OrientationFlags& given,
                           const recordings::RecordingReader& reader, const OutputFile& output, const Verb& verb) {
   record.add_input(input);
@@ -107,12 +108,12 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
 
 /// The part of a recording that is written to one file.
 struct ConvertedPart {
-  fs::path named;  ///< its place in the end
+  fs::path named;  ///< its final path
   OutputFile output;
   recordings::ConvertReport report;
 };
 
-/// NAME_2.raw for the second part of NAME.raw.
+/// Returns NAME_2.raw for the second part of NAME.raw.
 fs::path part_path(const fs::path& output, size_t number) {
   return number == 1 ? output
                      : output.parent_path() / cat(output.stem().string(), "_", number, output.extension().string());
@@ -133,7 +134,7 @@ Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recor
   return ConvertedPart{named, std::move(output), {}};
 }
 
-/// Converts what the reader gives up to its end, or to where the clock starts again.
+/// Converts the recording up to its end, or up to where the clock starts again.
 Result<void> convert_part(const ConvertArguments& arguments, recordings::RecordingReader& reader, ConvertedPart& part,
                           const Verb& verb) {
   RunRecord record("convert");
@@ -178,11 +179,11 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place,
                         recordings::place_of_recording(arguments.output, arguments.format));
   E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording, true));
-  // Before a stream is opened, which does not come again.
+  // Before a stream is opened, because it cannot be repeated.
   std::vector<ConvertedPart> parts;
   E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, place, 1, common));
   parts.push_back(std::move(first));
-  // What is replayed can be replayed again.
+  // A replay can be repeated.
   if (place.is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
     log_warning(cat(arguments.output.string(),
                     ": this format is written at the end of a recording, so that nothing is left after a ",
@@ -212,7 +213,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   return {};
 }
 
-/// What --format says, else the extension; the name that the format is written under.
+/// Returns the extension of --format, or else that of the output, under which the format is written.
 Result<std::string> event_image_extension(const ConvertArguments& arguments) {
   const std::string extension =
       arguments.format.empty() ? arguments.output.extension().string() : cat(".", arguments.format);

@@ -37,21 +37,22 @@ struct DepthArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// A disparity map with what its files are made of.
+/// A disparity map with everything that its files contain.
 struct Estimate {
   depth::DisparityMap map;
-  Image picture;  ///< the view, in colour where there is some
+  Image picture;  ///< the view, in colour if available
   lightfield::Shape shape;
   depth::OcclusionSign sign;
 };
 
-/// What all cycles share: found at the first one, so that pictures and points of a sequence do not jump.
+/// Values that all cycles share: they are determined for the first one, so that images and points of a sequence do not
+/// jump.
 struct Shared {
   std::optional<depth::DisparityRange> shown;
   float infinity = 0;
 };
 
-/// A map that is inside out is no error: the user may want it, and occlusion may mislead.
+/// An inverted depth order is not an error: the user may want it, and occlusions may mislead.
 void warn_of_turned_views(const fs::path& path, const depth::OcclusionSign& sign) {
   if (sign.verdict != depth::OcclusionSign::Verdict::kTurned) return;
   log_warning(cat(path.string(), ": occlusions indicate that the views are turned by 180 degrees (confidence ",
@@ -103,7 +104,7 @@ Result<void> write_points(const fs::path& path, const DepthArguments& arguments,
   return error;
 }
 
-/// One file, of the kind that its extension says.
+/// Writes one file in the format of its extension.
 Result<void> write_one(const fs::path& path, const std::string& extension, const DepthArguments& arguments,
                        const Estimate& estimate, const Shared& shared) {
   const Image& disparity = estimate.map.disparity;
@@ -170,7 +171,7 @@ Result<void> to_file(const DepthArguments& arguments, const std::string& extensi
   return {};
 }
 
-/// Each cycle's folder appears whole when it is done.
+/// Writes the folder of each cycle, which appears complete when it is done.
 Result<void> to_folder(const DepthArguments& arguments, const std::vector<fs::path>& cycles, const Verb& verb) {
   const OutputRules rules{.inputs = {arguments.input}, .overwrite = verb.common().overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));

@@ -30,7 +30,7 @@ std::string orientation_text(const std::optional<capture::Orientation>& views) {
   return views ? capture::orientation_name(*views) : "not told";
 }
 
-/// How many of the values lie in each of the bins of equal width.
+/// Returns a histogram of the values in bins of equal width.
 std::string histogram(const char* label, std::span<const float> values, float low, float high, size_t bins) {
   report::LineChart chart{label, "share, %", {{"", {}, /*is_filled=*/true}}};
   std::vector<double> counts(bins);
@@ -97,7 +97,7 @@ Result<Description> describe_model(const fs::path& path) {
   return Description{model::summary_text(model), std::move(json), show_patterns};
 }
 
-/// Data to train on, as `e2lf pack` writes it.
+/// Describes training data that `e2lf pack` wrote.
 Result<Description> describe_packed_data(Safetensors file, const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const learn::PackedData data, learn::sort_packed_data(std::move(file), path.string()));
   Json light_fields = Json::array();
@@ -143,7 +143,7 @@ Result<Description> describe_event_images(const fs::path& path) {
   return Description{std::move(text), std::move(json), [kept](report::Page& page) { return show(*kept, page); }};
 }
 
-/// A measurement with intensity images.
+/// Describes a measurement with intensity images.
 Result<Description> describe_images(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const capture::MeasurementFile file, capture::read_measurements(path));
   const capture::Measurement& first = file.cycles.front();

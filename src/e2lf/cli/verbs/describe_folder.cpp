@@ -9,7 +9,7 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// The names in a folder, sorted.
+/// Returns the names in a folder, sorted.
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -20,7 +20,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-/// The number at the front of the last line; 0 where there is none.
+/// Returns the number at the start of the last line; 0 if there is none.
 uint64_t last_step(const fs::path& log) {
   std::ifstream in(log);
   uint64_t step = 0;

@@ -80,7 +80,7 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
   return text;
 }
 
-/// One part of a recording whose clock starts again, kept apart.
+/// Describes one part of a recording whose clock starts again.
 std::string part_text(size_t number, const recordings::DecodeSummary& part) {
   return cat("part ", number, ":    ", part.events(), " events, ", part.triggers, " triggers, ", time_text(part), "\n");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf epi: light field -> picture of an epipolar plane image
+// e2lf epi: light field -> image of an epipolar plane
 #include "e2lf/lightfield/epi.h"
 
 #include <cstdio>
@@ -23,7 +23,7 @@ struct EpiArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// Each pixel repeated along the axis of the views.
+/// Repeats each pixel along the axis of the views.
 Image stretched(const Image& epi, size_t times_y, size_t times_x) {
   Image image(epi.width * times_x, epi.height * times_y, epi.channels);
   for (size_t y = 0; y < image.height; ++y) {
@@ -35,7 +35,7 @@ Image stretched(const Image& epi, size_t times_y, size_t times_x) {
   return image;
 }
 
-/// Fails where there are not so many.
+/// Fails if there are not that many.
 Result<void> check_place(const char* what, size_t place, size_t count, const fs::path& input) {
   if (place < count) return {};
   return Error{ErrorCode::kNotFound, cat("there is no ", what, " ", place, "; give 0 to ", count - 1), input.string()};

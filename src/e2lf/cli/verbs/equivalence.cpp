@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf equivalence: how far the paper's findings on event images hold, over thresholds and noise
+// e2lf equivalence: validity of the paper's findings on event images for several thresholds and noise levels
 #include "e2lf/recon/equivalence.h"
 
 #include <algorithm>
@@ -31,14 +31,14 @@ struct EquivalenceArguments {
   LightFieldFlags light_field;
 };
 
-/// One setting and what was found there.
+/// One setting and its results.
 struct Row {
   std::string event_model;
-  float tau = 0, noise = 0;  ///< noise: share of the model's or the paper's
+  float tau = 0, noise = 0;  ///< noise as a fraction of that of the model or the paper
   recon::Equivalence found;
 };
 
-/// Black, which comes first in most sequences, at the end.
+/// Moves black, which is first in most sequences, to the end.
 std::vector<size_t> default_order(size_t num_patterns) {
   std::vector<size_t> order;
   for (size_t n = 1; n <= num_patterns; ++n) order.push_back(n % num_patterns);
@@ -72,7 +72,7 @@ Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const pi
         sensor::EventModelOptions options{.model = model, .constants = known.constants, .seed = common.seed};
         options.constants.tau = tau;
         options.constants.sigma_w *= noise;
-        // A share of the threshold: as wide as the smallest ones it would leave hardly any threshold at all.
+        // Scaled with the threshold, because with the same value, small thresholds would nearly vanish.
         options.constants.sigma_z *= noise * tau / known.constants.tau;
         Row row{sensor::event_model_name(model), tau, noise, {}};
         E2LF_ASSIGN_OR_RETURN(row.found, recon::measure_equivalence(known.codes, order, scene, options));
@@ -99,7 +99,7 @@ report::Table table_of(const std::vector<Row>& rows) {
   return table;
 }
 
-/// A line over tau for each event model and noise.
+/// Draws a line over tau for each event model and noise level.
 std::string chart(const std::vector<Row>& rows, const std::string& y_label, double recon::Equivalence::*figure) {
   report::LineChart chart{"contrast threshold tau", y_label, {}};
   for (const Row& row : rows) {

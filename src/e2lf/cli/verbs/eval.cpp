@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf eval: a reconstruction against the truth
+// e2lf eval: comparison of a reconstruction with the ground truth
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,7 +34,7 @@ struct EvalArguments {
   std::vector<fs::path> reports;
 };
 
-/// A reconstruction to compare, and what it is called.
+/// A reconstruction to compare, and its name.
 struct Candidate {
   std::string name;
   fs::path path;
@@ -58,7 +58,7 @@ Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
                ""};
 }
 
-/// The gain that the record of `e2lf reconstruct` beside a reconstruction tells: that of the cycle, or of all.
+/// Returns the gain in the record of `e2lf reconstruct` beside a reconstruction: that of the cycle, or of all.
 std::optional<double> recorded_gain(const fs::path& path) {
   std::error_code error;
   const fs::path folder = fs::is_directory(path, error) ? path : path.parent_path();
@@ -71,7 +71,7 @@ std::optional<double> recorded_gain(const fs::path& path) {
   return std::nullopt;
 }
 
-/// A number of each view in the order of the aperture.
+/// Returns a grid with one number for each view, in the order of the aperture.
 std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metrics::*metric, int decimals) {
   report::CellGrid grid;
   grid.columns = 0;
@@ -90,7 +90,7 @@ std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metri
   return report::grid_svg(grid);
 }
 
-/// What was compared: the figures, and the reconstruction for pictures.
+/// The result of a comparison: the figures, and the reconstruction for images.
 struct Compared {
   eval::EvalRow row;
   lightfield::LightField field;
@@ -102,7 +102,8 @@ std::vector<eval::EvalRow> rows_of(const std::vector<Compared>& all) {
   return rows;
 }
 
-/// A line for each gain other than 1: such a reconstruction has another brightness than the method gave it.
+/// Returns a line for each gain other than 1, since such a reconstruction does not have the brightness that the method
+/// produced.
 std::string gain_text(const std::vector<eval::EvalRow>& rows) {
   std::string text;
   for (const eval::EvalRow& row : rows) {
@@ -231,7 +232,7 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(output, OutputFile::create(arguments.output, rules));
   }
   E2LF_ASSIGN_OR_RETURN(lightfield::LightField first, read_candidate(candidates.front(), quiet));
-  // Of the truth as many views, and its colours where the reconstruction has some.
+  // Reads as many views of the ground truth, in colour if the reconstruction is.
   const lightfield::Shape shape = first.shape();
   const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, same, quiet));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf info: what a file or folder is
+// e2lf info: description of a file or folder
 #include <cstdio>
 
 #include "e2lf/cli/flags/number_check.h"
@@ -19,7 +19,7 @@ namespace {
 
 struct InfoArguments {
   fs::path path;
-  fs::path plot;  ///< picture of the event rate; empty = none
+  fs::path plot;  ///< chart of the event rate; empty = none
   std::vector<fs::path> reports;
   DescribeOptions options;
 };

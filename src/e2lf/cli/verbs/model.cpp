@@ -83,7 +83,7 @@ int run_model_import(const std::vector<std::string>& arguments) {
     if (release.empty()) {
       return Error{ErrorCode::kInvalidValue, "nothing to import; give --release or --checkpoint", "--release"};
     }
-    // Beside the released weights is where many will put it: only they are the inputs, not their folder.
+    // Many users will put the output beside the released weights, so only these are the inputs, not their folder.
     E2LF_ASSIGN_OR_RETURN(
         OutputFile file,
         OutputFile::create(output, {.inputs = {release / "RecNet.safetensors", release / "AcqNet.safetensors"},
@@ -101,7 +101,7 @@ int run_model_import(const std::vector<std::string>& arguments) {
   });
 }
 
-/// Gives a network that is told the camera the one that --camera names; "" = leaves it as it is.
+/// Sets the camera of a network that is conditioned on the sensor profile to that of --camera; "" leaves it unchanged.
 Result<void> set_camera(const std::string& camera, model::Model& model, RunRecord& record) {
   if (camera.empty()) return {};
   if (!model::is_told_the_camera(model)) {
@@ -142,7 +142,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
   });
 }
 
-/// What an exported file takes and says, for --json.
+/// Returns the inputs and outputs of an exported file, for --json.
 Json export_summary(const model::Model& model) {
   Json summary = Json::object();
   for (const auto& [key, value] : model::onnx_metadata(model)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf pack: light fields and photographs -> one file to train on
+// e2lf pack: light fields and photographs -> one file for training
 #include "e2lf/learn/data/pack.h"
 
 #include <cstdio>

@@ -5,7 +5,6 @@
 
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/cycle_input.h"
 #include "e2lf/cli/flags/cycle_options.h"
@@ -39,20 +38,6 @@ struct ReconstructArguments {
   CycleFlags cycles;
   OrientationFlags orientation;
 };
-
-/// What cycles of a recording must have for the patterns that are named.
-CycleFlags wanted_cycles(CycleFlags flags, const pipeline::MethodChoice& choice) {
-  if (choice.model) {
-    flags.num_wanted = choice.model->num_patterns;
-  } else if (choice.codes) {
-    flags.num_wanted = choice.codes->num_patterns;
-  }
-  const auto codes = choice.codes || !choice.model ? choice.codes : choice.model->codes;
-  if (codes && codes->num_patterns >= 2) {
-    flags.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
-  }
-  return flags;
-}
 
 /// What is shown beside a cycle: how long it took, from its last event where it came live.
 std::string note_of(const Json& cycle, bool is_live) {

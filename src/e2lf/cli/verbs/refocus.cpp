@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf refocus: light field -> pictures of a camera with a wide aperture
+// e2lf refocus: light field -> images of a camera with a wide aperture
 #include "e2lf/lightfield/refocus.h"
 
 #include <cstdio>
@@ -25,7 +25,7 @@ struct RefocusArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// Pictures one beside the other, with a gap between them.
+/// Places images side by side, with a gap between them.
 Image side_by_side(const std::vector<Image>& pictures) {
   constexpr size_t kGapPx = 4;
   const Image& first = pictures.front();

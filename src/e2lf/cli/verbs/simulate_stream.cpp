@@ -28,7 +28,7 @@ Result<streams::VirtualRig> make_rig(const StreamRun& run, StreamScene scene) {
                                      scene.width);
 }
 
-/// Plays every cycle. Returns the images of the first.
+/// Simulates every cycle. Returns the event images of the first one.
 template <typename Use>
 Result<capture::EventImages> play(const StreamRun& run, streams::VirtualRig& rig, RunRecord& record, const Use& use) {
   capture::EventImages first;

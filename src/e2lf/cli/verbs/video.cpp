@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf video: a recording as frames
+// e2lf video: recording -> frames
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -73,10 +73,10 @@ Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
   return options;
 }
 
-/// Makes a picture of each window.
+/// Makes a frame from each window.
 class FrameMaker {
  public:
-  /// Of signed events: `full_scale` events more or less than none are white or black.
+  /// Makes frames from signed events: a surplus of `full_scale` ON or OFF events is white or black.
   FrameMaker(size_t height, size_t width, int full_scale)
       : height_(height), width_(width), full_scale_(static_cast<float>(full_scale)) {}
   FrameMaker(size_t height, size_t width, recon::EventVideo video, model::FrameTone tone)
@@ -98,7 +98,7 @@ class FrameMaker {
   }
 
   [[nodiscard]] bool has_network() const { return video_.has_value(); }
-  /// Seconds that voxel grids and the network took.
+  /// Returns the time that voxel grids and the network took, s.
   [[nodiscard]] double network_s() const { return network_s_; }
 
  private:
@@ -141,7 +141,7 @@ std::string frame_name(uint64_t number) {
   return cat("frame_", digits, ".png");
 }
 
-/// What was made.
+/// A summary of the result.
 struct VideoReport {
   uint64_t frames = 0, events = 0, empty = 0;
   std::string table = "frame,begin_us,end_us,events\n";

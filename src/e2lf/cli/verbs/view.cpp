@@ -31,13 +31,14 @@ struct ViewArguments {
   CycleFlags cycles;
 };
 
-/// A light field of the document, to compare it with others.
+/// A light field of the document, for the comparison with others.
 struct Shown {
   size_t item = 0;
   std::shared_ptr<view::LightFieldCycles> cycles;
 };
 
-/// What a thing is called on its tab: the end of its path, with its folder where the end alone says little.
+/// Returns the name of an item on its tab: the last part of its path, with the folder if that part alone is not
+/// distinctive.
 std::string name_of(const fs::path& path) {
   const fs::path whole = (path.has_filename() ? path : path.parent_path()).lexically_normal();
   const fs::path folder = whole.parent_path().filename();
@@ -76,7 +77,7 @@ class DocumentMaker {
     return add_recording(path);
   }
 
-  /// Compares every light field with the first one of its shape.
+  /// Compares every light field with the first one of the same shape.
   Result<void> compare() {
     for (size_t second = 1; second < light_fields_.size(); ++second) {
       for (size_t first = 0; first < second; ++first) {
@@ -88,7 +89,7 @@ class DocumentMaker {
     return {};
   }
 
-  /// Lays a disparity map over the first light field.
+  /// Adds a disparity map to the first light field.
   Result<void> add_disparity(const fs::path& path) {
     if (light_fields_.empty()) {
       return Error{ErrorCode::kInvalidValue, "a disparity map is shown over a light field; also give a light field",

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// e2lf view, reconstruct --view and the page of the demo in a build without the viewer
+// e2lf view, reconstruct --view and the pages of the demo and of e2lf live in a build without the viewer
 #include "e2lf/cli/output/comparison_page.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/live_page.h"
 #include "e2lf/cli/verbs/live_view.h"
 
 namespace e2lf::cli {
@@ -39,6 +40,23 @@ void LiveView::add(const std::string& /*cycle*/, lightfield::LightField /*light_
 void LiveView::set_folder(const std::filesystem::path& /*folder*/) {}
 
 Result<void> LiveView::finish() {
+  return {};
+}
+
+class LivePage::Impl {};
+LivePage::LivePage(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LivePage::LivePage(LivePage&&) noexcept = default;
+LivePage::~LivePage() = default;
+
+Result<LivePage> LivePage::start(live::Session& /*session*/, FineMethod /*fine*/, uint16_t /*port*/) {
+  return no_viewer();
+}
+
+std::string LivePage::url() const {
+  return "";
+}
+
+Result<void> LivePage::finish() {
   return {};
 }
 

@@ -72,7 +72,7 @@ class Patterns {
 /// The random quantities of the sensor.
 struct SensorNoise {
   torch::Tensor w;  ///< noise of the log intensity: standard normal, float32 [batch, N - 1, y, x]
-  torch::Tensor z;  ///< noise of the threshold: likewise
+  torch::Tensor z;  ///< noise of the threshold: standard normal, of the same shape
   /// The distance of each pixel's initial reference above the first log intensity, in thresholds, float32 [batch, y,
   /// x]; none if undefined. After the change to black, the last event of a pixel leaves its reference anywhere between
   /// 0 and 1.

@@ -34,7 +34,7 @@ class Stored final : public Decompressor {
   }
 };
 
-/// Calls step(input, output, done) on growing output until it says done: step moves both spans over what it used.
+/// Calls step(input, output, done) with growing output until it sets done; step advances both spans by what it used.
 template <typename Step>
 Result<void> unpack_stepwise(std::span<const uint8_t> packed, std::vector<uint8_t>& out, const Step& step) {
   out.resize(kFirstRoom);

@@ -36,7 +36,7 @@ std::string text_of_attribute(hid_t attribute) {
   return text.substr(0, text.find('\0'));
 }
 
-/// False when a chunk that the elements lie in is not stored whole.
+/// Returns false if a chunk with some of the elements is not stored completely.
 bool chunks_are_whole(const DatasetShape& shape, uint64_t begin, uint64_t count) {
   if (!shape.storage.is_chunked()) return true;
   const uint64_t chunk_columns = shape.storage.chunk.size() == 2 ? shape.storage.chunk[1] : 1;
@@ -194,7 +194,7 @@ Result<GrowingDataset> GrowingDataset::create(hid_t parent, const std::string& n
   const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_chunk(properties.get(), 1, &chunk);
-  // Optional: the file can be created and looked at where the filter is not installed.
+  // Optional, so that the file can be created and inspected where the filter is not installed.
   if (filter != 0) H5Pset_filter(properties.get(), filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
   GrowingDataset result;
   result.name_ = name;
@@ -224,7 +224,7 @@ Result<void> GrowingDataset::append_chunk(const std::vector<uint8_t>& bytes, siz
   const LibraryLock lock;
   const hsize_t start = length_, total = length_ + count;
   if (H5Dset_extent(dataset_.get(), &total) < 0) return write_error(name_);
-  // A bit of the mask set = that filter was not applied.
+  // A bit that is set means that this filter was not applied.
   const uint32_t filter_mask = is_filtered ? 0 : 1;
   if (H5Dwrite_chunk(dataset_.get(), H5P_DEFAULT, filter_mask, &start, size, bytes.data()) < 0) {
     return write_error(name_);

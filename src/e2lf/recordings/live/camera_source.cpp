@@ -37,10 +37,10 @@ class CameraSource final : public ByteSource {
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
     std::unique_lock<std::mutex> lock(mutex_);
     while (buffer_.size() - begin_ < wanted) {
-      // A signal wakes nobody here.
+      // A signal does not wake this thread.
       while (waiting_.empty() && !has_ended_ && !stop_requested()) changed_.wait_for(lock, kNap);
       if (stop_requested() && !is_stopped_) {
-        is_stopped_ = true;  // takes no more than what has arrived
+        is_stopped_ = true;  // reads no more than what has arrived
         lock.unlock();
         camera_->stop();
         changed_.notify_all();
@@ -53,7 +53,7 @@ class CameraSource final : public ByteSource {
     const bool is_behind = backlog_.most_behind_us >= kBehindUs || backlog_.loses_events;
     if (is_behind && !std::exchange(is_told_, true)) {
       const std::string text = behind_text();
-      lock.unlock();  // who takes the message may wait for others
+      lock.unlock();  // the receiver of the message may wait for others
       camera_->keeps_unread() ? log_info(text) : log_warning(text);
     }
     return std::span<const uint8_t>(buffer_).subspan(begin_);
@@ -86,7 +86,7 @@ class CameraSource final : public ByteSource {
     Clock::time_point arrival;
   };
 
-  /// The thread: moves what the camera delivers to waiting_.
+  /// The thread function: moves what the camera delivers to waiting_.
   void take_bytes() {
     std::vector<uint8_t> bytes;
     for (;;) {
@@ -110,7 +110,7 @@ class CameraSource final : public ByteSource {
     changed_.notify_all();
   }
 
-  /// Moves everything that waits behind what is left in the buffer.
+  /// Appends everything that is waiting to the rest of the buffer.
   void append_waiting() {
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
     begin_ = 0;
@@ -124,7 +124,7 @@ class CameraSource final : public ByteSource {
     changed_.notify_all();
   }
 
-  /// What is said once to whom reads too slowly.
+  /// Returns the message that is logged once if the reader is too slow.
   std::string behind_text() const {
     return cat(name_, ": the input arrives faster than it is processed: what is read now arrived ",
                static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
@@ -137,7 +137,7 @@ class CameraSource final : public ByteSource {
   std::unique_ptr<Camera> camera_;
   std::string name_;
 
-  // The reader's own.
+  // Used only by the reader.
   bool is_told_ = false;
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0;

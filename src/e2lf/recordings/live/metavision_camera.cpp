@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Compiled only where the vendor's open HAL is found. Its exceptions stop here.
+// Compiled only if the vendor's open HAL is found. Its exceptions are caught here.
 #include <atomic>
 #include <exception>
 #include <metavision/hal/device/device.h>
@@ -14,13 +14,13 @@
 namespace e2lf::recordings {
 namespace {
 
-/// "EVT3" or "EVT3;height=720;..." as the version number of a RAW header.
+/// Converts "EVT3" or "EVT3;height=720;..." to the version number of a RAW header.
 std::string version_of(const std::string& format) {
   if (format.starts_with("EVT3")) return "3.0";
   return format.starts_with("EVT21") || format.starts_with("EVT2.1") ? "2.1" : "2.0";
 }
 
-/// The newest bytes of a stream: as a pointer and a length in OpenEB 4, as a buffer from OpenEB 5 on.
+/// Returns the newest bytes of a stream: a pointer and a length in OpenEB 4, a buffer since OpenEB 5.
 template <typename Stream>
 void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
   if constexpr (requires(long count) { stream.get_latest_raw_data(count); }) {

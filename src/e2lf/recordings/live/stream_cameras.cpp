@@ -15,9 +15,9 @@ namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kCameraReadBytes = size_t{1} << 16;
-constexpr int kPollMs = 100;  // how long a stop may take
+constexpr int kPollMs = 100;  // longest delay of a stop
 
-/// Bytes of a pipe or socket as they come.
+/// Delivers the bytes of a pipe or socket as they arrive.
 class DescriptorCamera final : public Camera {
  public:
   DescriptorCamera(int descriptor, bool owned, std::string name)
@@ -56,7 +56,7 @@ class DescriptorCamera final : public Camera {
   std::atomic<bool> is_stopped_ = false;
 };
 
-/// Returns when there is something to read or whoever wrote has left. Fails when a stop is asked for before.
+/// Returns when there are bytes to read or the writer has closed. Fails if a stop is requested before.
 Result<void> wait_for_bytes(int descriptor, const std::string& address) {
   pollfd waiting = {descriptor, POLLIN, 0};
   while (::poll(&waiting, 1, kPollMs) <= 0) {
@@ -76,7 +76,7 @@ Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
     camera = std::make_unique<DescriptorCamera>(STDIN_FILENO, /*owned=*/false, "stdin");
     return camera;
   }
-  // A pipe opened to wait would wait in the kernel. A signal just before that would end nothing.
+  // A blocking open would wait in the kernel, and a signal just before it would have no effect.
   const int descriptor = ::open(address.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// What begins a kind of file, and what it is.
+/// The first bytes of a kind of file, and its description.
 struct Beginning {
   std::string_view bytes;
   size_t offset;

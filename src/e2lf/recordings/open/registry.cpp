@@ -126,7 +126,7 @@ std::deque<Codec> built_in_codecs() {
   };
 }
 
-/// A codec stays where it is once it is in the table: others point to it.
+/// Codecs in the table never move, because others point to them.
 struct Table {
   std::mutex mutex;
   std::deque<Codec> codecs = built_in_codecs();
@@ -168,7 +168,7 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   }
   const std::filesystem::path path = source.logical_path();
   const Codec* const by_extension = codec_of_extension(path);
-  // An archive of arrays whose names say nothing is still one of arrays.
+  // An archive of arrays without known names is still an archive of arrays.
   const bool is_npz = by_extension != nullptr && by_extension->name == "npz" && head.front() == 'P';
   if (const auto text = foreign_file_text(head); text && !is_npz) {
     return Error{ErrorCode::kUnsupported, cat("this is ", *text), source.name()};
@@ -228,7 +228,7 @@ Result<const Codec*> find_codec(const std::string& name) {
 
 namespace {
 
-/// Only a format that may hold several streams lists them.
+/// Only formats that may contain several streams list them.
 Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingReader> reader) {
   const RecordingInfo& info = reader->info();
   if (reader->options().stream.empty() || !info.streams.empty()) return reader;
@@ -248,7 +248,7 @@ bool is_recording_folder(const std::filesystem::path& path) {
 Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
                                                         const OpenOptions& options) {
   std::shared_ptr<DecodeSummary> losses;
-  // No more bytes than needed: a live source of a format that is named may not have more for a while.
+  // No more bytes than needed: a live source of a named format may not have more for a while.
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
   if (is_packed(head)) {
     losses = std::make_shared<DecodeSummary>();

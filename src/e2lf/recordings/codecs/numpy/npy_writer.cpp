@@ -19,7 +19,7 @@ struct Record {
 };
 static_assert(sizeof(Record) == 16);
 
-/// The header before and after the number of events is known has one length.
+/// Fixed length of the header, before and after the number of events is known.
 constexpr size_t kHeaderBytes = 256;
 constexpr size_t kPlainHeaderBytes = 10;  // magic, version, length
 

@@ -20,7 +20,8 @@ bool is_bag_file(const fs::path& path) {
   return extension == ".db3" || extension == ".mcap";
 }
 
-/// The names below "relative_file_paths:"; files lie in the folder, whatever stands in front of their names.
+/// Returns the names below "relative_file_paths:". The files are in the folder itself, regardless of any path before
+/// their names.
 std::vector<fs::path> files_of_metadata(const fs::path& folder) {
   std::vector<fs::path> files;
   std::ifstream metadata(folder / "metadata.yaml");

@@ -16,7 +16,7 @@
 namespace e2lf::recordings::rosbag {
 namespace {
 
-/// Messages that may come before the first of the topic that is read.
+/// Largest number of messages before the first one of the topic that is read.
 constexpr size_t kMaxHeldMessages = 10'000;
 
 std::string last_part(const std::string& topic) {
@@ -27,10 +27,10 @@ bool is_trigger_topic(const Topic& topic) {
   return last_part(topic.name).starts_with("trigger");
 }
 
-/// The messages of one topic of events and of the triggers beside it.
+/// The messages of one event topic and of the triggers beside it.
 class ChosenMessages {
  public:
-  /// `has_chosen` = by its name: then nothing is said of others.
+  /// `has_chosen` is true if the topic was selected by name; then others are not mentioned.
   ChosenMessages(std::unique_ptr<Bag> bag, Topic events, bool has_chosen)
       : bag_(std::move(bag)), events_(std::move(events)), has_chosen_(has_chosen) {
     const std::string space = events_.name.substr(0, events_.name.rfind('/') + 1);
@@ -40,7 +40,7 @@ class ChosenMessages {
     }
   }
 
-  /// The first message of the topic; it comes again from next(). Nothing where there is none.
+  /// Returns the first message of the topic, which next() will return again, or nothing if there is none.
   Result<std::optional<EventMessage>> first() {
     BagMessage message;
     while (held_.size() < kMaxHeldMessages) {
@@ -53,7 +53,8 @@ class ChosenMessages {
     return std::optional<EventMessage>();
   }
 
-  /// Goes to the next message and counts what is left out; false at the end. What it points to is valid until then.
+  /// Advances to the next message and counts what is left out; returns false at the end. Its data are valid until the
+  /// next call.
   Result<bool> next(EventMessage& message, DecodeSummary& summary) {
     summary.add_losses(std::exchange(losses_of_held_, {}));
     for (;;) {
@@ -200,7 +201,7 @@ class MessageBlocks final : public EventBlocks {
   ChosenMessages messages_;
 };
 
-/// The topics that can be read: those of triggers alone where there are no others.
+/// Returns the topics that can be read: those with only triggers if there are no others.
 std::vector<Topic> topics_to_read(const Bag& bag) {
   std::vector<Topic> topics = bag.topics();
   std::vector<Topic> events;
@@ -209,7 +210,7 @@ std::vector<Topic> topics_to_read(const Bag& bag) {
   return events.empty() ? topics : events;
 }
 
-/// Of a stream the topics are known once a first message has come: it is looked for, and comes again.
+/// The topics of a stream are known only after a first message, which is read here and returned again.
 Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool seekable, const std::string& format,
                                                   const std::string& name, const OpenOptions& options) {
   const std::vector<Topic> topics = topics_to_read(*bag);
