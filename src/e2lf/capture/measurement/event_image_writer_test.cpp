@@ -89,7 +89,7 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
   for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
   const fs::path partial = fs::directory_iterator(folder)->path();
   const auto all = fs::file_size(partial);
-  for (const auto size : {all, all - 100, all / 2, uintmax_t{800}, uintmax_t{0}}) {
+  for (const auto size : {all, all - 100, all / 2, uintmax_t{1600}, uintmax_t{0}}) {
     fs::copy_file(partial, folder / "cut", fs::copy_options::overwrite_existing);
     fs::resize_file(folder / "cut", size);
     const auto cycles = recover_event_images(folder / "cut", folder / "found.npz");
