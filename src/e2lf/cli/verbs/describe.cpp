@@ -155,7 +155,7 @@ Result<Description> describe_images(const fs::path& path) {
                {"images", first.images.count},
                {"height", first.height()},
                {"width", first.width()},
-               {"codes", setup.codes.has_value()},
+               {"codes", file.setup.codes.has_value()},
                {"min", *low},
                {"max", *high}};
   std::string text = cat("measurement (", capture::measurement_name(first.kind), "): ", file.cycles.size(), " cycle",
