@@ -163,7 +163,7 @@ Result<Description> describe_images(const fs::path& path) {
                          first.images.count == 1 ? "" : "s");
   if (first.events.transitions > 0) text += cat(" and ", first.events.transitions, " event images");
   text += cat(", ", first.width(), "x", first.height(), " px, intensities ", *low, "..", *high, ", codes ",
-              setup.codes ? "included" : "not included", "\n");
+              file.setup.codes ? "included" : "not included", "\n");
   if (first.events.transitions > 0) {
     const eval::EventStatistics statistics = eval::event_statistics(first.events);
     json["first_cycle"] = eval::to_json(statistics);
