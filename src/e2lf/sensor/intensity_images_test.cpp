@@ -37,7 +37,7 @@ TEST(IntensityImages, WithoutNoiseCodedImagesAreCodedIntensitiesAndAHybridHasThe
     }
     EXPECT_FLOAT_EQ(sum.values[i], total);
   }
-  EXPECT_EQ(measure_images(MeasurementKind::kEventImages, codes, field, {}).value().num_patterns, 0U);
+  EXPECT_EQ(measure_images(MeasurementKind::kEventImages, codes, field, {}).value().count, 0U);
 }
 
 TEST(IntensityImages, EachPixelUnderALensIsAViewOverTheArea) {
