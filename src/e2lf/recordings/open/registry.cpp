@@ -50,6 +50,7 @@ std::deque<Codec> built_in_codecs() {
       {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = evt2::create},
       {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = evt21::create},
       {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = evt3::create},
+      {.name = "evt4", .description = "Prophesee RAW, EVT4", .open = open_raw},
       {.name = "hdf5",
        .extensions = {".hdf5"},
        .description = "Metavision HDF5, compressed with ECF",
