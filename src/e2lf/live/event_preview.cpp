@@ -2,7 +2,6 @@
 #include "e2lf/live/event_preview.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace e2lf::live {
 namespace {
@@ -23,16 +22,21 @@ int white_count(const std::vector<uint16_t>& all) {
 
 }  // namespace
 
-double sharpness_of(const std::vector<uint16_t>& events_of_pixels) {
-  double sum = 0, squares = 0;
-  for (const uint16_t count : events_of_pixels) {
-    sum += count;
-    squares += static_cast<double>(count) * count;
+double sharpness_of(const std::vector<int16_t>& signed_counts, size_t width, uint64_t events) {
+  const size_t height = width == 0 ? 0 : signed_counts.size() / width;
+  if (events == 0 || width < 2 || height < 2) return 0;
+  int64_t sum = 0;
+  for (size_t y = 0; y + 1 < height; ++y) {
+    const int16_t* const upper = signed_counts.data() + y * width;
+    const int16_t* const lower = upper + width;
+    for (size_t x = 0; x + 1 < width; ++x) {
+      sum += static_cast<int64_t>(upper[x + 1] - upper[x]) * (lower[x + 1] - lower[x]);
+      sum += static_cast<int64_t>(lower[x] - upper[x]) * (lower[x + 1] - upper[x + 1]);
+    }
   }
-  if (sum == 0) return 0;
-  const auto pixels = static_cast<double>(events_of_pixels.size());
-  const double mean = sum / pixels;
-  return std::max(0.0, (squares / pixels - mean * mean - mean) / (mean * mean));
+  const double product = static_cast<double>(sum) / static_cast<double>(2 * (width - 1) * (height - 1));
+  const double mean = static_cast<double>(events) / static_cast<double>(signed_counts.size());
+  return std::max(0.0, product / (mean * mean));
 }
 
 EventPreview::EventPreview(size_t width, size_t height) : width_(width), height_(height) {}
@@ -62,7 +66,7 @@ void EventPreview::finish() {
   EventPicture picture;
   picture.image = lightfield::ByteImage(width_, height_, 1);
   picture.events = events_;
-  picture.sharpness = sharpness_of(all_);
+  picture.sharpness = sharpness_of(signed_, width_, events_);
   const int white = white_count(all_);
   for (size_t i = 0; i < signed_.size(); ++i) {
     picture.image.pixels[i] = static_cast<uint8_t>(std::clamp(128 + 127 * signed_[i] / white, 0, 255));

@@ -19,10 +19,12 @@ struct EventPicture {
   double sharpness = 0;  ///< see sharpness_of()
 };
 
-/// Returns how unevenly events are spread over the pixels: (variance - mean) / mean^2 of the numbers of events, at
-/// least 0. Blur of the lens spreads events, so that the figure is largest in focus. For events at random times it does
-/// not depend on their rate; it is 0 for a uniform picture.
-[[nodiscard]] double sharpness_of(const std::vector<uint16_t>& events_of_pixels);
+/// Returns how steep the edges of a picture of ON minus OFF events [y, x] are, relative to the mean number of events of
+/// a pixel: the mean product of the differences between neighbours in adjacent rows (and columns), over the square of
+/// that number, at least 0. Edges go on from row to row, whereas the noise of pixels is independent and cancels. Blur
+/// of the lens flattens edges, so that the figure is largest in focus; it does not depend on the event rate. 0 without
+/// events, and for fewer than 2x2 pixels.
+[[nodiscard]] double sharpness_of(const std::vector<int16_t>& signed_counts, size_t width, uint64_t events);
 
 /// Makes pictures of the stream of events for framing and focus, only while someone asks for them: events of kWindowUs
 /// are counted, and the next ones only after that picture was taken.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <random>
 #include <thread>
 
 #include "e2lf/live/arrival_clock.h"
@@ -269,22 +270,29 @@ TEST(EventPreview, MakesPicturesOnlyWhereTheyAreAskedFor) {
   EXPECT_FALSE(preview.take(now + seconds(60)).has_value()) << "an old picture shows nothing of now";
 }
 
-TEST(EventPreview, SharpnessFallsWithBlurAndNotWithTheRate) {
-  const auto stripes = [](int blur, int rate) {
-    std::vector<uint16_t> pixels;
-    for (int x = 0; x < 4000; ++x) {
+TEST(EventPreview, SharpnessFallsWithBlurAndNotWithTheRateOrNoise) {
+  constexpr size_t kWidth = 200, kHeight = 100;
+  std::mt19937 random(7);
+  // Stripes of 10 px; each pixel has noise of its own, here less than that of Poisson numbers.
+  const auto stripes = [&](int blur, int rate) {
+    std::normal_distribution<double> noise(0, 0.3 * std::sqrt(rate));
+    std::vector<int16_t> counts;
+    for (size_t i = 0; i < kWidth * kHeight; ++i) {
       int lit = 0;
-      for (int i = -blur; i <= blur; ++i) lit += (x + i + 4000) % 20 == 0 ? 1 : 0;
-      // Poisson numbers of this mean have this variance, here of two values.
-      const double mean = static_cast<double>(rate) * lit / (2 * blur + 1);
-      pixels.push_back(static_cast<uint16_t>(std::lround(mean + (x / 20 % 2 == 0 ? 1 : -1) * std::sqrt(mean))));
+      for (int k = -blur; k <= blur; ++k) lit += (i % kWidth + 20 + static_cast<size_t>(k + 4)) % 20 < 10 ? 1 : -1;
+      counts.push_back(static_cast<int16_t>(std::lround(1.0 * rate * lit / (2 * blur + 1) + noise(random))));
     }
-    return sharpness_of(pixels);
+    return sharpness_of(counts, kWidth, static_cast<uint64_t>(rate) * kWidth * kHeight);
   };
-  EXPECT_GT(stripes(0, 100), 2 * stripes(2, 100));
-  EXPECT_NEAR(stripes(2, 400) / stripes(2, 1600), 1, 0.05);
-  EXPECT_EQ(sharpness_of(std::vector<uint16_t>(100, 7)), 0);
-  EXPECT_EQ(sharpness_of(std::vector<uint16_t>(100, 0)), 0);
+  EXPECT_GT(stripes(0, 100), 2 * stripes(1, 100));
+  EXPECT_GT(stripes(1, 100), 1.5 * stripes(3, 100));
+  EXPECT_NEAR(stripes(1, 50) / stripes(1, 800), 1, 0.1);
+  std::vector<int16_t> noise(kWidth * kHeight);
+  for (int16_t& count : noise) count = static_cast<int16_t>(random() % 21) - 10;
+  EXPECT_LT(sharpness_of(noise, kWidth, 5 * noise.size()), 0.05 * stripes(3, 100));
+  EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 7), 10, 700), 0);
+  EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 0), 10, 0), 0);
+  EXPECT_EQ(sharpness_of({1, 2, 3}, 3, 6), 0) << "a single row";
 }
 
 TEST(Recorder, WritesWhatCameBetweenOnAndOffAndNeverReplacesAFile) {

@@ -13,6 +13,7 @@ interface EventsHeader {
 }
 
 const pauseMs = 60; // between two pictures of events
+const smoothing = 0.1;
 
 const sum = (counts: Record<string, number>): number => Object.values(counts).reduce((all, count) => all + count, 0);
 
@@ -33,6 +34,8 @@ export class LiveSetupScreen implements Screen {
   private readonly recordButton: HTMLElement;
   private isRecording = false;
   private sharpest = 0;
+  private mean = 0; // of the sharpness of the last pictures
+  private numPictures = 0;
   private isClosed = false;
 
   constructor(private readonly context: Context, private readonly item: LiveItem) {
@@ -61,10 +64,12 @@ export class LiveSetupScreen implements Screen {
 
   private showEvents({ width, height, events, sharpness }: EventsHeader, pixels: Uint8Array): void {
     drawGrey(this.picture, width, height, pixels);
-    this.sharpest = Math.max(this.sharpest, sharpness);
-    const share = this.sharpest > 0 ? sharpness / this.sharpest : 0;
+    // The pictures are of different patterns, so that a single one tells little.
+    this.mean = this.numPictures++ === 0 ? sharpness : this.mean + smoothing * (sharpness - this.mean);
+    if (this.numPictures * smoothing >= 1) this.sharpest = Math.max(this.sharpest, this.mean);
+    const share = this.sharpest > 0 ? this.mean / this.sharpest : 0;
     this.sharpness.show([
-      ['now', sharpness.toFixed(3)],
+      ['now', this.mean.toFixed(3)],
       ['best so far', this.sharpest.toFixed(3)],
       ['share of the best', `${Math.round(100 * share)} %`],
       ['events in the picture', countText(events)],
