@@ -254,7 +254,7 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
   recordings::RecordingInfo info;
   info.width = images.front()->width;
   info.height = images.front()->height;
-  pipeline::RecordedSetup setup;
+  capture::RecordedSetup setup;
   if (codes) setup.codes = codes_of(*codes, "codes");
   if (camera != nullptr) setup.camera = *camera;
   info.header = pipeline::header_of(setup);

@@ -29,7 +29,7 @@ c = np.load("out/confidence.npy")
 assert c.min() >= 0 and c.max() <= 1 and np.median(c) > 0.5, np.median(c)
 header, data = open("one.pfm", "rb").read().split(b"-1.0\n", 1)
 assert header == b"Pf\n64 48\n"
-assert np.array_equal(np.frombuffer(data, "<f4").reshape(48, 64)[::-1], d)
+assert np.array_equal(np.frombuffer(data, "<f4").reshape(48, 64)[::-1], -d)
 samples = np.fromfile("one.gray", "<u2").reshape(48, 64)
 assert np.abs((samples - 32768.0) / 4096 - d).max() <= 0.5 / 4096 + 1e-6
 text, points = open("one.ply", "rb").read().split(b"end_header\n", 1)

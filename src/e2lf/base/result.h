@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -95,6 +97,22 @@ class [[nodiscard]] Result {
     return std::get<1>(state_);
   }
 
+  /// Returns the Result of `next`, called with the value, or the error.
+  template <typename Next>
+  auto and_then(Next&& next) const& -> std::invoke_result_t<Next, const T&> {
+    if (!ok()) return error();
+    return std::invoke(std::forward<Next>(next), std::get<0>(state_));
+  }
+  template <typename Next>
+  auto and_then(Next&& next) && -> std::invoke_result_t<Next, T&&> {
+    if (!ok()) return error();
+    return std::invoke(std::forward<Next>(next), std::get<0>(std::move(state_)));
+  }
+
+  /// Returns the value, or `fallback` if there is none.
+  [[nodiscard]] T value_or(T fallback) const& { return ok() ? std::get<0>(state_) : std::move(fallback); }
+  [[nodiscard]] T value_or(T fallback) && { return ok() ? std::get<0>(std::move(state_)) : std::move(fallback); }
+
  private:
   void require_ok() const {
     if (!ok()) throw ContractError("value() of a Result that holds an error: " + std::get<1>(state_).text());
@@ -118,6 +136,13 @@ class [[nodiscard]] Result<void> {
   [[nodiscard]] const Error& error() const {
     E2LF_REQUIRE(!ok(), "error() of a Result that holds success");
     return *error_;
+  }
+
+  /// Returns the Result of `next`, or the error.
+  template <typename Next>
+  auto and_then(Next&& next) const -> std::invoke_result_t<Next> {
+    if (!ok()) return error();
+    return std::invoke(std::forward<Next>(next));
   }
 
  private:

@@ -29,6 +29,8 @@ const std::vector<VerbEntry>& verbs() {
       {"accumulate", "recording -> event images per pattern cycle", run_accumulate},
       {"simulate", "light field -> event images or a recording", run_simulate},
       {"reconstruct", "event images or a recording -> light field", run_reconstruct},
+      {"record", "live camera, pipe or socket -> recording, byte for byte", run_record},
+      {"camera", "list and check live cameras", run_camera},
       {"video", "recording -> grey frames", run_video},
       {"calibrate", "event images of static scenes -> constants of a camera", run_calibrate},
       {"eval", "compare a reconstruction with the ground truth", run_eval},

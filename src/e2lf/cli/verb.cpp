@@ -328,6 +328,11 @@ int Verb::exit_code(const Result<void>& result) const {
     const std::string text = without_workspaces(result.error().text()) + flag_hint(result.error().setting);
     std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), printable(text).c_str());
   }
+  if (!stop_requested() && result && !failed_input_.empty()) {
+    std::fprintf(stderr, "%s: %s: the input failed: %s; what came before that is written\n", program_name(),
+                 name_.c_str(), printable(failed_input_).c_str());
+    return 3;
+  }
   if (!stop_requested()) return result ? 0 : 1;
   std::fprintf(stderr, "%s: %s: ended by %s; %s\n", program_name(), name_.c_str(),
                stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",

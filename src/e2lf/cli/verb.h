@@ -49,13 +49,17 @@ class Verb {
   /// complete. A second signal, or the first one of any other verb, ends the process at once.
   void stop_gently() { stops_gently_ = true; }
 
+  /// Notes the failure that ended live input early (LiveBacklog::failure, empty if there was none). If the work
+  /// succeeds, run() then reports the failure and returns 3, because the result contains only what came before it.
+  void note_failed_input(const std::string& failure) const { failed_input_ = failure; }
+
   /// Fails with kInvalidValue if an option of this help group differs from its default although it has no effect,
   /// because the input is `what` ("a light field").
   [[nodiscard]] Result<void> refuse_options(const std::string& group, const std::string& what) const;
 
   /// Parses the arguments, runs `work`, and prints its error as "e2lf: <verb>: <what went wrong>; <what to do>".
-  /// Returns the exit code of the process: 0 success, 1 failure, 2 usage error, 130 and 143 ended by SIGINT and
-  /// SIGTERM.
+  /// Returns the exit code of the process: 0 success, 1 failure, 2 usage error, 3 success with live input that
+  /// failed early, 130 and 143 ended by SIGINT and SIGTERM.
   int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
 
   /// Returns the record of the run that --config repeats, or null.
@@ -81,6 +85,7 @@ class Verb {
   Json earlier_run_;
   std::vector<MissingInput> missing_inputs_;
   std::vector<std::string> overrides_;
+  mutable std::string failed_input_;
   bool keeps_overrides_ = false, stops_gently_ = false;
 };
 
@@ -106,7 +111,9 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
 int run_accumulate(const std::vector<std::string>& arguments);
 int run_animate(const std::vector<std::string>& arguments);
 int run_calibrate(const std::vector<std::string>& arguments);
+int run_camera(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
+int run_codes_play(const std::vector<std::string>& arguments);
 int run_codes_render(const std::vector<std::string>& arguments);
 int run_compare(const std::vector<std::string>& arguments);
 int run_convert(const std::vector<std::string>& arguments);
@@ -120,6 +127,7 @@ int run_live(const std::vector<std::string>& arguments);
 int run_model(const std::vector<std::string>& arguments);
 int run_pack(const std::vector<std::string>& arguments);
 int run_reconstruct(const std::vector<std::string>& arguments);
+int run_record(const std::vector<std::string>& arguments);
 int run_refocus(const std::vector<std::string>& arguments);
 int run_resume(const std::vector<std::string>& arguments);
 int run_simulate(const std::vector<std::string>& arguments);

@@ -97,7 +97,7 @@ void add_costs(const ComparedMethod& method, const std::vector<capture::Measurem
   }
   const cycles::Schedule schedule = cycles::paper_schedule(std::max<size_t>(method.codes.num_patterns, 2));
   const double image_bits =
-      count * kBitsPerIntensity * static_cast<double>(cycles.front().images.num_patterns) / kViewsOfPaper;
+      count * kBitsPerIntensity * static_cast<double>(cycles.front().images.count) / kViewsOfPaper;
   figures["events_per_pixel"] = total;
   figures["bits_per_pixel"] = eval::event_cost(total).bits_per_light_field_pixel + image_bits;
   figures["measurement_ms"] = count * measured_us(method, schedule) / 1000;

@@ -25,16 +25,24 @@ Result<void> check_head(std::span<const uint8_t> head, uint64_t claimed, const s
                location};
 }
 
-/// Collects every member that is an array, made by `read` from its entry and location.
+/// Collects every member that is an array, made by `read` from its entry and location. Text and objects beside other
+/// arrays are passed over.
 template <typename Read>
 Result<NpzArrays> arrays_of(std::span<const uint8_t> bytes, const std::string& name, const Read& read) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<ZipEntry> entries, read_zip_directory(bytes, name));
   NpzArrays arrays;
+  Result<void> passed_over;
   for (const ZipEntry& entry : entries) {
     if (!entry.name.ends_with(kSuffix)) continue;
-    E2LF_ASSIGN_OR_RETURN(NpyArray array, read(entry, cat(name, ": ", entry.name)));
-    arrays.emplace(entry.name.substr(0, entry.name.size() - kSuffix.size()), std::move(array));
+    Result<NpyArray> array = read(entry, cat(name, ": ", entry.name));
+    if (!array && array.error().code != ErrorCode::kUnsupported) return array.error();
+    if (!array) {
+      if (passed_over) passed_over = array.error();
+      continue;
+    }
+    arrays.emplace(entry.name.substr(0, entry.name.size() - kSuffix.size()), *std::move(array));
   }
+  if (arrays.empty() && !passed_over) return passed_over.error();
   return arrays;
 }
 

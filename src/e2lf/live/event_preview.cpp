@@ -78,6 +78,11 @@ void EventPreview::finish() {
   events_ = 0;
 }
 
+bool EventPreview::is_asked(Clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  return is_asked_ && now - asked_ < kPatience;
+}
+
 std::optional<EventPicture> EventPreview::take(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   // A picture that nobody took for long is of another time.

@@ -41,12 +41,15 @@ class EventPreview {
   /// kPatience.
   [[nodiscard]] std::optional<EventPicture> take(Clock::time_point now = Clock::now());
 
+  /// Returns true while a request holds.
+  [[nodiscard]] bool is_asked(Clock::time_point now = Clock::now()) const;
+
  private:
   static constexpr std::chrono::seconds kPatience{2};
   void finish();
 
   size_t width_, height_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   Clock::time_point asked_{};
   bool is_asked_ = false;
   std::optional<int64_t> begin_us_;

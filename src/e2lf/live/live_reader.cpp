@@ -23,7 +23,9 @@ void LiveReader::see(const recordings::EventBatch& batch) {
   constexpr std::chrono::milliseconds kReportPeriod{500};
   const Clock::time_point now = Clock::now();
   statistics_.add_batch(batch, now);
-  if (options_.is_inverted && recorder_->is_recording()) {
+  if (!has_all_events_) {
+    // A recording begins with the next cycle.
+  } else if (options_.is_inverted && recorder_->is_recording()) {
     sent_ = batch;
     for (uint8_t& p : sent_.events.p) p = p != 0 ? 0 : 1;
     recorder_->write(sent_);
@@ -40,8 +42,16 @@ void LiveReader::see(const recordings::EventBatch& batch) {
   statistics_.set_report(cycles_->report(), cycles_->summary());
 }
 
+/// Recordings and the picture for focusing need all events.
+void LiveReader::choose_events() {
+  constexpr uint64_t kWholeEvery = 20;
+  has_all_events_ = recorder_->is_recording() || preview_->is_asked();
+  cycles_->read_whole_every(has_all_events_ ? 1 : kWholeEvery);
+}
+
 Result<bool> LiveReader::next(LiveCycle& cycle) {
   if (stop_requested() || (options_.max_cycles != 0 && taken_ == options_.max_cycles)) return false;
+  choose_events();
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> next, cycles_->next());
   statistics_.set_report(cycles_->report(), cycles_->summary());
   if (!next) return false;

@@ -27,7 +27,8 @@ struct ReadingOptions {
 };
 
 /// Reads a live source as fast as it comes: finds cycles, counts, records, and makes the picture for focusing. next()
-/// is called by one thread; all else by any.
+/// is called by one thread; all else by any. While nobody records and nobody looks at the picture for focusing, most
+/// cycles are read without the events that no event image needs; see cycles::CycleReader::read_whole_every().
 class LiveReader {
  public:
   /// Fails as `open` does.
@@ -48,6 +49,7 @@ class LiveReader {
 
  private:
   void see(const recordings::EventBatch& batch);
+  void choose_events();
 
   ReadingOptions options_;
   std::optional<cycles::CycleReader> cycles_;
@@ -57,6 +59,7 @@ class LiveReader {
   std::atomic<size_t> average_ = 1;
   CycleSum sum_;
   uint64_t taken_ = 0;
+  bool has_all_events_ = false;
   recordings::EventBatch sent_;  ///< a batch as it was sent
   ArrivalClock arrivals_;
   Clock::time_point reported_{};

@@ -56,8 +56,9 @@ class CycleInput {
   }
   /// Returns what the events were made with; `input` is the name under which they were opened. Fails as
   /// recorded_setup() does.
-  [[nodiscard]] Result<RecordedSetup> setup(const std::filesystem::path& input) const {
-    return reader_ ? setup_of_cycles(input, *reader_) : recorded_setup(file_, input);
+  [[nodiscard]] Result<capture::RecordedSetup> setup(const std::filesystem::path& input) const {
+    if (!reader_) return file_.setup;
+    return setup_of_cycles(input, *reader_);
   }
   /// Returns the reader of a recording; the contract is broken for files.
   [[nodiscard]] const cycles::CycleReader& reader() const { return reader_.value(); }

@@ -19,7 +19,7 @@ struct MethodChoice {
   std::optional<capture::Codes> codes = {};           ///< patterns that the caller names
   std::optional<capture::SensorProfile> camera = {};  ///< sensor profile that the caller names
   std::optional<capture::SensorConstants> constants = {};  ///< nothing = those of the model, or the paper's
-  RecordedSetup events = {};                               ///< what the file of the events tells
+  capture::RecordedSetup events = {};                      ///< what the file of the events tells
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
   std::string precision = "auto";  ///< of the network
 };

@@ -44,7 +44,7 @@ std::optional<Json> note_beside(const fs::path& recording, const char* key) {
 
 }  // namespace
 
-capture::HeaderLines header_of(const RecordedSetup& setup) {
+capture::HeaderLines header_of(const capture::RecordedSetup& setup) {
   capture::HeaderLines header;
   if (setup.codes) header = capture::codes_to_header(*setup.codes);
   const auto add = [&](capture::HeaderLines lines) {
@@ -55,13 +55,7 @@ capture::HeaderLines header_of(const RecordedSetup& setup) {
   return header;
 }
 
-void keep_setup(const RecordedSetup& setup, capture::EventImageWriter& writer) {
-  if (setup.codes) writer.set_codes(capture::codes_to_npy(*setup.codes));
-  if (setup.camera) writer.set_camera(capture::camera_to_npy(*setup.camera));
-  if (setup.has_own_views()) writer.set_views(capture::views_to_npy(*setup.views));
-}
-
-Json setup_notes(const RecordedSetup& setup, const fs::path& recording) {
+Json setup_notes(const capture::RecordedSetup& setup, const fs::path& recording) {
   Json notes = Json::object();
   if (setup.codes) notes[kCodesNote] = with_size(capture::codes_to_json(*setup.codes), recording);
   if (setup.camera) notes[kCameraNote] = with_size(capture::to_json(*setup.camera), recording);
@@ -71,8 +65,8 @@ Json setup_notes(const RecordedSetup& setup, const fs::path& recording) {
   return notes;
 }
 
-Result<RecordedSetup> recorded_setup(const fs::path& recording, const recordings::RecordingInfo& info) {
-  RecordedSetup setup;
+Result<capture::RecordedSetup> recorded_setup(const fs::path& recording, const recordings::RecordingInfo& info) {
+  capture::RecordedSetup setup;
   const std::string beside = record_path_beside(recording).string();
   E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_header(info.header, recording.string()));
   if (!setup.codes) {
@@ -96,23 +90,8 @@ Result<RecordedSetup> recorded_setup(const fs::path& recording, const recordings
   return setup;
 }
 
-Result<RecordedSetup> recorded_setup(const capture::MeasurementFile& file, const fs::path& path) {
-  RecordedSetup setup;
-  if (file.codes) {
-    E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_npy(*file.codes, path.string()));
-  }
-  if (file.camera) {
-    E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_npy(*file.camera, path.string() + ": camera"));
-    setup.views = setup.camera->views;
-  }
-  if (file.views) {
-    E2LF_ASSIGN_OR_RETURN(setup.views, capture::views_from_npy(*file.views, path.string() + ": views"));
-  }
-  return setup;
-}
-
-Result<RecordedSetup> setup_of_cycles(const fs::path& recording, const cycles::CycleReader& reader) {
-  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(recording, reader.recording().info()));
+Result<capture::RecordedSetup> setup_of_cycles(const fs::path& recording, const cycles::CycleReader& reader) {
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, recorded_setup(recording, reader.recording().info()));
   if (reader.schedule().views) setup.views = reader.schedule().views;
   if (!setup.codes) return setup;
   if (auto codes = cycles::codes_of_images(*setup.codes, reader.schedule())) setup.codes = std::move(codes);

@@ -25,7 +25,7 @@ TEST(SimulatedCycles, AHybridHasEventsAndOneImage) {
       .measurement = capture::MeasurementKind::kHybrid, .codes = capture::default_codes(), .profile = {}};
   const auto measured = simulate_cycle(camera, scene, 0).value();
   EXPECT_EQ(measured.events.transitions, 3U);
-  EXPECT_EQ(measured.images.num_patterns, 1U);
+  EXPECT_EQ(measured.images.count, 1U);
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ void fill_counts(const capture::EventImages& images, std::span<const model::Inpu
 
 /// Fills the planes of intensity images, which are extended in the same way as counts.
 void fill_images(const capture::CodedIntensities& images, float scale, size_t first_channel, InputPlanes& planes) {
-  for (size_t n = 0; n < images.num_patterns; ++n) {
+  for (size_t n = 0; n < images.count; ++n) {
     for (size_t y = 0; y < planes.height; ++y) {
       const auto from = images.image(n).subspan(std::min(y, images.height - 1) * images.width, images.width);
       float* row = planes.values.data() + ((first_channel + n) * planes.height + y) * planes.width;
@@ -159,12 +159,10 @@ Result<void> network_input(const capture::Measurement& measurement, std::span<co
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
     E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
-  const std::vector<size_t> first_channels = group_begins(
-      groups, measurement.events.transitions, conditions.conditioning.size(), measurement.images.num_patterns);
-  planes.channels = first_channels.back();
-  planes.height = round_up(measurement.height(), size_multiple);
-  planes.width = round_up(measurement.width(), size_multiple);
-  planes.values.resize(planes.channels * planes.height * planes.width);
+  const std::vector<size_t> first_channels =
+      group_begins(groups, measurement.events.transitions, conditions.conditioning.size(), measurement.images.count);
+  planes.resize(first_channels.back(), round_up(measurement.height(), size_multiple),
+                round_up(measurement.width(), size_multiple));
   if (std::any_of(groups.begin(), groups.end(), is_of_counts)) {
     fill_counts(measurement.events, groups, first_channels, conditions, planes);
   }

@@ -83,9 +83,9 @@ Result<void> Reconstructor::check(const capture::Measurement& measurement) const
   }
   const capture::CodedIntensities& images = measurement.images;
   const size_t num_images = capture::num_images(wanted, model_.num_patterns);
-  if (images.num_patterns != num_images || (num_images > 0 && images.image_size() == 0)) {
+  if (images.count != num_images || (num_images > 0 && images.image_size() == 0)) {
     return Error{ErrorCode::kShape,
-                 cat("there are ", images.num_patterns, " intensity images of ", images.width, "x", images.height,
+                 cat("there are ", images.count, " intensity images of ", images.width, "x", images.height,
                      " but the model was trained for ", num_images, "; use the model that belongs to the patterns"),
                  ""};
   }

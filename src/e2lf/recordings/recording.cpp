@@ -122,19 +122,22 @@ Result<void> RecordingReader::find_shift() {
 }
 
 DecodeSummary RecordingReader::left_out_before() const {
-  return losses_of_source_ == nullptr ? DecodeSummary() : *losses_of_source_;
+  DecodeSummary before;
+  for (const auto& losses : losses_before_) before.append(losses());
+  return before;
 }
 
-/// A stop request can arrive between any two reads, so an incomplete word at this point is not damage.
-void RecordingReader::pass_over_cut() {
+/// A stop request or the failure of a camera can come between any two reads, so an incomplete word at this point is not
+/// damage.
+void RecordingReader::pass_over_cut(const DecodeSummary& before) {
   ViolationCount& cut = summary_.of(Violation::kTruncated);
   const uint64_t known = known_violations_[static_cast<size_t>(Violation::kTruncated)];
-  if (stop_requested()) cut = {known, known == 0 ? 0 : cut.first_byte};
+  if (stop_requested() || !before.live.failure.empty()) cut = {known, known == 0 ? 0 : cut.first_byte};
 }
 
 Result<void> RecordingReader::apply_policy() {
-  pass_over_cut();
   const DecodeSummary before = left_out_before();
+  pass_over_cut(before);
   if (options_.policy == DecodePolicy::kStrict && before.num_violations() > 0) return violation_error(before, name_);
   if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time + before.events_before_time > 0) {
     return Error{
@@ -253,6 +256,11 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
     for (Trigger& trigger : batch.triggers) trigger.t -= shift_us;
   }
   return !batch.empty();
+}
+
+void RecordingReader::skip_events(int64_t begin_us, int64_t end_us) {
+  const int64_t shift_us = shift_us_.value_or(0) - part_shift_us_;
+  skip_decoding(begin_us + shift_us, end_us + shift_us);
 }
 
 Result<void> RecordingReader::seek_before(int64_t) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/recordings/camera_setup.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/byte_sink.h"
 #include "e2lf/recordings/io/byte_source.h"
@@ -81,6 +83,8 @@ struct OpenOptions {
   int64_t from_us = INT64_MIN;
   int64_t to_us = INT64_MAX;
   TimeOrigin range = TimeOrigin::kAbsolute;
+
+  CameraSetup camera = {};  ///< of a live camera; see Camera::set_up()
 };
 
 /// Reads a recording from front to back in bounded memory. open_recording() creates readers. The public functions are
@@ -101,8 +105,14 @@ class RecordingReader {
 
   /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; a live source
   /// returns what has arrived. Returns false with an empty batch at the end. Fails with kIo and, under the strict
-  /// policy, with the first violation. After a stop request, an end inside a word is not a violation.
+  /// policy, with the first violation. After a stop request or a failure of live
+  /// input, an end inside a word is not a violation.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
+
+  /// Declares that events with begin_us <= t < end_us (times as returned by read()) are not needed. A format that
+  /// decodes faster without them leaves out those that are not decoded yet, as many as is cheap; triggers are always
+  /// returned. The span holds until another one is given, or until seek().
+  void skip_events(int64_t begin_us, int64_t end_us);
 
   /// Seeks to the first event or trigger with t >= t_us, forwards or backwards, and resets the summary. Fails with
   /// kUnsupported if the source is not seekable.
@@ -117,15 +127,15 @@ class RecordingReader {
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
   /// Returns what was left out before the bytes reached this reader; see Camera::left_out().
-  [[nodiscard]] virtual DecodeSummary left_out_before() const;
+  [[nodiscard]] DecodeSummary left_out_before() const;
 
   /// Replaces the properties of the recording by those of the container that holds it: format, header, streams and
   /// assumptions.
   void take_container(RecordingInfo info) { info_ = std::move(info); }
 
-  /// Includes the losses that a source counts which is not owned by this reader, such as the one that decompresses its
-  /// bytes.
-  void count_losses_of(std::shared_ptr<const DecodeSummary> losses) { losses_of_source_ = std::move(losses); }
+  /// Includes the losses of a source from which the bytes of this reader come, such as a camera, a bag, or the one that
+  /// decompresses them.
+  void count_losses(std::function<DecodeSummary()> losses) { losses_before_.push_back(std::move(losses)); }
 
   /// Returns the summary of everything that read() has returned and of what was left out before, with times shifted
   /// like the events'.
@@ -135,6 +145,9 @@ class RecordingReader {
   /// Appends the next events and triggers with absolute times, at most `max_events` of each. Returns false when there
   /// are no more. Counts violations in summary_; the caller counts events and triggers.
   [[nodiscard]] virtual Result<bool> read_next(EventBatch& batch, size_t max_events) = 0;
+
+  /// skip_events() in the times of read_next(). The default leaves out nothing.
+  virtual void skip_decoding(int64_t /*begin_us*/, int64_t /*end_us*/) {}
 
   /// Declares, before read_next() appends anything, that the clock of what follows may have started again. `byte` is
   /// the position, and `before_us` the last time before it.
@@ -159,10 +172,10 @@ class RecordingReader {
   [[nodiscard]] Result<void> skip_to(int64_t absolute_us);
   void end_at(int64_t absolute_us, EventBatch& batch);
   [[nodiscard]] Result<void> apply_policy();
-  void pass_over_cut();
+  void pass_over_cut(const DecodeSummary& before);
   void count(const EventColumns& events, size_t begin, size_t end);
 
-  std::shared_ptr<const DecodeSummary> losses_of_source_;
+  std::vector<std::function<DecodeSummary()>> losses_before_;
   PendingBatch pending_;                        ///< read but not yet returned, with absolute times
   bool has_begun_ = false, has_ended_ = false;  ///< options_.from_us or to_us was reached
   std::optional<Restart> joint_;                ///< before what comes next, if that is earlier

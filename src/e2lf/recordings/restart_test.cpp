@@ -279,6 +279,17 @@ TEST(ContainersOfTwoParts, GoOnBehindTheEarlierPart) {
   }
 }
 
+TEST(DatOfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
+  const EventBatch first = part_of(40'000, 1000, 6'000'000, 1), second = part_of(40'000, 500, 7'000'000, 2);
+  int64_t shift_us = 0;
+  const EventBatch expected = continued(first, second, shift_us, false);
+  const Bytes bytes = joined(first, second, "dat", true);
+  EXPECT_TRUE(decode(bytes, 1).batch == expected);
+  const Decoded chunked = decode(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 501), 1);
+  EXPECT_TRUE(chunked.batch == expected);
+  EXPECT_EQ(chunked.summary.num_violations(), 0U);
+}
+
 TEST(DatOfTwoParts, TakesTheTriggersOfEachPartFromTheFileBesideIt) {
   const TestFolder folder;
   const EventBatch first = part_of(60'000, 1000, 6'000'000, 1), second = part_of(60'000, 500, 6'000'000, 2);

@@ -40,9 +40,15 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
     }
     return size_t{0};
   }
-  const auto is_wanted = [&wanted](const NamedStream& stream) {
+  const auto is_named = [&wanted](const NamedStream& stream) {
     return wanted == stream.number || wanted == stream.name || wanted == stream.camera;
   };
+  // "left" of "davis/left/events".
+  const auto is_in_path = [&wanted](const NamedStream& stream) {
+    return cat("/", stream.name, "/").find(cat("/", wanted, "/")) != std::string::npos;
+  };
+  const bool has_named = std::any_of(streams.begin(), streams.end(), is_named);
+  const auto is_wanted = [&](const NamedStream& stream) { return has_named ? is_named(stream) : is_in_path(stream); };
   const auto first = std::find_if(streams.begin(), streams.end(), is_wanted);
   const auto count = std::count_if(streams.begin(), streams.end(), is_wanted);
   if (count != 1) {

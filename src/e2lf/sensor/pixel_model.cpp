@@ -137,7 +137,7 @@ class ExposureOf {
              float gain)
       : cycle_(cycle),
         intensities_(intensities),
-        transmission_(camera, intensities.num_patterns - 2, intensities.height, intensities.width),
+        transmission_(camera, intensities.count - 2, intensities.height, intensities.width),
         gain_over_eps_(gain / camera.pixel[kEps]),
         leak_(camera.pixel[kLeak]) {}
 

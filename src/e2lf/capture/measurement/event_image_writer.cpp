@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <map>
 #include <string>
 #include <vector>
 #include <zlib.h>
@@ -18,7 +17,7 @@ namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kEvents[] = "events.npy", kCodes[] = "codes.npy", kCamera[] = "camera.npy", kViews[] = "views.npy";
+constexpr char kEvents[] = "events.npy";
 constexpr size_t kHeaderSize = 128;  ///< of the .npy member: its size is known first, its shape last
 
 template <typename T>
@@ -145,9 +144,9 @@ class EventImageWriter::Impl {
  public:
   Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
 
-  void set(const char* member, const NpyArray& array) {
-    E2LF_REQUIRE(cycles_ == 0, "what is known of the events comes before the first cycle");
-    known_[member] = array;
+  void keep(const RecordedSetup& setup) {
+    E2LF_REQUIRE(cycles_ == 0, "what the events were made with comes before the first cycle");
+    setup_to_arrays(setup, known_);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -206,7 +205,7 @@ class EventImageWriter::Impl {
     const int status = deflateInit2(&deflate_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
     E2LF_REQUIRE(status == Z_OK, "zlib did not start");
     // They are written first, so that an unfinished file contains them.
-    for (const auto& [member, array] : known_) E2LF_RETURN_IF_ERROR(write_known(member, array));
+    for (const auto& [name, array] : known_) E2LF_RETURN_IF_ERROR(write_known(name + ".npy", array));
     E2LF_RETURN_IF_ERROR(write(local_header({})));
     return write(stored_block(npy_header(0, shape_)));
   }
@@ -269,8 +268,8 @@ class EventImageWriter::Impl {
   EventImages shape_;  ///< without counts
   uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
   uLong data_crc_ = 0;
-  std::map<std::string, NpyArray> known_;  ///< by the names of the members
-  std::vector<Member> members_;            ///< the complete ones
+  NpzArrays known_;              ///< the setup
+  std::vector<Member> members_;  ///< the complete ones
 };
 
 EventImageWriter::EventImageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -287,14 +286,8 @@ Result<EventImageWriter> EventImageWriter::create(const fs::path& path) {
   return EventImageWriter(std::make_unique<Impl>(std::move(file), stream));
 }
 
-void EventImageWriter::set_codes(const NpyArray& codes) {
-  impl_->set(kCodes, codes);
-}
-void EventImageWriter::set_camera(const NpyArray& camera) {
-  impl_->set(kCamera, camera);
-}
-void EventImageWriter::set_views(const NpyArray& views) {
-  impl_->set(kViews, views);
+void EventImageWriter::keep(const RecordedSetup& setup) {
+  impl_->keep(setup);
 }
 Result<void> EventImageWriter::add(const EventImages& images) {
   return impl_->add(images);

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/recorded_setup.h"
 
 namespace e2lf::capture {
 
@@ -20,15 +21,8 @@ class EventImageWriter {
   EventImageWriter(EventImageWriter&&) noexcept;
   ~EventImageWriter();
 
-  /// Sets the patterns [N, view_y, view_x] of the events, `codes` in the file. Must be called before the first cycle is
-  /// added, like the two functions below.
-  void set_codes(const NpyArray& codes);
-
-  /// Sets the sensor profile, `camera` in the file; see camera_to_npy().
-  void set_camera(const NpyArray& camera);
-
-  /// Sets the orientation of the views, `views` in the file; see views_to_npy().
-  void set_views(const NpyArray& views);
+  /// Stores the setup of the events in the file. Must be called before the first cycle is added.
+  void keep(const RecordedSetup& setup);
 
   /// Appends a cycle. All cycles must have the shape of the first one. Fails with kIo.
   [[nodiscard]] Result<void> add(const EventImages& images);

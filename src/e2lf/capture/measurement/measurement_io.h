@@ -2,23 +2,14 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/capture/measurement/measurement.h"
-#include "e2lf/files/npy.h"
 
 namespace e2lf::capture {
 
-/// The content of a file of measurements: one entry per cycle, all of the same kind and shape, and the properties of
-/// the camera that are known.
-struct MeasurementFile {
-  std::vector<Measurement> cycles;
-  std::optional<NpyArray> codes;       ///< [N, view_y, view_x]
-  std::optional<NpyArray> camera;      ///< see camera_from_npy()
-  std::optional<NpyArray> views = {};  ///< the orientation of the views; see views_from_npy()
-};
+using MeasurementFile = CyclesFile<Measurement>;
 
 /// Reads an .npz file whose arrays determine the kind: `images` float [cycles, N, y, x] are coded images, `events`
 /// int16 [cycles, N-1, y, x] together with `images` [cycles, 1, y, x] are a hybrid, and `lens_array` float [cycles, y,

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
-#include <optional>
 #include <string>
 #include <vector>
 #include <zlib.h>
@@ -52,9 +51,7 @@ class UnfinishedFile {
     return true;
   }
 
-  [[nodiscard]] const std::optional<NpyArray>& codes() const { return codes_; }
-  [[nodiscard]] const std::optional<NpyArray>& camera() const { return camera_; }
-  [[nodiscard]] const std::optional<NpyArray>& views() const { return views_; }
+  [[nodiscard]] const NpzArrays& known() const { return known_; }
 
   /// Returns the next complete cycle, or null.
   const EventImages* next() {
@@ -79,7 +76,7 @@ class UnfinishedFile {
     if (!read(bytes)) return false;
     auto array = decode_npy(bytes, member.name);
     if (!array) return false;
-    (member.name == "codes.npy" ? codes_ : member.name == "camera.npy" ? camera_ : views_) = *std::move(array);
+    known_[fs::path(member.name).stem().string()] = *std::move(array);
     return true;
   }
 
@@ -120,7 +117,7 @@ class UnfinishedFile {
   std::ifstream file_;
   z_stream inflate_{};
   std::vector<uint8_t> input_;
-  std::optional<NpyArray> codes_, camera_, views_;
+  NpzArrays known_;
   EventImages images_;
 };
 
@@ -133,9 +130,8 @@ Result<uint64_t> recover_event_images(const fs::path& unfinished, const fs::path
                  unfinished.string()};
   }
   E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
-  if (file.codes()) writer.set_codes(*file.codes());
-  if (file.camera()) writer.set_camera(*file.camera());
-  if (file.views()) writer.set_views(*file.views());
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, setup_from_arrays(file.known(), unfinished.string()));
+  writer.keep(setup);
   while (const EventImages* images = file.next()) E2LF_RETURN_IF_ERROR(writer.add(*images));
   const uint64_t cycles = writer.cycles();
   if (cycles > 0) E2LF_RETURN_IF_ERROR(writer.finish());

@@ -30,7 +30,7 @@ bool uses_all_transitions(const CycleFlags& flags, const cycles::Schedule& sched
 Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& input,
                                      const recordings::RecordingInfo& info) {
   constexpr size_t kFewest = 2;
-  E2LF_ASSIGN_OR_RETURN(const pipeline::RecordedSetup setup, pipeline::recorded_setup(input, info));
+  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup setup, pipeline::recorded_setup(input, info));
   const auto of_whole = setup.codes ? capture::codes_of_whole_cycle(*setup.codes) : std::nullopt;
   const auto& shown = of_whole ? of_whole : setup.codes;
   cycles::Schedule schedule;

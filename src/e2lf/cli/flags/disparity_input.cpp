@@ -30,8 +30,8 @@ Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
   if (path.extension() == ".npy") {
     E2LF_ASSIGN_OR_RETURN(image, read_array(path));
   } else if (path.extension() == ".pfm") {
-    E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
-    E2LF_ASSIGN_OR_RETURN(image, depth::decode_pfm(bytes, path.string()));
+    const auto decode = [&](const std::vector<uint8_t>& bytes) { return depth::decode_pfm(bytes, path.string()); };
+    E2LF_ASSIGN_OR_RETURN(image, read_file(path).and_then(decode));
   } else {
     return Error{ErrorCode::kUnsupported, "this is not a disparity map; give .npy, .pfm or a folder of `e2lf depth`",
                  path.string()};

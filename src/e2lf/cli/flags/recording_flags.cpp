@@ -33,6 +33,7 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   app.add_flag("--relative", flags.is_relative,
                "recordings: --from-us and --to-us are relative to the first event or trigger")
       ->group(group);
+  add_camera_options(app, flags.camera);
   app.add_flag("--strict", flags.is_strict,
                "fail and write nothing if events would be left out (damage, outside the sensor, count too large)");
 }
@@ -81,6 +82,7 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   open.to_us = flags.to_us;
   open.range = flags.is_relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   open.threads = 0;
+  E2LF_ASSIGN_OR_RETURN(open.camera, camera_setup(flags.camera));
   // With a camera, damage is reported at once; for a file, the summary at the end is sufficient.
   open.policy = flags.is_strict  ? recordings::DecodePolicy::kStrict
                 : is_live(input) ? recordings::DecodePolicy::kReport
@@ -107,6 +109,17 @@ Json reading_json(const recordings::RecordingInfo& info) {
   return {{"columns", info.table->columns}, {"time_unit", info.table->time_unit}, {"polarity", info.table->polarity}};
 }
 
+Json header_json(const recordings::RecordingInfo& info) {
+  Json header = Json::object();
+  for (const auto& [key, value] : info.header) header[key] = value;
+  return header;
+}
+
+Json sensor_json(const recordings::DecodeSummary& summary) {
+  if (recordings::sensor_text(summary).empty()) return nullptr;
+  return {{"events_in", summary.sensor_events_in}, {"events_sent", summary.sensor_events_sent}};
+}
+
 Json losses_json(const recordings::DecodeSummary& summary) {
   Json json = Json::array();
   for (const recordings::Loss& loss : recordings::losses(summary)) {
@@ -120,7 +133,9 @@ Json live_json(const recordings::DecodeSummary& summary) {
   if (live == recordings::LiveBacklog()) return nullptr;
   return {{"most_behind_s", static_cast<double>(live.most_behind_us) * 1e-6},
           {"pauses", live.pauses},
-          {"may_have_lost_events", live.loses_events}};
+          {"may_have_lost_events", live.loses_events},
+          {"dropped_bytes", live.dropped_bytes},
+          {"failure", live.failure}};
 }
 
 void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summary) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/cli/flags/camera_flags.h"
 #include "e2lf/files/options.h"
 #include "e2lf/recordings/recording.h"
 
@@ -23,6 +24,7 @@ struct RecordingFlags {
   std::string restart = "continue";                ///< how to treat a restart of the clock
   bool is_relative = false;                        ///< the time range is relative to the first event or trigger
   bool is_strict = false;                          ///< data that would be dropped are an error
+  CameraFlags camera;                              ///< settings of a live camera
 };
 
 /// The help group of the options of recordings, for verbs that also accept other inputs.
@@ -49,11 +51,17 @@ void say_assumptions(const recordings::RecordingReader& reader);
 /// Returns how a table of events was read: {"columns", "time_unit", "polarity"}; null for other recordings.
 [[nodiscard]] Json reading_json(const recordings::RecordingInfo& info);
 
+/// Returns the header of a recording: the identity of the sensor, and the settings of a live camera.
+[[nodiscard]] Json header_json(const recordings::RecordingInfo& info);
+
+/// Returns the counts of the sensor itself: {"events_in", "events_sent"}; null if it reported none.
+[[nodiscard]] Json sensor_json(const recordings::DecodeSummary& summary);
+
 /// Returns the data that were dropped from a recording, by reason: [{"reason", "count", "first_byte"}, ...].
 [[nodiscard]] Json losses_json(const recordings::DecodeSummary& summary);
 
-/// Returns by how much processing was behind live input: {"most_behind_s", "pauses", "may_have_lost_events"}; null if
-/// the input is not live.
+/// Returns by how much processing was behind live input, and what ended that: {"most_behind_s", "pauses",
+/// "may_have_lost_events", "dropped_bytes", "failure"}; null if the input is not live.
 [[nodiscard]] Json live_json(const recordings::DecodeSummary& summary);
 
 /// Returns the positions at which the clock starts again: [{"byte", "before_us", "after_us", "shift_us"}, ...].

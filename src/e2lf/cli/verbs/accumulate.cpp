@@ -73,7 +73,7 @@ CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
 
 /// Puts patterns and camera of the recording beside its event images; the patterns where they are those of the
 /// schedule.
-void keep_setup_of(const fs::path& input, pipeline::RecordedSetup setup, size_t transitions,
+void keep_setup_of(const fs::path& input, capture::RecordedSetup setup, size_t transitions,
                    capture::EventImageWriter& writer) {
   if (setup.codes && setup.codes->num_patterns != transitions + 1) {
     log_warning(cat(input.string(), " holds ", setup.codes->num_patterns,
@@ -81,7 +81,7 @@ void keep_setup_of(const fs::path& input, pipeline::RecordedSetup setup, size_t 
                     " event images: leaving them out"));
     setup.codes.reset();
   }
-  pipeline::keep_setup(setup, writer);
+  writer.keep(setup);
 }
 
 /// A row for each cycle.
@@ -156,7 +156,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
-  E2LF_ASSIGN_OR_RETURN(pipeline::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader));
   setup.views = arguments.orientation.after(setup.views);
   ConfidenceWatch confidence;
   LiveLog live_log;
@@ -182,6 +182,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   live_log.finish(report);
   const recordings::DecodeSummary summary = reader.summary();
   warn_of_losses(arguments.input, summary);
+  verb.note_failed_input(summary.live.failure);
   // Picture and report come first: they tell why, where no cycle was found.
   if (picture) {
     E2LF_RETURN_IF_ERROR(write_chart(plot.svg(), arguments.plot, picture->path()));
@@ -204,6 +205,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note("cycles", report_json(report));
   record.note("left_out", losses_json(summary));
   record.note("live", live_json(summary));
+  if (is_live(arguments.input)) record.note("header", header_json(reader.recording().info()));
   record.note("read_as", reading_json(reader.recording().info()));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);

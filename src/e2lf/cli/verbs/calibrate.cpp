@@ -54,7 +54,7 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
                  path.string()};
   }
   Source source;
-  E2LF_ASSIGN_OR_RETURN(pipeline::RecordedSetup setup, input.setup(path));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
   source.codes = std::move(setup.codes);
   while (true) {
     E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::CycleImages> cycle, input.next());

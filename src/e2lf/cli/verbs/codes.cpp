@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf codes: show; render (codes_render.cpp)
+// e2lf codes: show; render (codes_render.cpp); play (codes_play.cpp)
 #include <cstdio>
 
 #include "e2lf/capture/patterns/codes_io.h"
@@ -61,7 +61,8 @@ int run_codes_show(const std::vector<std::string>& arguments) {
 int run_codes(const std::vector<std::string>& arguments) {
   return run_subverb("codes",
                      {{"show", "print patterns, black-first check and light efficiency", run_codes_show},
-                      {"render", "make the images and the schedule for an aperture display", run_codes_render}},
+                      {"render", "make the images and the schedule for an aperture display", run_codes_render},
+                      {"play", "show the patterns on a display of this computer", run_codes_play}},
                      arguments);
 }
 

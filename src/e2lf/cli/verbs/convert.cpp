@@ -7,8 +7,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/recording_flags.h"
@@ -100,7 +99,9 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   record.note("left_out", losses_json(reader.summary()));
   record.note("live", live_json(reader.summary()));
   record.note("read_as", reading_json(reader.info()));
-  E2LF_ASSIGN_OR_RETURN(pipeline::RecordedSetup setup, pipeline::recorded_setup(input, reader.info()));
+  record.note("sensor", sensor_json(reader.summary()));
+  if (is_live(input)) record.note("header", header_json(reader.info()));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::recorded_setup(input, reader.info()));
   setup.views = given.after(setup.views);
   record.note(pipeline::setup_notes(setup, output.path()));
   record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(input), output.path()));
@@ -205,6 +206,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   for (ConvertedPart& part : parts) {
     E2LF_RETURN_IF_ERROR(part.output.commit());
     warn_of_losses(arguments.input, part.report.summary);
+    verb.note_failed_input(part.report.summary.live.failure);
     if (!common.json && !common.quiet) say_part(part, part.output.text());
     json["parts"].push_back(part_json(part));
   }
@@ -234,9 +236,7 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
-    E2LF_ASSIGN_OR_RETURN(const pipeline::RecordedSetup setup,
-                          pipeline::recorded_setup({{}, {}, file.camera, file.views}, arguments.input));
-    file.views = capture::views_to_npy(*given.after(setup.views));
+    file.setup.views = given.after(file.setup.views);
   }
   if (extension == ".mat") {
     E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(output.path(), file));

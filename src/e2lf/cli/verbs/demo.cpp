@@ -3,9 +3,7 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/output/comparison_page.h"
 #include "e2lf/cli/output/light_field_output.h"
@@ -104,8 +102,8 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   std::error_code ignored;
   fs::create_directory(folder / "scene", ignored);
   E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
-  E2LF_RETURN_IF_ERROR(capture::write_event_images(
-      folder / "events.npz", {{images}, capture::codes_to_npy(camera.codes), capture::camera_to_npy(camera.profile)}));
+  E2LF_RETURN_IF_ERROR(
+      capture::write_event_images(folder / "events.npz", {{images}, {camera.codes, camera.profile, {}}}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
   fs::create_directory(folder / "recon", ignored);
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}, {}));

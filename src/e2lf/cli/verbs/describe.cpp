@@ -5,9 +5,7 @@
 #include <memory>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/cli/output/pictures.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/eval/event_statistics.h"
@@ -50,7 +48,7 @@ std::string histogram(const char* label, std::span<const float> values, float lo
   return report::chart_svg(chart);
 }
 
-Result<void> show(const capture::EventImageFile& file, const std::string& name, report::Page& page) {
+Result<void> show(const capture::EventImageFile& file, report::Page& page) {
   const capture::EventImages& first = file.cycles.front();
   page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, and grey is none.");
   E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(first), "event images"}}, 1600, page));
@@ -59,10 +57,9 @@ Result<void> show(const capture::EventImageFile& file, const std::string& name, 
   const std::vector<float> counts(first.counts.begin(), first.counts.end());
   page.drawing(histogram("ON minus OFF events of a pixel in a transition; values beyond 16 are counted at the ends",
                          counts, -kMost, kMost, 33));
-  if (!file.codes) return {};
-  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, capture::codes_from_npy(*file.codes, name));
+  if (!file.setup.codes) return {};
   page.heading("Patterns");
-  add_patterns(codes, page);
+  add_patterns(*file.setup.codes, page);
   return {};
 }
 
@@ -127,25 +124,23 @@ Result<Description> describe_event_images(const fs::path& path) {
   const auto kept = std::make_shared<const capture::EventImageFile>(std::move(read));
   const capture::EventImageFile& file = *kept;
   const capture::EventImages& first = file.cycles.front();
-  E2LF_ASSIGN_OR_RETURN(const pipeline::RecordedSetup setup,
-                        pipeline::recorded_setup({{}, {}, file.camera, file.views}, path));
+  const capture::RecordedSetup& setup = file.setup;
   const eval::EventStatistics statistics = eval::event_statistics(first);
   Json json = {{"kind", "event images"},
                {"cycles", file.cycles.size()},
                {"transitions", first.transitions},
                {"height", first.height},
                {"width", first.width},
-               {"codes", file.codes.has_value()},
+               {"codes", setup.codes.has_value()},
                {"orientation", orientation_text(setup.views)},
                {"first_cycle", eval::to_json(statistics)}};
   std::string text =
       cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ", first.transitions,
-          " transitions, ", first.width, "x", first.height, " px, codes ", file.codes ? "included" : "not included",
+          " transitions, ", first.width, "x", first.height, " px, codes ", setup.codes ? "included" : "not included",
           ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
   for (const double count : statistics.events_per_pixel) text += cat(" ", count);
   text += cat(", total ", statistics.total_events_per_pixel, "\n");
-  return Description{std::move(text), std::move(json),
-                     [kept, name = path.string()](report::Page& page) { return show(*kept, name, page); }};
+  return Description{std::move(text), std::move(json), [kept](report::Page& page) { return show(*kept, page); }};
 }
 
 /// Describes a measurement with intensity images.
@@ -157,18 +152,18 @@ Result<Description> describe_images(const fs::path& path) {
                {"measurement", capture::measurement_name(first.kind)},
                {"cycles", file.cycles.size()},
                {"transitions", first.events.transitions},
-               {"images", first.images.num_patterns},
+               {"images", first.images.count},
                {"height", first.height()},
                {"width", first.width()},
-               {"codes", file.codes.has_value()},
+               {"codes", file.setup.codes.has_value()},
                {"min", *low},
                {"max", *high}};
   std::string text = cat("measurement (", capture::measurement_name(first.kind), "): ", file.cycles.size(), " cycle",
-                         file.cycles.size() == 1 ? "" : "s", " of ", first.images.num_patterns, " intensity image",
-                         first.images.num_patterns == 1 ? "" : "s");
+                         file.cycles.size() == 1 ? "" : "s", " of ", first.images.count, " intensity image",
+                         first.images.count == 1 ? "" : "s");
   if (first.events.transitions > 0) text += cat(" and ", first.events.transitions, " event images");
   text += cat(", ", first.width(), "x", first.height(), " px, intensities ", *low, "..", *high, ", codes ",
-              file.codes ? "included" : "not included", "\n");
+              file.setup.codes ? "included" : "not included", "\n");
   if (first.events.transitions > 0) {
     const eval::EventStatistics statistics = eval::event_statistics(first.events);
     json["first_cycle"] = eval::to_json(statistics);

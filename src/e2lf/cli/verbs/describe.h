@@ -20,6 +20,7 @@ struct Description {
   std::string text;
   Json json;
   std::function<Result<void>(report::Page&)> show = {};
+  std::string failure = {};  ///< what ended live input before its end
 };
 
 struct DescribeOptions {

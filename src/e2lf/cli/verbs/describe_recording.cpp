@@ -30,9 +30,7 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
   json["read_as"] = reading_json(info);
   json["left_out"] = left_out;
   json["parts"] = std::move(parts);
-  Json header = Json::object();
-  for (const auto& [key, value] : info.header) header[key] = value;
-  json["header"] = std::move(header);
+  json["header"] = header_json(info);
   return json;
 }
 
@@ -133,7 +131,8 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
   if (parts_json.size() == 1) parts.clear();
   return Description{printable(to_text(reader->info(), summary, statistics) + parts),
                      to_json(reader->info(), summary, statistics, std::move(parts_json)),
-                     {}};
+                     {},
+                     summary.live.failure};
 }
 
 }  // namespace e2lf::cli

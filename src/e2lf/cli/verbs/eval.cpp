@@ -7,7 +7,7 @@
 #include <span>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/scene_input.h"
 #include "e2lf/cli/output/output.h"

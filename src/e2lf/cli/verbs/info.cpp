@@ -39,7 +39,8 @@ Result<void> write_report(const Description& found, const InfoArguments& argumen
   return reports.write(page);
 }
 
-Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, const CommonOptions& common) {
+Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, const Verb& verb) {
+  const CommonOptions& common = verb.common();
   constexpr size_t kPlotBins = 2000;
   std::optional<OutputFile> picture;
   recordings::EventRateCounter rate(kPlotBins);
@@ -54,6 +55,7 @@ Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, co
   arguments.options.progress = bar.callback();
   E2LF_ASSIGN_OR_RETURN(const Description found, describe_recording(arguments.path, arguments.options));
   hide_progress();
+  verb.note_failed_input(found.failure);
   print(found, common);
   const std::string svg = report::chart_svg(rate_chart(rate.rate()));
   if (picture) {
@@ -73,7 +75,7 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(
       ReportOutput reports,
       ReportOutput::open(arguments.reports, {.inputs = {path}, .overwrite = verb.common().overwrite}));
-  if (kind == FileKind::kRecording) return print_recording(arguments, reports, verb.common());
+  if (kind == FileKind::kRecording) return print_recording(arguments, reports, verb);
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(const Description found, describe(kind, path, arguments.options));
   if (!arguments.plot.empty()) {

@@ -236,6 +236,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   if (page) E2LF_RETURN_IF_ERROR(page->finish());
   const cycles::CycleReader& cycles = session.reader().cycles();
   warn_of_losses(arguments.source, cycles.summary());
+  verb.note_failed_input(cycles.summary().live.failure);
   const Json totals = session.json();
   record.note("totals", totals);
   print_totals(totals, common);

@@ -176,6 +176,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view ? &*view : nullptr, verb));
   warn_of_losses(arguments.input, input.summary());
+  verb.note_failed_input(input.summary().live.failure);
   if (!writer.cycles().empty()) warn_of_verdict(writer.cycles().front());
   if (input.is_recording()) {
     const cycles::CycleReader& reader = input.reader();
@@ -185,6 +186,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     record.resolve("source", source_name(reader.source()));
     record.note("found", report_json(reader.report()));
     record.note("read_as", reading_json(reader.recording().info()));
+    if (is_live(arguments.input)) record.note("header", header_json(reader.recording().info()));
   }
   record.note("left_out", losses_json(input.summary()));
   record.note("live", live_json(input.summary()));

@@ -8,10 +8,7 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
-#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/number_check.h"
@@ -61,16 +58,16 @@ capture::SensorConstants constants_of(const SimulateArguments& arguments, const 
 /// Of intensity images.
 void print_images(const capture::Measurement& measured, const CommonOptions& common) {
   const capture::CodedIntensities& images = measured.images;
-  if (images.num_patterns == 0) return;
+  if (images.count == 0) return;
   if (common.json && measured.events.transitions == 0) {
     const Json json = {{"measurement", capture::measurement_name(measured.kind)},
-                       {"images", images.num_patterns},
+                       {"images", images.count},
                        {"height", images.height},
                        {"width", images.width}};
     std::printf("%s", json_text(json).c_str());
   } else if (!common.json && !common.quiet) {
-    std::printf("%s: %zu intensity image%s of %zux%zu px\n", capture::measurement_name(measured.kind),
-                images.num_patterns, images.num_patterns == 1 ? "" : "s", images.width, images.height);
+    std::printf("%s: %zu intensity image%s of %zux%zu px\n", capture::measurement_name(measured.kind), images.count,
+                images.count == 1 ? "" : "s", images.width, images.height);
   }
 }
 
@@ -110,10 +107,10 @@ Result<void> check_model_flags(const SimulateArguments& arguments, const capture
                "--camera " + arguments.camera};
 }
 
-Result<void> write_images(const SimulateArguments& arguments, const fs::path& path,
-                          const pipeline::RecordedSetup& setup, const ImagesOf& images_of) {
+Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const capture::RecordedSetup& setup,
+                          const ImagesOf& images_of) {
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(path));
-  pipeline::keep_setup(setup, writer);
+  writer.keep(setup);
   for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
     E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, images_of(cycle));
     E2LF_RETURN_IF_ERROR(writer.add(images));
@@ -124,7 +121,7 @@ Result<void> write_images(const SimulateArguments& arguments, const fs::path& pa
 /// A recording as the paper's camera makes it: every pattern after its inverse ones, bursts of events after each
 /// change.
 Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path,
-                             const pipeline::RecordedSetup& setup, const lightfield::Shape& shape,
+                             const capture::RecordedSetup& setup, const lightfield::Shape& shape,
                              const ImagesOf& images_of) {
   recordings::RecordingInfo info;
   info.width = shape.width;
@@ -199,8 +196,8 @@ Result<SceneOptions> scene_options(const SimulateArguments& arguments, const Set
 
 /// Patterns, camera and views as the result says them. ESIM and v2e are no models of a camera file: of them the
 /// patterns alone.
-pipeline::RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
-  pipeline::RecordedSetup recorded{setup.known.codes, setup.camera, setup.views};
+capture::RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
+  capture::RecordedSetup recorded{setup.known.codes, setup.camera, setup.views};
   if (setup.is_pixel()) return recorded;
   if (!sensor::event_model_from_name(setup.known.event_model)) return {setup.known.codes, std::nullopt, setup.views};
   capture::SensorProfile& camera = recorded.camera ? *recorded.camera : recorded.camera.emplace();
@@ -255,11 +252,8 @@ pipeline::SimulatedCamera camera_of(const SimulateArguments& arguments, const Se
 
 /// Events, where there are any, and intensity images.
 Result<void> write_measurements(const SimulateArguments& arguments, const fs::path& path,
-                                const pipeline::RecordedSetup& setup, const MeasuredIn& measured_in) {
-  capture::MeasurementFile file;
-  file.codes = capture::codes_to_npy(*setup.codes);
-  if (setup.camera) file.camera = capture::camera_to_npy(*setup.camera);
-  if (setup.has_own_views()) file.views = capture::views_to_npy(*setup.views);
+                                const capture::RecordedSetup& setup, const MeasuredIn& measured_in) {
+  capture::MeasurementFile file{{}, setup};
   for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
     E2LF_ASSIGN_OR_RETURN(capture::Measurement measured, measured_in(cycle));
     file.cycles.push_back(std::move(measured));
@@ -287,7 +281,7 @@ Result<capture::Measurement> run_counts(const SimulateArguments& arguments, cons
     E2LF_ASSIGN_OR_RETURN(capture::Measurement measured, measured_in(cycle));
     return std::move(measured.events);
   };
-  const pipeline::RecordedSetup recorded = recorded_setup(arguments, setup);
+  const capture::RecordedSetup recorded = recorded_setup(arguments, setup);
   if (setup.known.measurement != capture::MeasurementKind::kEventImages) {
     E2LF_RETURN_IF_ERROR(write_measurements(arguments, place, recorded, measured_in));
   } else if (arguments.output.extension() == ".npz") {

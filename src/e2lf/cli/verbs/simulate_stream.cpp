@@ -64,7 +64,7 @@ Result<capture::EventImages> simulate_stream(const StreamRun& run, const fs::pat
   record.end_step("read");
   if (output.extension() == ".npz") {
     E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
-    pipeline::keep_setup(run.recorded, writer);
+    writer.keep(run.recorded);
     E2LF_ASSIGN_OR_RETURN(capture::EventImages first, play(run, rig, record, [&](const recordings::EventBatch& batch) {
                             return writer.add(rig.sum_windows(batch));
                           }));

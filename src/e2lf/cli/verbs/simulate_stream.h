@@ -18,7 +18,7 @@ struct StreamRun {
   SceneOptions scene;
   capture::Codes codes;
   capture::SensorProfile camera;
-  pipeline::RecordedSetup recorded;  ///< the setup that is stored in the result
+  capture::RecordedSetup recorded;  ///< the setup that is stored in the result
   streams::StreamOptions stream;
   float gain = 1.0F;
   size_t cycles = 1;

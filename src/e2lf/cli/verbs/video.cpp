@@ -222,6 +222,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const VideoReport report, write_frames(arguments, windows, maker, output.path(), bar));
   hide_progress();
   warn_of_losses(arguments.input, windows.recording().summary());
+  verb.note_failed_input(windows.recording().summary().live.failure);
   if (report.frames == 0) return no_frame_error(arguments, windows);
   E2LF_RETURN_IF_ERROR(write_file(output.path() / "frames.csv", report.table));
   record.end_step("frames");

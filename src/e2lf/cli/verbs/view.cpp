@@ -3,8 +3,7 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/disparity_input.h"
 #include "e2lf/cli/flags/file_kind.h"
@@ -113,10 +112,7 @@ class DocumentMaker {
 
   Result<void> add_event_images(const fs::path& path) {
     E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
-    std::optional<capture::Codes> codes;
-    if (file.codes) {
-      E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_npy(*file.codes, path.string()));
-    }
+    const std::optional<capture::Codes>& codes = file.setup.codes;
     document_.add_event_images(name_of(path), file.cycles, codes ? &*codes : nullptr);
     return {};
   }

@@ -47,6 +47,10 @@ class ByteSource {
   /// (a file).
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
+  /// Continues after a place where bytes are missing, at which fetch() ended. Returns false if the source itself has
+  /// ended.
+  [[nodiscard]] virtual bool pass_break() { return false; }
+
   /// Returns what was left out of the recording before its bytes reached this source; see Camera::left_out().
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 

@@ -74,6 +74,8 @@ void DecodeSummary::append(const DecodeSummary& later) {
   live.most_behind_us = std::max(live.most_behind_us, later.live.most_behind_us);
   live.pauses += later.live.pauses;
   live.loses_events = live.loses_events || later.live.loses_events;
+  live.dropped_bytes += later.live.dropped_bytes;
+  if (live.failure.empty()) live.failure = later.live.failure;
   sensor_events_in += later.sensor_events_in;
   sensor_events_sent += later.sensor_events_sent;
   for (size_t kind = 0; kind < kNumViolations; ++kind) {
@@ -145,7 +147,8 @@ std::string live_text(const DecodeSummary& summary) {
       cat("processing fell up to ", static_cast<double>(live.most_behind_us / 100'000) * 0.1, " s behind the input");
   if (live.pauses == 0) return behind + "; nothing is lost";
   return cat(behind, ", and the input paused ", live.pauses == 1 ? "once" : cat(live.pauses, " times"),
-             live.loses_events ? "; the camera may have lost events in these pauses" : "; nothing is lost");
+             live.loses_events ? cat("; ", live.dropped_bytes, " bytes of the camera were dropped in these pauses")
+                               : "; nothing is lost");
 }
 
 std::string sensor_text(const DecodeSummary& summary) {

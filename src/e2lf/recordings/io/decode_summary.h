@@ -59,11 +59,13 @@ struct Restart {
   bool operator==(const Restart&) const = default;
 };
 
-/// The delay between the arrival and the processing of live input.
+/// The delay between the arrival and the processing of live input, and what ended the input.
 struct LiveBacklog {
   int64_t most_behind_us = 0;  ///< longest time that bytes waited to be read; 0 if the input is not live
-  uint64_t pauses = 0;         ///< number of times that the source was not read because too many bytes were waiting
-  bool loses_events = false;   ///< whether the source may have lost events in these pauses
+  uint64_t pauses = 0;         ///< number of times that too many bytes were waiting
+  bool loses_events = false;   ///< whether bytes were dropped in these pauses, since a camera does not wait
+  uint64_t dropped_bytes = 0;  ///< number of bytes dropped in these pauses
+  std::string failure = {};    ///< why the input ended early, e.g. an unplugged camera; empty if it did not
   bool operator==(const LiveBacklog&) const = default;
 };
 

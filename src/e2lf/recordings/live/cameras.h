@@ -10,7 +10,8 @@
 namespace e2lf::recordings {
 
 /// Opens a recording of any readable format and delivers it as EVT3 words at the times of its events, as a camera
-/// would. Fails as open_recording() does, and with kInvalidValue (the sensor is too large for EVT3).
+/// would. A RAW recording in EVT3 is delivered byte for byte. Fails as open_recording() does, and with kInvalidValue
+/// (the sensor is too large for EVT3).
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path);
 
 /// Opens the named pipe at `address`, or standard input if it is empty, and waits for the first byte. Fails with
@@ -20,8 +21,12 @@ namespace e2lf::recordings {
 /// Connects to a sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address);
 
-/// Opens a camera of Prophesee's open hardware layer (OpenEB's HAL) by serial number, or the first one if it is empty.
-/// Only in builds that found the HAL. This code compiles against the HAL's headers, but has not been run with a camera.
-[[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& serial);
+/// Creates a camera of Prophesee's open hardware layer (OpenEB's HAL), which start() opens by serial number or full
+/// name, or the first one if `address` is empty. Only in builds that found the HAL. This code is tested with a
+/// simulated HAL of the same interface, but has not been run with a camera.
+[[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& address);
+
+/// Returns the full names of the cameras that the HAL finds. Fails with kIo.
+[[nodiscard]] Result<std::vector<std::string>> list_metavision_cameras();
 
 }  // namespace e2lf::recordings

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "e2lf/recordings/live/cameras.h"
+#include "e2lf/recordings/live/raw_replay.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -105,6 +106,9 @@ class ReplayCamera final : public Camera {
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path) {
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
+  E2LF_ASSIGN_OR_RETURN(const bool is_evt3, is_evt3_recording(*source));
+  if (is_evt3) return make_raw_replay(std::move(source));
   // The reader of the camera reports what is left out.
   E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::filesystem::path(path), {.policy = DecodePolicy::kSkip}));
   auto replay = std::make_unique<ReplayCamera>(std::move(reader));

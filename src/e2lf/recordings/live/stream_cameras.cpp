@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <optional>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "e2lf/base/stop.h"
@@ -31,18 +34,24 @@ class DescriptorCamera final : public Camera {
   Result<void> start() override { return {}; }
 
   Result<bool> read(std::vector<uint8_t>& bytes) override {
-    while (!is_stopped_) {
+    for (;;) {
+      const bool is_stopped = is_stopped_;
+      if (is_stopped && !left_bytes_) left_bytes_ = unread_bytes();
+      if (is_stopped && *left_bytes_ == 0) return false;
       pollfd waiting = {descriptor_, POLLIN, 0};
-      const int ready = ::poll(&waiting, 1, kPollMs);
+      const int ready = ::poll(&waiting, 1, is_stopped ? 0 : kPollMs);
+      if (ready == 0 && is_stopped) return false;
       if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
-      bytes.resize(kCameraReadBytes);
+      bytes.resize(std::min(kCameraReadBytes, left_bytes_.value_or(kCameraReadBytes)));
       const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
       if (count < 0 && errno == EINTR) continue;
-      if (count < 0) return Error{ErrorCode::kIo, cat("cannot read (", std::strerror(errno), ")"), name_};
+      if (count < 0)
+        return Error{ErrorCode::kIo,
+                     cat("the sender broke off (", std::strerror(errno), "); look there for the reason"), name_};
       bytes.resize(static_cast<size_t>(count));
+      if (left_bytes_) *left_bytes_ -= bytes.size();
       return count > 0;
     }
-    return false;
   }
 
   void stop() override { is_stopped_ = true; }
@@ -50,8 +59,15 @@ class DescriptorCamera final : public Camera {
   bool keeps_unread() const override { return true; }
 
  private:
+  /// What had come and was not read yet; a sender may go on for ever.
+  [[nodiscard]] size_t unread_bytes() const {
+    int bytes = 0;
+    return ::ioctl(descriptor_, FIONREAD, &bytes) == 0 && bytes > 0 ? static_cast<size_t>(bytes) : 0;
+  }
+
   int descriptor_;
   bool owned_;
+  std::optional<size_t> left_bytes_;  ///< to be read after stop()
   std::string name_;
   std::atomic<bool> is_stopped_ = false;
 };

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
@@ -17,5 +18,10 @@ namespace e2lf::recordings {
 /// open_camera().
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name,
                                                                             const OpenOptions& options = {});
+
+/// The bytes of what is_live_recording() names, as they come. Fails as open_camera_bytes() does, and with
+/// kInvalidValue for a file.
+[[nodiscard]] Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name,
+                                                                  const CameraSetup& setup = {});
 
 }  // namespace e2lf::recordings

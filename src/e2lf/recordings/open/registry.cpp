@@ -50,6 +50,7 @@ std::deque<Codec> built_in_codecs() {
       {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = evt2::create},
       {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = evt21::create},
       {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = evt3::create},
+      {.name = "evt4", .description = "Prophesee RAW, EVT4", .open = open_raw},
       {.name = "hdf5",
        .extensions = {".hdf5"},
        .description = "Metavision HDF5, compressed with ECF",
@@ -136,6 +137,27 @@ Table& codec_table() {
   static Table instance;
   return instance;
 }
+
+/// Hands on what another one gives, which others look at too.
+class SharedSource final : public ByteSource {
+ public:
+  explicit SharedSource(std::shared_ptr<ByteSource> source) : source_(std::move(source)) {}
+  Result<std::span<const uint8_t>> fetch(size_t wanted) override { return source_->fetch(wanted); }
+  void consume(size_t count) override { source_->consume(count); }
+  uint64_t position() const override { return source_->position(); }
+  Result<void> seek(uint64_t position) override { return source_->seek(position); }
+  bool seekable() const override { return source_->seekable(); }
+  std::optional<uint64_t> size() const override { return source_->size(); }
+  std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
+  bool pass_break() override { return source_->pass_break(); }
+  DecodeSummary left_out() const override { return source_->left_out(); }
+  std::string name() const override { return source_->name(); }
+  std::filesystem::path path() const override { return source_->path(); }
+  std::filesystem::path logical_path() const override { return source_->logical_path(); }
+
+ private:
+  std::shared_ptr<ByteSource> source_;
+};
 
 std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -250,6 +272,11 @@ Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSour
   std::shared_ptr<DecodeSummary> losses;
   // No more bytes than needed: a live source of a named format may not have more for a while.
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
+  std::shared_ptr<ByteSource> live;  // what it loses is counted while it is read
+  if (source->arrival()) {
+    live = std::move(source);
+    source = std::make_unique<SharedSource>(live);
+  }
   if (is_packed(head)) {
     losses = std::make_shared<DecodeSummary>();
     E2LF_ASSIGN_OR_RETURN(source, make_unpacked_source(std::move(source), losses));
@@ -259,7 +286,8 @@ Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSour
   if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
   if (!codec->is_table) E2LF_RETURN_IF_ERROR(refuse_table_options(options, codec->name, source->name()));
   E2LF_ASSIGN_OR_RETURN(auto reader, codec->open(std::move(source), options));
-  if (losses != nullptr) reader->count_losses_of(std::move(losses));
+  if (losses != nullptr) reader->count_losses([losses] { return *losses; });
+  if (live != nullptr) reader->count_losses([live] { return live->left_out(); });
   return check_stream(std::move(reader));
 }
 

@@ -13,6 +13,8 @@ namespace {
 constexpr double kMaxDamaged = 0.1;
 /// Columns that decrease this rarely may be times out of order; coordinates decrease more often than kFallsOften.
 constexpr double kFallsRarely = 0.1, kFallsOften = 0.25;
+/// No sensor is wider (px).
+constexpr size_t kWidestSensor = 8192;
 /// Fewer rows may increase by chance.
 constexpr size_t kFewRows = 8;
 
@@ -99,6 +101,7 @@ std::optional<OrderGuess> find_order(std::span<const std::vector<double>> column
     return rows > 0 && (!is_polarity[order[of(Field::kP)]] || !fits(order, 0, 0));
   });
   if (orders.empty()) return std::nullopt;
+  narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, kWidestSensor, kWidestSensor); });
   // If the sensor is too small for every order, events are left out, which is reported elsewhere.
   narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, width, height); });
 

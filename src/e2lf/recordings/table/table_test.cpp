@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr OpenOptions kPlain = {.policy = DecodePolicy::kSkip};
+const OpenOptions kPlain = {.policy = DecodePolicy::kSkip};
 
 /// 1,000 events on 64x48 px within 30 ms.
 EventColumns events() {
@@ -134,6 +135,32 @@ TEST(TableText, AnyHeaderMarkAndSeparatorWillDo) {
                 "decimal commas");
 }
 
+TEST(TableText, ColumnsOfWordsBarsAndSignsAreRead) {
+  expect_events(text_of(events(), [](const Event& e) { return cat(e.t, '|', e.x, '|', e.y, '|', int{e.p}); }), "bars");
+  expect_events(
+      text_of(events(), [](const Event& e) { return cat(e.t, ',', e.x, ',', e.y, ',', e.p == 1 ? '+' : '-'); }),
+      "+ and -");
+  expect_events("t,x,y,p,label\n" + text_of(events(), [](const Event& e) { return txyp_commas(e) + ",car"; }),
+                "a column of words");
+  expect_events("Unnamed: 0,t,x,y,p\n" + text_of(events(), [](const Event& e) { return "7," + txyp_commas(e); }),
+                "a column of numbers whose name has a number");
+  const auto in_ns = [](const Event& e) { return cat(e.t * 1000, ',', e.x, ',', e.y, ',', int{e.p}); };
+  expect_events("timestampNs,x,y,p\n" + text_of(events(), in_ns), "a unit behind a capital");
+  expect_events("t,x,y,p\nns,px,px,-\n" + text_of(events(), in_ns), "a line of units");
+}
+
+TEST(TableText, CoordinatesInOrderAreNotTakenForTimes) {
+  std::vector<Event> by_row;
+  const EventColumns all = events();
+  for (size_t i = 0; i < all.size(); ++i) by_row.push_back(all[i]);
+  std::stable_sort(by_row.begin(), by_row.end(), [](const Event& a, const Event& b) { return a.y < b.y; });
+  std::string text;
+  for (const Event& event : by_row) text += txyp(event) + '\n';
+  const auto found = read(open_text(text));
+  ASSERT_TRUE(found.ok()) << found.error().text();
+  EXPECT_TRUE(found->t == all.t);
+}
+
 TEST(TableText, MarksEndsOfLinesAndJoinedFilesLoseNothing) {
   const std::string plain = "t,x,y,p\n" + text_of(events(), txyp_commas);
   const auto replaced = [&](const std::string& end) {
@@ -206,6 +233,11 @@ TEST(TableText, WhatIsNoTableIsRefusedWithItsLine) {
   EXPECT_EQ(reader.error().location, "a.csv: line 2");
   EXPECT_NE(reader.error().message.find("\\x1b[31mtwo"), std::string::npos) << reader.error().message;
 
+  const auto page = open_text("<!DOCTYPE html>\n<html>not found</html>\n", {.format = "csv"});
+  ASSERT_FALSE(page.ok());
+  EXPECT_EQ(page.error().location, "a.csv: line 1");
+  EXPECT_TRUE(open_text("t,x,y,p\n", {.format = "csv"}).ok());
+
   const std::string utf16("t\0,\0x\0,\0y\0,\0p\0\n\0", 16);
   const auto wide = open_text(utf16, {.format = "csv"});
   ASSERT_FALSE(wide.ok());
@@ -266,6 +298,26 @@ TEST(TableArrays, UnitsInNamesAndPolaritiesWithoutASignAreRead) {
   const auto found = read_arrays(arrays);
   ASSERT_TRUE(found.ok()) << found.error().text();
   EXPECT_TRUE(*found == all);
+}
+
+TEST(TableArrays, WhateverTheirNamesAndShapesAreRead) {
+  const EventColumns all = events();
+  const NpyArray x = column<int32_t>(all.x), y = column<int32_t>(all.y), p = column<uint8_t>(all.p),
+                 t = column<int64_t>(all.t);
+  std::vector<int64_t> rows;
+  for (size_t i = 0; i < all.size(); ++i) rows.insert(rows.end(), {all.t[i], all.x[i], all.y[i], all.p[i]});
+  const NpyArray matrix = make_npy<int64_t>({all.size(), 4}, rows);
+  NpyArray standing = x, lying = t;
+  standing.shape = {all.size(), 1};
+  lying.shape = {1, all.size()};
+  for (const NpzArrays& arrays : {NpzArrays{{"arr_0", t}, {"arr_1", x}, {"arr_2", y}, {"arr_3", p}},
+                                  NpzArrays{{"x", standing}, {"y", y}, {"p", p}, {"t", lying}},
+                                  NpzArrays{{"event_data", matrix}, {"label", column<int32_t>(std::vector<int>{3})}},
+                                  NpzArrays{{"dataset_events_t", t}, {"x", x}, {"y", y}, {"p", p}}}) {
+    const auto found = read_arrays(arrays);
+    ASSERT_TRUE(found.ok()) << arrays.begin()->first << ": " << found.error().text();
+    EXPECT_TRUE(*found == all) << arrays.begin()->first;
+  }
 }
 
 TEST(TableArrays, ASignedClockThatWrapsGoesOn) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cstring>
 #include <string_view>
 
 #include "e2lf/base/little_endian.h"
@@ -17,6 +18,11 @@ namespace {
 constexpr std::string_view kVersionLine = "#!AER-DAT2.0";
 constexpr size_t kRecordBytes = 8;
 constexpr size_t kBlockRecords = size_t{1} << 15;
+
+/// Whether a record is the begin of kVersionLine.
+bool begins_header(const uint8_t* record) {
+  return std::memcmp(record, kVersionLine.data(), kRecordBytes) == 0;
+}
 
 uint32_t load_big_endian(const uint8_t* bytes) {
   return __builtin_bswap32(load_le<uint32_t>(bytes));
@@ -50,8 +56,18 @@ class Aedat2Blocks final : public EventBlocks {
       source_->consume(bytes.size());
       return false;
     }
+    // A recording that was appended with its header.
+    if (begins_header(bytes.data())) {
+      E2LF_RETURN_IF_ERROR(read_text_header(*source_));
+      clock_ = {};
+      return true;
+    }
     for (size_t i = 0; i < count; ++i) {
       const uint8_t* const record = &bytes[i * kRecordBytes];
+      if (begins_header(record)) {
+        source_->consume(i * kRecordBytes);
+        return true;
+      }
       if ((load_big_endian(record) & bits_.impossible) == 0) {
         append(record, block);
       } else {

@@ -66,6 +66,8 @@ class Aedat3Blocks final : public EventBlocks {
     if (bytes.empty()) return false;
     if (bytes.size() < kPacketHeader) return give_up(Violation::kTruncated, summary);
     const auto packet = parse_packet(bytes);
+    // A recording that was appended with its header.
+    if (!packet && detect_aedat3(bytes)) return read_text_header(*source_) ? Result<bool>(true) : Result<bool>(false);
     // The position of the next packet is unknown.
     if (!packet) return give_up(Violation::kMisaligned, summary);
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(kPacketHeader + packet->bytes));

@@ -87,6 +87,17 @@ class TriggerFile final : public TriggerSource {
   TimeUnwrapper unwrap_;
 };
 
+/// Which of some records is the text "% ...", as a header begins; their number where none is.
+size_t find_text(std::span<const uint8_t> records) {
+  const auto is_printable = [](uint8_t byte) { return byte >= ' ' && byte <= '~'; };
+  size_t at = 0;
+  for (; at < records.size(); at += kRecordBytes) {
+    const auto record = records.subspan(at, kRecordBytes);
+    if (record[0] == '%' && record[1] == ' ' && std::all_of(record.begin(), record.end(), is_printable)) break;
+  }
+  return at / kRecordBytes;
+}
+
 /// The records of a file of events.
 class DatBlocks final : public EventBlocks {
  public:
@@ -97,10 +108,29 @@ class DatBlocks final : public EventBlocks {
     block.clear();
     E2LF_ASSIGN_OR_RETURN(const auto bytes,
                           source_->fetch(source_->seekable() ? kBlockRecords * kRecordBytes : kRecordBytes));
-    const size_t count = std::min(bytes.size() / kRecordBytes, kBlockRecords);
+    size_t count = std::min(bytes.size() / kRecordBytes, kBlockRecords);
     byte_ = source_->position();
     if (count == 0 && !bytes.empty()) summary.add(Violation::kTruncated, byte_);
-    const size_t bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
+    const TimeUnwrapper clock = unwrap_;
+    size_t bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
+    if (const size_t text = bad > 0 ? find_text(bytes.first(count * kRecordBytes)) : count; text < count) {
+      // A recording that was appended with its header.
+      if (text == 0) {
+        E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kDetectBytes));
+        if (const auto header = parse_header(head.first(std::min(head.size(), kDetectBytes)))) {
+          block.clear();
+          unwrap_ = {};
+          source_->consume(header->bytes);
+          return true;
+        }
+      }
+      if (text > 0) {
+        block.clear();
+        unwrap_ = clock;
+        count = text;
+        bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
+      }
+    }
     summary.add(Violation::kBadRecord, byte_, bad);
     summary.dropped_words += bad;
     source_->consume(count == 0 ? bytes.size() : count * kRecordBytes);

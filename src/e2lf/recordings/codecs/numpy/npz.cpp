@@ -261,12 +261,43 @@ Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std:
     E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, {key.c_str()}, name));
     columns.push_back({key, array, {array->type, 0, array->item_size}});
   }
-  for (const NpzColumn& column : columns) {
-    if (column.array->shape[0] != columns[0].array->shape[0]) {
-      return Error{ErrorCode::kShape, cat("array \"", column.name, "\" has a different length; store all of it"), name};
-    }
-  }
   return columns;
+}
+
+/// Returns the columns that numpy.savez() was given without names, in their order, or none if there are other arrays.
+std::vector<NpzColumn> columns_without_names(const NpzArrays& arrays) {
+  std::vector<NpzColumn> columns;
+  for (size_t i = 0; i < arrays.size(); ++i) {
+    const auto found = arrays.find(cat("arr_", i));
+    if (found == arrays.end() || found->second.shape.size() != 1) return {};
+    const NpyArray& array = found->second;
+    if (!table::is_number_type(array.type)) return {};
+    columns.push_back({"", &array, {array.type, 0, array.item_size}});
+  }
+  return columns.size() < table::kNumFields ? std::vector<NpzColumn>() : columns;
+}
+
+Result<void> check_lengths(const std::vector<NpzColumn>& columns, const std::string& name) {
+  for (const NpzColumn& column : columns) {
+    if (column.array->shape[0] == columns[0].array->shape[0]) continue;
+    return Error{ErrorCode::kShape, cat("array \"", column.name, "\" has a different length; store all of it"), name};
+  }
+  return {};
+}
+
+/// Converts arrays [n, 1] and [1, n] to columns, and half to single precision.
+Result<void> simplify(NpzArrays& arrays, const std::string& name) {
+  for (auto& [key, array] : arrays) {
+    const std::vector<size_t>& shape = array.shape;
+    const bool is_event = shape == std::vector<size_t>{1, 4};
+    if (array.fields.empty() && shape.size() == 2 && std::min(shape[0], shape[1]) == 1 && !is_event) {
+      array.shape = {array.num_elements()};
+    }
+    if (array.type != "f2") continue;
+    E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(cat(name, ": ", key)));
+    array = make_npy(array.shape, std::span<const float>(values));
+  }
+  return {};
 }
 
 /// Reads the events from columns and sets `unit` to that of their times.
@@ -305,34 +336,38 @@ Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is
   return events;
 }
 
-/// Returns the array [events, 4] of an archive, or null.
+bool are_rows_of_events(const NpyArray& array) {
+  const bool are_rows =
+      array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && table::is_number_type(array.type);
+  const bool are_records = !array.fields.empty() && array.shape.size() == 1;
+  return are_rows || are_records;
+}
+
+/// Returns the array [events, 4] or of records of an archive that is named events or is the only one, or null.
 const NpyArray* find_rows(const NpzArrays& arrays) {
   const auto named = arrays.find("events");
-  const NpyArray* const array = named != arrays.end() ? &named->second
-                                : arrays.size() == 1  ? &arrays.begin()->second
-                                                      : nullptr;
-  if (array == nullptr) return nullptr;
-  const bool are_rows =
-      array->fields.empty() && array->shape.size() == 2 && array->shape[1] == 4 && table::is_number_type(array->type);
-  const bool are_records = !array->fields.empty() && array->shape.size() == 1;
-  return are_rows || are_records ? array : nullptr;
+  if (named != arrays.end() && are_rows_of_events(named->second)) return &named->second;
+  const auto are_rows = [](const auto& entry) { return are_rows_of_events(entry.second); };
+  const auto first = std::find_if(arrays.begin(), arrays.end(), are_rows);
+  return std::count_if(arrays.begin(), arrays.end(), are_rows) == 1 ? &first->second : nullptr;
 }
 
 /// Creates a reader of decoded arrays; `info` contains format and size.
-Result<std::unique_ptr<RecordingReader>> open_arrays(const NpzArrays& arrays, RecordingInfo info,
-                                                     const std::string& name, const OpenOptions& options) {
+Result<std::unique_ptr<RecordingReader>> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
+                                                     const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+  E2LF_RETURN_IF_ERROR(simplify(arrays, name));
   const NpyArray* const rows = find_rows(arrays);
-  std::vector<NpzColumn> columns;
-  if (rows != nullptr) {
-    columns = columns_of_rows(*rows);
-  } else {
+  std::vector<NpzColumn> columns = rows != nullptr ? columns_of_rows(*rows) : columns_without_names(arrays);
+  const bool is_ordered = !columns.empty();
+  if (!is_ordered) {
     E2LF_ASSIGN_OR_RETURN(columns, named_columns(arrays, name));
   }
+  E2LF_RETURN_IF_ERROR(check_lengths(columns, name));
   TimeUnit unit = TimeUnit::kMicroseconds;
   size_t num_bad = 0;
   EventBatch all;
-  E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, rows != nullptr, options, name, info, unit, num_bad));
+  E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, is_ordered, options, name, info, unit, num_bad));
   E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
   E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "is not told", name));
   std::unique_ptr<EventBlocks> blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
@@ -356,11 +391,11 @@ Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> so
   E2LF_RETURN_IF_ERROR(require_memory(source->size().value_or(0), kReadRemedy, name));
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
   E2LF_RETURN_IF_ERROR(check_memory(bytes, name));
-  E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, decode_npz(bytes, name));
+  E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, decode_npz(bytes, name));
   RecordingInfo info;
   info.format = "npz";
   read_size(arrays, info);
-  return open_arrays(arrays, std::move(info), name, options);
+  return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 
 bool is_event_folder(const std::filesystem::path& path) {
@@ -390,7 +425,7 @@ Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem
       info.width = size[1].get<size_t>();
     }
   }
-  return open_arrays(arrays, std::move(info), path.string(), options);
+  return open_arrays(std::move(arrays), std::move(info), path.string(), options);
 }
 
 Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {

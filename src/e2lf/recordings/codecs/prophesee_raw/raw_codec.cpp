@@ -7,6 +7,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_encoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt4/evt4_reader.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_reader.h"
 
@@ -35,6 +36,7 @@ Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> so
   E2LF_ASSIGN_OR_RETURN(RawHeader header, read_raw_header(*source, options));
   if (header.info.format == "evt2.1") return open_evt21(std::move(source), std::move(header), options);
   if (header.info.format == "evt2") return make_reader<evt2::Codec>(std::move(source), std::move(header), options);
+  if (header.info.format == "evt4") return evt4::make_reader(std::move(source), std::move(header.info), options);
   return make_reader<evt3::Codec>(std::move(source), std::move(header), options);
 }
 

@@ -289,9 +289,9 @@ TEST(RawHeaders, ContradictionsAndUnknownEncodingsAreErrors) {
   EXPECT_EQ(code("% evt 2.0\n% format EVT3\n% end\n"), ErrorCode::kFormat);
   EXPECT_EQ(code("% evt 3.0\n% geometry 0x480\n% end\n"), ErrorCode::kFormat);
   EXPECT_EQ(code("% evt 3.0\n% geometry 99999999999999999999x480\n% end\n"), ErrorCode::kFormat);
-  EXPECT_EQ(code("% format EVT4;height=720;width=1280\n% end\n"), ErrorCode::kUnsupported);
+  EXPECT_EQ(code("% format EVT5;height=720;width=1280\n% end\n"), ErrorCode::kUnsupported);
   EXPECT_EQ(code("% format HISTO3D;height=720;width=1280\n% end\n"), ErrorCode::kUnsupported);
-  EXPECT_EQ(code("% evt 4.0\n"), ErrorCode::kUnsupported);
+  EXPECT_EQ(code("% evt 5.0\n"), ErrorCode::kUnsupported);
 }
 
 TEST(RawHeaders, OptionsMayNotContradictTheFile) {

@@ -123,18 +123,23 @@ class ChosenMessages {
 /// The words of all evt3 messages as one RAW recording.
 class Evt3Source final : public ByteSource {
  public:
-  Evt3Source(ChosenMessages messages, bool seekable, std::string header, std::string name)
-      : messages_(std::move(messages)), seekable_(seekable), header_(std::move(header)), name_(std::move(name)) {
+  Evt3Source(ChosenMessages messages, bool seekable, std::string header, std::string name,
+             std::shared_ptr<DecodeSummary> losses)
+      : messages_(std::move(messages)),
+        seekable_(seekable),
+        header_(std::move(header)),
+        name_(std::move(name)),
+        losses_(std::move(losses)) {
     begin();
   }
 
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
     while (buffer_.size() - used_ < wanted) {
       EventMessage message;
-      E2LF_ASSIGN_OR_RETURN(const bool more, messages_.next(message, losses_));
+      E2LF_ASSIGN_OR_RETURN(const bool more, messages_.next(message, *losses_));
       if (!more) break;
       if (message.encoding != "evt3") {
-        messages_.count_bad(losses_);
+        messages_.count_bad(*losses_);
         continue;
       }
       buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(std::exchange(used_, 0)));
@@ -162,7 +167,6 @@ class Evt3Source final : public ByteSource {
   }
   bool seekable() const override { return seekable_; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
-  DecodeSummary left_out() const override { return losses_; }
   std::string name() const override { return name_; }
 
  private:
@@ -170,7 +174,7 @@ class Evt3Source final : public ByteSource {
     buffer_.assign(header_.begin(), header_.end());
     used_ = 0;
     position_ = 0;
-    losses_ = {};
+    *losses_ = {};
   }
 
   ChosenMessages messages_;
@@ -179,7 +183,7 @@ class Evt3Source final : public ByteSource {
   std::vector<uint8_t> buffer_;
   size_t used_ = 0;
   uint64_t position_ = 0;
-  DecodeSummary losses_;
+  std::shared_ptr<DecodeSummary> losses_;
 };
 
 class MessageBlocks final : public EventBlocks {
@@ -249,9 +253,10 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
   OpenOptions raw = options;
   raw.format = "evt3";
   raw.width = raw.height = 0;
-  E2LF_ASSIGN_OR_RETURN(
-      auto reader,
-      open_raw(std::make_unique<Evt3Source>(std::move(messages), seekable, header + "% end\n", name), raw));
+  const auto losses = std::make_shared<DecodeSummary>();
+  auto words = std::make_unique<Evt3Source>(std::move(messages), seekable, header + "% end\n", name, losses);
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_raw(std::move(words), raw));
+  reader->count_losses([losses] { return *losses; });
   reader->take_container(std::move(info));
   return reader;
 }

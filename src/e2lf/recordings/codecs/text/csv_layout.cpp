@@ -104,15 +104,31 @@ std::vector<std::string> names_in(std::string_view line, bool has_decimal_comma)
   return names;
 }
 
+bool are_column_names(const std::vector<std::string>& names) {
+  const auto is_known = [](const std::string& name) { return table::parse_column_name(name).field.has_value(); };
+  return std::count_if(names.begin(), names.end(), is_known) >= 2;
+}
+
 /// Gives the columns the names of a line, where it has as many of which two are known.
 bool take_names(std::string_view line, TextHead& head) {
   const std::vector<std::string> names = names_in(line, head.has_decimal_comma);
-  if (names.size() != head.columns) return false;
-  size_t known = 0;
-  for (const std::string& name : names) known += table::parse_column_name(name).field.has_value();
-  if (known < 2) return false;
+  if (names.size() != head.columns || !are_column_names(names)) return false;
   for (size_t i = 0; i < names.size(); ++i) head.sample.columns[i].name = names[i];
   return true;
+}
+
+/// Takes a line below the names that says the unit of the times, as "us,px,px,-".
+bool take_unit(const std::vector<std::string_view>& words, TextHead& head) {
+  if (words.size() != head.columns) return false;
+  bool is_taken = false;
+  for (size_t i = 0; i < words.size(); ++i) {
+    table::TableSample::Column& column = head.sample.columns[i];
+    const TimeUnit unit = table::parse_time_unit(words[i]);
+    if (unit == TimeUnit::kAuto || table::parse_column_name(column.name).field != table::Field::kT) continue;
+    column.unit = unit;
+    is_taken = true;
+  }
+  return is_taken;
 }
 
 struct Cells {
@@ -193,9 +209,15 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
       head.height = height;
       has_size_line = true;
       head.names_line = line;
-    } else if (!has_begun && !is_data && cells[i].numbers == 0) {
-      if (!has_names) has_names = take_names(line, head);
+    } else if (!has_begun && !is_data && has_names && take_unit(words, head)) {
+    } else if (const bool names = !has_begun && !is_data && !has_names && take_names(line, head);
+               names || (!has_begun && !is_data && cells[i].numbers == 0)) {
+      has_names |= names;
       head.names_line = line;
+      if (head.columns == 0 && head.first_bad.empty() && !are_column_names(names_in(line, head.has_decimal_comma))) {
+        head.first_bad_number = i + 1;
+        head.first_bad = quoted(line);
+      }
     } else {
       if (!has_begun) head.header_bytes = place;
       has_begun = true;
@@ -218,7 +240,9 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
     if (!has_begun) head.header_bytes = end;
   }
   if (!has_begun && lines.empty()) head.header_bytes = 0;
-  for (table::TableSample::Column& column : head.sample.columns) column.unit = unit;
+  for (table::TableSample::Column& column : head.sample.columns) {
+    if (column.unit == TimeUnit::kAuto) column.unit = unit;
+  }
   for (table::TableSample::Column& column : head.sample.columns) column.is_integer = !has_point;
   const bool has_commas =
       !head.has_decimal_comma && text.find_first_of(",;", head.header_bytes) != std::string_view::npos;

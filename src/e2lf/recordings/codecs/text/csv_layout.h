@@ -21,7 +21,7 @@ struct TextHead {
   std::string names_line;   ///< the line of names, which may come again; empty = none
   table::TableSample sample;
   size_t lines = 0, bad_lines = 0;  ///< of numbers, and of those that have not as many as most
-  size_t first_bad_number = 0;      ///< counted from 1
+  size_t first_bad_number = 0;      ///< counted from 1; where no line has numbers, of one that names no columns either
   std::string first_bad;
 };
 

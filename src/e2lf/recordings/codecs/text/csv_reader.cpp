@@ -247,7 +247,13 @@ Result<std::optional<double>> find_further(ByteSource& source, const TextHead& h
 
 /// Fails where most of the first lines are no rows of numbers.
 Result<void> check_head(const TextHead& head, const std::string& name) {
-  if (head.lines == 0 || (head.columns > 0 && 2 * head.bad_lines <= head.lines)) return {};
+  if (head.first_bad.empty() || (head.columns > 0 && 2 * head.bad_lines <= head.lines)) return {};
+  if (head.lines == 0) {
+    return Error{ErrorCode::kFormat,
+                 cat("neither ", head.first_bad,
+                     " nor a line behind it holds an event: four numbers t, x, y, p in any order; is it a recording?"),
+                 cat(name, ": line ", head.first_bad_number)};
+  }
   return Error{
       ErrorCode::kFormat,
       cat("the columns of ", head.first_bad, " are not known, like those of ", head.bad_lines, " of the first ",

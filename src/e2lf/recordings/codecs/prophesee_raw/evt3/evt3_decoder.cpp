@@ -23,16 +23,6 @@ void take_time_high(uint16_t word, State& state) {
   state.low = 0;
 }
 
-void take_base(uint16_t word, State& state) {
-  state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
-  state.base_p = static_cast<uint8_t>((word >> 11) & 1);
-}
-
-/// Advances the base after a vector; far outside the sensor it is not changed.
-void advance_base(uint32_t bits, State& state) {
-  if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
-}
-
 /// Returns the part of a vector's mask that is inside the sensor, and advances the base.
 uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLimits& limits) {
   if (state.base_x == kNone) {
@@ -50,6 +40,15 @@ uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLim
 }
 
 }  // namespace
+
+void take_base(uint16_t word, State& state) {
+  state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
+  state.base_p = static_cast<uint8_t>((word >> 11) & 1);
+}
+
+void advance_base(uint32_t bits, State& state) {
+  if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
+}
 
 size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   sink.set_time(Codec::time(state));

@@ -49,6 +49,12 @@ inline bool is_plausible_low(int last, int next) {
   return last < 0 || (next + kJitterUs >= last && next <= last + kLongStepUs);
 }
 
+/// Sets the base of the vectors that follow.
+void take_base(uint16_t word, State& state);
+
+/// Advances the base after a vector; far outside the sensor it is not changed.
+void advance_base(uint32_t bits, State& state);
+
 /// EVT3 for RawStream; word_codec.h describes the functions.
 struct Codec {
   using State = evt3::State;
@@ -74,6 +80,11 @@ struct Codec {
   static void extrapolate(State& state, const State& before);
   static int64_t time(const State& state) { return state.high_us | state.low; }
   static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us / kLoopUs); }
+
+  /// Skips the words up to the first one that may belong to a time outside the span, and returns their triggers, but
+  /// not their events. Returns the number of words used, which is 0 outside the span.
+  static size_t skip_events(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, TimeSpan span,
+                            ColumnSink& sink);
 
   /// The vector version if the CPU supports it, otherwise the scalar reference.
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);

@@ -21,8 +21,8 @@ struct Encoding {
   const char* format;   // of the key `format`
   const char* version;  // of the key `evt`
 };
-constexpr std::array<Encoding, 3> kEncodings = {
-    {{"evt2", "EVT2", "2.0"}, {"evt2.1", "EVT21", "2.1"}, {"evt3", "EVT3", "3.0"}}};
+constexpr std::array<Encoding, 4> kEncodings = {
+    {{"evt2", "EVT2", "2.0"}, {"evt2.1", "EVT21", "2.1"}, {"evt3", "EVT3", "3.0"}, {"evt4", "EVT4", "4.0"}}};
 
 struct Size {
   size_t width = 0;
@@ -119,7 +119,7 @@ Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
   }
   if (key.codec.empty()) {
     return Error{ErrorCode::kUnsupported,
-                 cat("the encoding ", encoding, " is not supported; record as EVT2, EVT2.1 or EVT3"),
+                 cat("the encoding ", encoding, " is not supported; record as EVT2, EVT2.1, EVT3 or EVT4"),
                  bad_size.location};
   }
   while (text.find(';') != std::string_view::npos) {
@@ -154,8 +154,8 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
       if (*version == known.version) info.format = known.codec;
     }
     if (info.format.empty()) {
-      return Error{ErrorCode::kUnsupported, cat("EVT ", *version, " is not supported; record as EVT2, EVT2.1 or EVT3"),
-                   bad_size.location};
+      return Error{ErrorCode::kUnsupported,
+                   cat("EVT ", *version, " is not supported; record as EVT2, EVT2.1, EVT3 or EVT4"), bad_size.location};
     }
   }
   if (const auto endianness = info.find("endianness")) header.endianness = *endianness;

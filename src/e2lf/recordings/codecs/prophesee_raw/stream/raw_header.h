@@ -16,7 +16,7 @@ namespace e2lf::recordings {
 /// The text before the event words of a RAW file: lines "% key value" up to "% end", or up to the first line of another
 /// form. Keys that state the encoding: `format EVT3;height=720;width=1280`, `evt 3.0`, `geometry 1280x720`.
 struct RawHeader {
-  RecordingInfo info;      ///< format "evt2", "evt2.1" or "evt3", or empty if the header does not state it
+  RecordingInfo info;      ///< format "evt2", "evt2.1", "evt3" or "evt4", or empty if the header does not state it
   std::string endianness;  ///< "little", "legacy" or empty; only a hint, since files are known to be wrong
   size_t num_bytes = 0;    ///< offset of the event words
 };

@@ -33,7 +33,6 @@ class RawReader final : public RecordingReader {
   }
 
   std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
-  DecodeSummary left_out_before() const override { return source_->left_out(); }
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
@@ -55,12 +54,15 @@ class RawReader final : public RecordingReader {
     E2LF_RETURN_IF_ERROR(source_->seek(checkpoint->byte));
     stream_ = checkpoint->stream;
     latest_us_ = checkpoint->latest_us;
+    stream_.skip_events({});
     wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
     next_part_ = num_parts_ = 0;
     has_restarted_ = restart_ = false;
     loops_before_ = 0;
     return {};
   }
+
+  void skip_decoding(int64_t begin_us, int64_t end_us) override { stream_.skip_events({begin_us, end_us}); }
 
  private:
   static constexpr uint64_t kCheckpointBytes = uint64_t{4} << 20;
@@ -128,12 +130,16 @@ class RawReader final : public RecordingReader {
   /// Decodes to the batch in this thread.
   Result<bool> read_directly(EventBatch& batch, size_t max_events) {
     EventColumns& events = batch.events;
-    const size_t known = events.size();
+    const size_t known = events.size(), known_triggers = batch.triggers.size();
     ColumnSink sink(batch, max_events);
     sink.set_latest(latest_us_);
     Result<bool> more = true;
     bool full = false;
-    while (more && *more && !full && !restart_ && (source_->seekable() || sink.count == 0)) more = step(sink, full);
+    // A live source gives what has arrived.
+    const auto has_enough = [&] {
+      return !source_->seekable() && (sink.count > 0 || batch.triggers.size() > known_triggers);
+    };
+    while (more && *more && !full && !restart_ && !has_enough()) more = step(sink, full);
     events.resize(known + sink.count);
     latest_us_ = sink.latest();
     return more;
@@ -148,6 +154,11 @@ class RawReader final : public RecordingReader {
     summary_.time_loops = loops_before_ + stream_.time_loops();
     restart_ = progress.restarts;
     if (restart_) return true;
+    if (ended && progress.used == bytes.size() && source_->pass_break()) {
+      stream_.pass_break(source_->position(), summary_);
+      wanted_ = 1;
+      return true;
+    }
     full = progress.wanted == 0 && !(ended && progress.used == bytes.size());
     wanted_ = std::max<size_t>({progress.wanted, stream_.num_seen_bytes(), 1});
     add_checkpoint(source_->position(), sink.latest());

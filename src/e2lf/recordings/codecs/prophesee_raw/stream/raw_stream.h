@@ -64,6 +64,18 @@ class RawStream {
     }
   }
 
+  /// Goes on behind a place where bytes are missing: process() was called with all in front of it, as `ended`.
+  void pass_break(uint64_t byte, DecodeSummary& summary) {
+    summary.add(Violation::kMisaligned, byte);
+    open_gap(byte);
+    checked_ = keep_ = jump_ = 0;
+    problem_ = Problem::kNone;
+    Codec::forget(state_, check_);
+  }
+
+  /// Declares a span whose events are not needed. An encoding that cannot leave them out returns them.
+  void skip_events(TimeSpan span) { skipped_ = span; }
+
   [[nodiscard]] int64_t time_us() const { return Codec::time(state_); }
   [[nodiscard]] uint64_t time_loops() const { return Codec::time_loops(state_); }
 
@@ -159,7 +171,13 @@ class RawStream {
   template <typename Sink>
   size_t decode(Input& input, size_t count, Sink& sink) {
     const typename Codec::State before = state_;
-    const size_t used = Codec::decode(input.data(), count, state_, limits_, sink);
+    size_t used = 0;
+    if constexpr (requires { Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink); }) {
+      used = Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink);
+    }
+    if (used < count) {
+      used += Codec::decode(input.data() + used * kWordBytes, count - used, state_, limits_, sink);
+    }
     if (const uint64_t outside = std::exchange(state_.num_outside, 0); outside > 0) {
       input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
     }
@@ -427,6 +445,7 @@ class RawStream {
   size_t jump_ = 0;  ///< and where to continue, in bytes from the position
   bool started_ = false;
   bool lost_ = false;         ///< the alignment is unknown
+  TimeSpan skipped_;          ///< whose events are not needed
   size_t dropped_bytes_ = 0;  ///< number of bytes that were not counted as a word yet
   bool gap_open_ = false;
   TimeGap gap_;

@@ -21,6 +21,11 @@ struct SensorLimits {
   bool counts_reports = false;
 };
 
+/// The times t with begin_us <= t < end_us.
+struct TimeSpan {
+  int64_t begin_us = 0, end_us = 0;
+};
+
 /// The destination of decoders: pointers to columns of EventColumns, which have kSinkSlack more elements than may be
 /// filled.
 ///   set_time(t)  sets the time of what follows. A time before that of the last event (sensors jitter by some us) is

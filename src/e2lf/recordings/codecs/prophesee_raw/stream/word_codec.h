@@ -34,6 +34,7 @@ namespace e2lf::recordings {
 ///   resynchronise    skips words without returning events until the state is complete again
 ///   is_synchronised  returns whether the state is complete
 ///   decode           decodes checked words to events; returns the number of words used
+///   skip_events      (optional) skips the words of a span of time and returns only their triggers
 ///   count_reports    (optional) sums the counts of the sensor in decoded words
 ///   time, time_loops return the time of the state in us, and how often the clock has wrapped around
 template <typename C>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
-#include <numeric>
 #include <string>
 #include <unistd.h>
 
@@ -51,26 +50,26 @@ EventImages ramp(int16_t first) {
 TEST_F(EventImageFiles, ArchiveRoundTripKeepsCyclesAndCodes) {
   EventImageFile file;
   file.cycles = {ramp(-20), ramp(std::numeric_limits<int16_t>::max() - 29)};
-  const std::vector<float> codes(3 * 8 * 8, 0.5F);
-  file.codes = make_npy(std::vector<size_t>{3, 8, 8}, std::span<const float>(codes));
+  file.setup.codes = Codes(3, 8, 8);
+  file.setup.codes->values[70] = 0.5F;
+  file.setup.views = Orientation{true, false};
   ASSERT_TRUE(write_event_images(folder_ / "events.npz", file));
 
   const auto read = read_event_images(folder_ / "events.npz");
   ASSERT_TRUE(read) << read.error().text();
   EXPECT_EQ(read->cycles, file.cycles);
-  ASSERT_TRUE(read->codes);
-  EXPECT_EQ(read->codes->shape, file.codes->shape);
-  EXPECT_EQ(read->codes->bytes, file.codes->bytes);
+  EXPECT_EQ(read->setup.codes, file.setup.codes);
+  EXPECT_EQ(read->setup.views, file.setup.views);
+  EXPECT_FALSE(read->setup.camera);
 }
 
 TEST_F(EventImageFiles, MatlabFileHasTheAxesInMatlabsOrder) {
   EventImageFile file;
   file.cycles = {ramp(-20), ramp(100)};
-  std::vector<float> codes(3 * 2 * 4);
-  std::iota(codes.begin(), codes.end(), 0.0F);
-  file.codes = make_npy(std::vector<size_t>{3, 2, 4}, std::span<const float>(codes));
-  const std::string camera = "{}";
-  file.camera = make_npy(std::vector<size_t>{2}, std::span(reinterpret_cast<const uint8_t*>(camera.data()), 2));
+  file.setup.codes = Codes(3, 2, 4);
+  for (size_t i = 0; i < 24; ++i) file.setup.codes->values[i] = static_cast<float>(i) / 32;
+  file.setup.camera.emplace().name = "mine";
+  file.setup.camera->views = Orientation{false, true};
   ASSERT_TRUE(write_event_images_mat(folder_ / "events.mat", file));
 
   const std::vector<uint8_t> bytes = read_file(folder_ / "events.mat").value();
@@ -87,11 +86,11 @@ TEST_F(EventImageFiles, MatlabFileHasTheAxesInMatlabsOrder) {
   const auto read = read_event_images(folder_ / "events.mat");
   ASSERT_TRUE(read) << read.error().text();
   EXPECT_EQ(read->cycles, file.cycles);
-  ASSERT_TRUE(read->codes && read->camera);
-  EXPECT_EQ(read->codes->shape, file.codes->shape);
-  EXPECT_EQ(read->codes->bytes, file.codes->bytes);
-  EXPECT_EQ(read->camera->shape, file.camera->shape);
-  EXPECT_EQ(read->camera->bytes, file.camera->bytes);
+  EXPECT_EQ(read->setup.codes, file.setup.codes);
+  ASSERT_TRUE(read->setup.camera);
+  EXPECT_EQ(read->setup.camera->name, "mine");
+  EXPECT_EQ(read->setup.views, file.setup.camera->views);
+  EXPECT_FALSE(read->setup.has_own_views());
 }
 
 TEST_F(EventImageFiles, MatlabFileOfOneImageHasTwoAxes) {
@@ -124,7 +123,7 @@ TEST_F(EventImageFiles, ThreeAxesAreOneCycleOfAnyNumericType) {
     const auto read = read_event_images(path);
     ASSERT_TRUE(read) << read.error().text();
     EXPECT_EQ(read->cycles, std::vector<EventImages>{expected});
-    EXPECT_FALSE(read->codes);
+    EXPECT_FALSE(read->setup.codes);
   }
 }
 
@@ -175,11 +174,23 @@ TEST_F(EventImageFiles, BadShapesAreNamed) {
   EXPECT_EQ(failure(write<int32_t>("flat.npy", {2, 2}, {0, 0, 0, 0})), ErrorCode::kShape);
   EXPECT_EQ(failure(write<int32_t>("none.npy", {0, 2, 2}, {})), ErrorCode::kShape);
 
-  EventImageFile file{{ramp(0)}, {}, {}};
-  const std::vector<float> codes(4 * 64);
-  file.codes = make_npy(std::vector<size_t>{4, 8, 8}, std::span<const float>(codes));
-  ASSERT_TRUE(write_event_images(folder_ / "codes.npz", file));
+  ASSERT_TRUE(write_event_images(folder_ / "codes.npz", {{ramp(0)}, {Codes(4, 8, 8), {}, {}}}));
   EXPECT_EQ(failure(folder_ / "codes.npz"), ErrorCode::kShape);
+}
+
+TEST_F(EventImageFiles, WrongSetupsAreNamed) {
+  const std::vector<float> codes(3 * 64, 2.0F);
+  const std::vector<int16_t> counts(24);
+  const NpyArray events = make_npy<int16_t>({2, 3, 4}, counts);
+  ASSERT_TRUE(write_npz(folder_ / "bright.npz", {{"events", events}, {"codes", make_npy<float>({3, 8, 8}, codes)}}));
+  const Error error = read_event_images(folder_ / "bright.npz").error();
+  EXPECT_EQ(error.code, ErrorCode::kInvalidValue);
+  EXPECT_THAT(error.location, testing::HasSubstr("bright.npz: codes"));
+  const NpyArray text = make_npy<uint8_t>({1}, std::vector<uint8_t>{'?'});
+  for (const char* name : {"camera", "views"}) {
+    ASSERT_TRUE(write_npz(folder_ / "bad.npz", {{"events", events}, {name, text}}));
+    EXPECT_THAT(read_event_images(folder_ / "bad.npz").error().location, testing::HasSubstr(name));
+  }
 }
 
 TEST_F(EventImageFiles, FolderProblemsAreNamed) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 
 #include <algorithm>
 #include <charconv>
@@ -104,15 +104,15 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
   return cycles;
 }
 
-Result<void> check_codes(const NpyArray& codes, size_t transitions, const std::string& location) {
-  if (codes.shape.size() == 3 && codes.shape[0] == transitions + 1) return {};
+Result<void> check_codes(const Codes& codes, size_t transitions, const std::string& location) {
+  if (codes.num_patterns == transitions + 1) return {};
   return Error{ErrorCode::kShape,
-               cat("codes have shape ", shape_text(codes.shape), " but ", transitions, " event images need [",
-                   transitions + 1, ", view_y, view_x]; give the codes that the events were recorded with"),
+               cat("there are ", codes.num_patterns, " codes, but ", transitions, " event images need ",
+                   transitions + 1, "; give the codes that the events were recorded with"),
                location};
 }
 
-Result<EventImageFile> from_arrays(NpzArrays arrays, const fs::path& path) {
+Result<EventImageFile> from_arrays(const NpzArrays& arrays, const fs::path& path) {
   const auto found = arrays.find("events");
   if (found == arrays.end()) {
     return Error{ErrorCode::kNotFound, "the file contains no array \"events\"; add it and, if they are known, codes",
@@ -120,12 +120,10 @@ Result<EventImageFile> from_arrays(NpzArrays arrays, const fs::path& path) {
   }
   EventImageFile file;
   E2LF_ASSIGN_OR_RETURN(file.cycles, cycles_from_array(found->second, path.string() + ": events"));
-  if (const auto codes = arrays.find("codes"); codes != arrays.end()) {
-    E2LF_RETURN_IF_ERROR(check_codes(codes->second, file.cycles.front().transitions, path.string() + ": codes"));
-    file.codes = std::move(codes->second);
+  E2LF_ASSIGN_OR_RETURN(file.setup, setup_from_arrays(arrays, path.string()));
+  if (file.setup.codes) {
+    E2LF_RETURN_IF_ERROR(check_codes(*file.setup.codes, file.cycles.front().transitions, path.string() + ": codes"));
   }
-  if (const auto camera = arrays.find("camera"); camera != arrays.end()) file.camera = std::move(camera->second);
-  if (const auto views = arrays.find("views"); views != arrays.end()) file.views = std::move(views->second);
   return file;
 }
 
@@ -190,7 +188,7 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
     E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, path.string()));
     cycle.counts.insert(cycle.counts.end(), counts.begin(), counts.end());
   }
-  return EventImageFile{{std::move(cycle)}, {}, {}, {}};
+  return EventImageFile{{std::move(cycle)}};
 }
 
 NpzArrays to_arrays(const EventImageFile& file) {
@@ -206,9 +204,7 @@ NpzArrays to_arrays(const EventImageFile& file) {
   NpzArrays arrays;
   arrays["events"] = make_npy(std::vector<size_t>{file.cycles.size(), first.transitions, first.height, first.width},
                               std::span<const int16_t>(counts));
-  if (file.codes) arrays["codes"] = *file.codes;
-  if (file.camera) arrays["camera"] = *file.camera;
-  if (file.views) arrays["views"] = *file.views;
+  setup_to_arrays(file.setup, arrays);
   return arrays;
 }
 
@@ -222,17 +218,17 @@ Result<EventImageFile> read_event_images(const fs::path& path) {
   if (fs::is_directory(path, status)) return read_folder(path);
   const std::string extension = path.extension().string();
   if (extension == ".npz") {
-    E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_npz(path));
-    return from_arrays(std::move(arrays), path);
+    E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_npz(path));
+    return from_arrays(arrays, path);
   }
   if (extension == ".mat") {
-    E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_event_arrays_mat(path));
-    return from_arrays(std::move(arrays), path);
+    E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_event_arrays_mat(path));
+    return from_arrays(arrays, path);
   }
   if (extension == ".npy") {
     E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
     E2LF_ASSIGN_OR_RETURN(std::vector<EventImages> cycles, cycles_from_array(array, path.string()));
-    return EventImageFile{std::move(cycles), {}, {}, {}};
+    return EventImageFile{std::move(cycles)};
   }
   return Error{ErrorCode::kUnsupported,
                "this is not a file of event images; use .npz, .npy, .mat or a folder of event_image_*.npy",
