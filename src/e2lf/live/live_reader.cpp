@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/live/live_reader.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "e2lf/base/stop.h"
@@ -63,7 +64,8 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
   cycle.events = next->events;
   cycle.confidence = next->confidence;
   cycle.polarity = next->polarity;
-  cycle.last_event = arrivals_.arrival_of(cycle.end_us);
+  // Until bytes have come without delay, the clock is late; what has been read has arrived.
+  cycle.last_event = std::min(arrivals_.arrival_of(cycle.end_us), Clock::now());
   cycle.cycle_s = 0;
   if (previous_ && previous_->first < next->number) {
     cycle.cycle_s = 1e-6 * static_cast<double>(next->begin_us - previous_->second) /
