@@ -80,7 +80,7 @@ with h5py.File("units.h5", "w") as f:
         f[key] = column
 PY
 "$E2LF" convert mvsec.h5 mvsec.npz 2>stderr.txt
-grep -q 'camera "right"' stderr.txt || fail "the other camera is not named: $(cat stderr.txt)"
+grep -q 'davis/right' stderr.txt || fail "the other camera is not named: $(cat stderr.txt)"
 "$E2LF" convert dsec.h5 dsec.npz 2>stderr.txt
 py - <<'PY'
 import numpy as np

@@ -20,7 +20,8 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
     return Error{ErrorCode::kInvalidValue,
                  "nothing says which patterns the camera showed; give the model that was trained for them", ""};
   }
-  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network, bundled_network(known->codes, opened.camera));
+  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
+                        bundled_network(known->codes, opened.camera, choice.prefers_fast));
   if (!network) {
     return Error{ErrorCode::kNotFound,
                  "no bundled network was trained for these patterns; give one that was, or use the inversion", ""};
@@ -73,10 +74,11 @@ Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
 }  // namespace
 
 Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
-                                                      const std::optional<capture::SensorProfile>& camera) {
-  const std::vector<const char*> names = camera && camera->is_pixel()
-                                             ? std::vector{"e2lf-n4-camera", "e2lf-n4-cycle-camera"}
-                                             : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
+                                                      const std::optional<capture::SensorProfile>& camera,
+                                                      bool prefers_fast) {
+  std::vector<const char*> names = camera && camera->is_pixel() ? std::vector{"e2lf-n4-camera", "e2lf-n4-cycle-camera"}
+                                                                : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
+  if (prefers_fast) names.insert(names.begin(), "e2lf-n4-live");
   for (const char* name : names) {
     const auto path = bundled_file_named(kBundledModels, name);
     if (!path) continue;

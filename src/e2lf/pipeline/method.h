@@ -22,6 +22,7 @@ struct MethodChoice {
   capture::RecordedSetup events = {};                      ///< what the file of the events tells
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
   std::string precision = "auto";  ///< of the network
+  bool prefers_fast = false;       ///< takes a bundled network that keeps the pace of a live source, if there is one
 };
 
 /// Says how a method is used on each measurement.
@@ -82,10 +83,11 @@ struct BundledNetwork {
 };
 
 /// Returns the bundled network for events of such patterns: e2lf-n4-camera or e2lf-n4-cycle-camera if the camera has
-/// physical pixels, otherwise e2lf-n4, e2lf-n8 or e2lf-n4-cycle. Returns nothing if none was trained for the patterns.
-/// Fails as read_model() does.
-[[nodiscard]] Result<std::optional<BundledNetwork>> bundled_network(
-    const capture::Codes& codes, const std::optional<capture::SensorProfile>& camera);
+/// physical pixels, otherwise e2lf-n4, e2lf-n8 or e2lf-n4-cycle; before them e2lf-n4-live if `prefers_fast`. Returns
+/// nothing if none was trained for the patterns. Fails as read_model() does.
+[[nodiscard]] Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
+                                                                    const std::optional<capture::SensorProfile>& camera,
+                                                                    bool prefers_fast = false);
 
 /// Reads a network: a model file, or the folder of the paper's release.
 [[nodiscard]] Result<model::Model> read_network(const std::filesystem::path& path);

@@ -131,7 +131,7 @@ Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, cons
 
 Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
   Instrument instrument;
-  pipeline::MethodChoice choice{.precision = arguments.precision};
+  pipeline::MethodChoice choice{.precision = arguments.precision, .prefers_fast = true};
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(choice.codes, read_named_codes(arguments.codes));
   E2LF_ASSIGN_OR_RETURN(instrument.reader, open_reader(arguments, wanted_cycles(arguments.cycles, choice), recordings));
@@ -144,9 +144,12 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, cycles, choice));
   note_method(method, arguments.source, arguments.codes.model, 1, record);
   pipeline::OpenedMethod best = method;
+  choice.prefers_fast = false;
   if (!arguments.fine_model.empty()) {
     E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(arguments.fine_model));
     record.add_input(arguments.fine_model);
+  }
+  if (!arguments.fine_model.empty() || method.bundled) {
     E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, cycles, std::move(choice)));
   }
   pipeline::Tone tone;
@@ -299,8 +302,9 @@ int run_live(const std::vector<std::string>& arguments) {
   app.add_option("--average", live_arguments.average, "sum the last so many cycles of a scene that stands still")
       ->check(whole_number(1, static_cast<int64_t>(live::kMostCycles)))
       ->capture_default_str();
-  add_model_option(app, "--fine", live_arguments.fine_model,
-                   "network that reconstructs a frozen cycle well; default: that of -m, in several passes");
+  add_model_option(
+      app, "--fine", live_arguments.fine_model,
+      "network that reconstructs a frozen cycle well; default: that of -m, or the best bundled one, in several passes");
   app.add_option("-o,--output", live_arguments.output, "folder for recordings; without one, nothing can be recorded");
   app.add_flag("--record", live_arguments.records, "record from the start, to -o; the page can switch it on and off");
   app.add_option("--last", live_arguments.last, "write the last light field to this .npy file (float32, upright)");
