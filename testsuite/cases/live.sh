@@ -55,4 +55,4 @@ fails 1 "name one with -o" "$E2LF" live replay:six.raw --no-page --record
 fails 1 "use the model that belongs to the patterns" "$E2LF" live replay:six.raw --no-page -m "$TESTSUITE/../models/e2lf-n8.safetensors" --patterns 4
 fails 1 "no complete pattern cycle" "$E2LF" live replay:six.raw --no-page -m "$model" --source triggers --channel 7
 mkdir mine && touch mine/notes.txt
-fails 1 "is not one of e2lf live" "$E2LF" live replay:six.raw --no-page -o mine
+fails 1 "was not written by e2lf live" "$E2LF" live replay:six.raw --no-page -o mine
