@@ -256,6 +256,7 @@ TEST(Camera, TheEndThatIsAskedForComesThoughNothingArrives) {
 }
 
 TEST(Camera, SettingsOfACameraAreRefusedWhereThereAreNone) {
+  add_camera_plugin({"scripted", "for tests", ScriptedCamera::open});
   const auto reader = open_camera("camera://scripted", {.camera = {.trigger_channels = {"main"}}});
   ASSERT_FALSE(reader.ok());
   EXPECT_EQ(reader.error().code, ErrorCode::kUnsupported);

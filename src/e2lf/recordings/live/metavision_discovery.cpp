@@ -34,11 +34,8 @@ class HalLog final : public std::streambuf {
     for (const char c : std::string_view(text, static_cast<size_t>(count))) {
       if (c != '\n') {
         line_ += c;
-      } else if (!std::exchange(said_, line_).empty()) {
-        log_info("the camera's HAL: " + one_line(said_));
-        line_.clear();
-      } else {
-        line_.clear();
+      } else if (const std::string said = std::exchange(line_, {}); !said.empty()) {
+        log_info("the camera's HAL: " + one_line(said));
       }
     }
     return count;
@@ -46,7 +43,7 @@ class HalLog final : public std::streambuf {
 
  private:
   std::mutex mutex_;
-  std::string line_, said_;
+  std::string line_;
 };
 
 /// The HAL prints to stderr otherwise; and the memory of its plugin for USB has no limit unless it is given one.
