@@ -184,7 +184,8 @@ std::string codec_names() {
 
 Result<const Codec*> detect_codec(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
-  if (head.empty()) return Error{ErrorCode::kTruncated, "the input is empty; check whether it was written completely", source.name()};
+  if (head.empty())
+    return Error{ErrorCode::kTruncated, "the input is empty; check whether it was written completely", source.name()};
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
