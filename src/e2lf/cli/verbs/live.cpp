@@ -243,7 +243,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   const Json totals = session.json();
   record.note("totals", totals);
   print_totals(totals, common);
-  E2LF_RETURN_IF_ERROR(ended);
+  if (!ended) return ended;
   if (totals["cycles"] == 0) return no_cycle_error(arguments.source, cycles.report());
   return last != nullptr ? write_last(session, *last, record, verb) : Result<void>();
 }

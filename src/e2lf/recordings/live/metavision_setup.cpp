@@ -48,7 +48,9 @@ Result<void> switch_on_triggers(Metavision::I_TriggerIn* triggers, const std::ve
   if (triggers == nullptr) return wanted.empty() ? Result<void>() : has_no("trigger inputs");
   const auto channels = triggers->get_available_channels();
   for (const auto& [channel, id] : channels) {
-    const auto is_this = [&](const std::string& name) { return name == channel_name(channel) || name == cat(id); };
+    const auto is_this = [channel = channel, id = id](const std::string& name) {
+      return name == channel_name(channel) || name == cat(id);
+    };
     const bool is_on =
         wanted.empty() ? channel != Channel::Loopback : std::any_of(wanted.begin(), wanted.end(), is_this);
     if (!is_on) continue;
