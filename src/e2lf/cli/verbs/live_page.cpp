@@ -9,6 +9,7 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/live/live_requests.h"
+#include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/server.h"
 
 namespace e2lf::cli {
