@@ -17,7 +17,7 @@ endif()
 
 if(BUILD_SHARED_LIBS)
   # Programs and libraries find each other under any prefix.
-  set(CMAKE_INSTALL_RPATH "\$ORIGIN" "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+  list(APPEND CMAKE_INSTALL_RPATH "\$ORIGIN" "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endif()
 
 # Shared libraries are of the package of the programs, which need them.
@@ -26,10 +26,10 @@ set(E2LF_LIBRARY_COMPONENT program)
 # What a module links outside of the project: target, how CMake finds it, what pkg-config calls it.
 set(E2LF_EXTERNAL_TARGETS
   "PkgConfig::HWY" "PkgConfig::HDF5" "PkgConfig::LZ4" "PkgConfig::ZSTD" "PkgConfig::SQLITE" "ZLIB::ZLIB" "PNG::PNG" "JPEG::JPEG"
-  "nlohmann_json::nlohmann_json" "OpenMP::OpenMP_CXX" "Threads::Threads")
+  "nlohmann_json::nlohmann_json" "OpenMP::OpenMP_CXX" "Threads::Threads" "Metavision::HAL_discovery")
 set(E2LF_EXTERNAL_FINDS
-  "pkg:HWY" "pkg:HDF5" "pkg:LZ4" "pkg:ZSTD" "pkg:SQLITE" "ZLIB" "PNG" "JPEG" "nlohmann_json" "OpenMP" "Threads")
-set(E2LF_EXTERNAL_PKGS "libhwy" "hdf5" "liblz4" "libzstd" "sqlite3" "zlib" "libpng" "libjpeg" "nlohmann_json" "-fopenmp" "-pthread")
+  "pkg:HWY" "pkg:HDF5" "pkg:LZ4" "pkg:ZSTD" "pkg:SQLITE" "ZLIB" "PNG" "JPEG" "nlohmann_json" "OpenMP" "Threads" "MetavisionHAL")
+set(E2LF_EXTERNAL_PKGS "libhwy" "hdf5" "liblz4" "libzstd" "sqlite3" "zlib" "libpng" "libjpeg" "nlohmann_json" "-fopenmp" "-pthread" "metavision")
 
 # e2lf_offer_module(<module> <header...>): e2lf_install_package() installs it. Headers are named from the module's folder.
 function(e2lf_offer_module module)
@@ -68,7 +68,9 @@ function(e2lf_install_module module)
       list(GET E2LF_EXTERNAL_FINDS ${place} find)
       list(GET E2LF_EXTERNAL_PKGS ${place} pkg)
       list(APPEND finds ${find})
-      if(pkg MATCHES "^-")
+      if(pkg STREQUAL "metavision")  # which has no .pc file
+        list(APPEND pkg_flags ${E2LF_METAVISION_FLAGS})
+      elseif(pkg MATCHES "^-")
         list(APPEND pkg_flags ${pkg})
       else()
         list(APPEND pkg_requires ${pkg})

@@ -16,10 +16,10 @@ using namespace e2lf;
 /// Counts the threshold crossings from each pattern to the next; each pixel remembers where its last event left it.
 capture::EventImages count_events(const capture::CodedIntensities& intensities,
                                   const capture::SensorConstants& constants, float off_factor) {
-  capture::EventImages events(intensities.num_patterns - 1, intensities.height, intensities.width);
+  capture::EventImages events(intensities.count - 1, intensities.height, intensities.width);
   for (size_t pixel = 0; pixel < intensities.image_size(); ++pixel) {
     float reference = std::log(intensities.image(0)[pixel] + constants.eps);
-    for (size_t k = 1; k < intensities.num_patterns; ++k) {
+    for (size_t k = 1; k < intensities.count; ++k) {
       const float change = std::log(intensities.image(k)[pixel] + constants.eps) - reference;
       const float threshold = change > 0 ? constants.tau : off_factor * constants.tau;
       const auto count = static_cast<int16_t>(change / threshold);

@@ -1,7 +1,7 @@
 // events_to_light_field MODEL.safetensors EVENTS.npz FOLDER
 // The light field of the first cycle, as 64 pictures.
 #include <cstdio>
-#include <e2lf/capture/measurement/event_images.h>
+#include <e2lf/capture/measurement/event_image_io.h>
 #include <e2lf/lightfield/light_field_io.h>
 #include <e2lf/model/model.h>
 #include <e2lf/recon/gain.h>

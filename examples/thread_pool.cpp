@@ -1,11 +1,11 @@
 // thread_pool MODEL.safetensors EVENTS.npz CYCLES
-// Light fields in a loop, on threads of one's own: each worker has a Reconstructor, and each runs on one thread. The
-// number of threads of e2lf is a setting of the whole process; set it before the workers start.
+// Reconstructs light fields on threads of its own, which share one Reconstructor and its weights; each runs on one
+// thread. The number of threads of e2lf is a setting of the whole process; set it before the workers start.
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <e2lf/base/threads.h>
-#include <e2lf/capture/measurement/event_images.h>
+#include <e2lf/capture/measurement/event_image_io.h>
 #include <e2lf/model/model.h>
 #include <e2lf/recon/reconstruct.h>
 #include <thread>
@@ -13,10 +13,11 @@
 
 int main(int count, char** arguments) {
   if (count != 4) return 2;
-  const auto model = e2lf::model::read_model(arguments[1]);
+  const auto create = [](const e2lf::model::Model& model) { return e2lf::recon::Reconstructor::create(model); };
+  const auto reconstructor = e2lf::model::read_model(arguments[1]).and_then(create);
   const auto events = e2lf::capture::read_event_images(arguments[2]);
-  if (!model || !events) {
-    std::fprintf(stderr, "%s\n", (!model ? model.error() : events.error()).text().c_str());
+  if (!reconstructor || !events) {
+    std::fprintf(stderr, "%s\n", (!reconstructor ? reconstructor.error() : events.error()).text().c_str());
     return 1;
   }
   e2lf::set_num_threads(1);
@@ -25,10 +26,8 @@ int main(int count, char** arguments) {
   std::atomic<int> next = 0, failed = 0;
   std::vector<double> means(static_cast<size_t>(cycles));
   const auto work = [&] {
-    const auto reconstructor = e2lf::recon::Reconstructor::create(*model);
     for (int cycle = next++; cycle < cycles; cycle = next++) {
-      const auto light_field = reconstructor ? reconstructor->reconstruct(events->cycles.front())
-                                             : e2lf::Result<e2lf::lightfield::LightField>(reconstructor.error());
+      const auto light_field = reconstructor->reconstruct(events->cycles.front());
       if (!light_field) {
         std::fprintf(stderr, "%s\n", light_field.error().text().c_str());
         ++failed;

@@ -3,7 +3,7 @@
 
 #include <zlib.h>
 
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/capture/patterns/codes_header.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/sensor_profile.h"
@@ -174,7 +174,7 @@ Result<void> write_event_images(const fs::path& folder) {
       write_choice(out / "hybrid", 0, encode_npz({{"events", cycles}, {"images", sums}, {"codes", codes}})));
   const NpyArray lenses = make_npy<float>({1, 8, 16}, std::vector<float>(128, 0.5F));
   E2LF_RETURN_IF_ERROR(write_choice(out / "lenses", 0, encode_npz({{"lens_array", lenses}})));
-  capture::EventImageFile matlab{{capture::EventImages(3, 4, 5)}, codes, {}};
+  const capture::EventImageFile matlab{{capture::EventImages(3, 4, 5)}, {capture::default_codes(), {}, {}}};
   const fs::path mat = folder / "event_images.mat";
   E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(mat, matlab));
   E2LF_ASSIGN_OR_RETURN(Bytes bytes, read_file(mat));

@@ -7,7 +7,6 @@
 
 #include "bench/program/report.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/camera_settings.h"
@@ -23,6 +22,7 @@
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/streams/camera_stream.h"
 #include "e2lf/streams/virtual_rig.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
 using namespace cli;
@@ -115,7 +115,7 @@ Result<std::vector<NamedModel>> read_models(const CameraBench& options, RunRecor
   for (const fs::path& path : options.models) {
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(path));
     const CodesSource source{model.codes && options.codes.empty() ? path : fs::path(), options.codes};
-    E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(source, record));
+    E2LF_ASSIGN_OR_RETURN(pipeline::KnownCodes known, load_codes(source, record));
     if (!model.codes && options.codes.empty()) {
       return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera with --codes",
                    path.string()};

@@ -8,10 +8,10 @@
 #include "bench/decode/benchmark_decode.h"
 #include "bench/program/report.h"
 #include "e2lf/base/isa.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
 using namespace cli;

@@ -18,7 +18,6 @@
 #include "bench/simulate/benchmark_simulate.h"
 #include "bench/simulate/benchmark_stream.h"
 #include "e2lf/base/isa.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/flags/camera_option.h"
@@ -30,6 +29,7 @@
 #include "e2lf/files/json_text.h"
 #include "e2lf/model/model.h"
 #include "e2lf/streams/camera_stream.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
 using namespace cli;

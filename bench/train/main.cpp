@@ -7,6 +7,7 @@
 #include "bench/train/benchmark.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/learn/run/guarded.h"
+#include "e2lf/terminal/progress_bar.h"
 
 int main(int argc, char** argv) {
   const uint64_t batch = argc == 3 ? std::strtoull(argv[1], nullptr, 10) : 0;

@@ -129,7 +129,8 @@ Borrowed<lightfield::LightField> light_field_of(const py::array& array, const ch
   if (owner != nullptr && owner->shape() == shape && array.data() == owner->data().data() && is_row_major(array)) {
     return {array, owner};
   }
-  return Borrowed<lightfield::LightField>(lightfield::LightField(shape, values_of(array, name)));
+  const auto floats = floats_of(array, name);
+  return Borrowed<lightfield::LightField>(lightfield::LightField(shape, {floats.data(), shape.size()}));
 }
 
 Borrowed<capture::EventImages> event_images_of(const py::array& array, const char* name) {

@@ -4,15 +4,15 @@
 #include <sstream>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
-#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/output/pictures.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/pipeline/patterns.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/orientation_arguments.h"
@@ -89,7 +89,7 @@ void bind_codes(py::module_& module) {
   module.def(
       "read_codes",
       [](const fs::path& path) {
-        return to_array(take(cli::read_patterns(take(find_file_or_bundled(kBundledCodes, path.string())))));
+        return to_array(take(pipeline::read_patterns(take(find_file_or_bundled(kBundledCodes, path.string())))));
       },
       py::arg("path"),
       "Aperture patterns: float32 [N, view_y, view_x], 0 = closed, 1 = open.\n\n"
@@ -112,30 +112,25 @@ py::object read_event_images(const fs::path& path) {
   auto file = without_gil([&] { return capture::read_event_images(path); });
   py::list cycles;
   for (capture::EventImages& images : file.cycles) cycles.append(to_array(std::move(images)));
-  py::object codes = py::none();
-  if (file.codes) codes = to_array(take(capture::codes_from_npy(*file.codes, path.string())));
-  py::object camera = py::none();
-  if (file.camera) camera = py::cast(take(capture::camera_from_npy(*file.camera, path.string())));
-  std::optional<capture::Orientation> views;
-  if (file.views) views = take(capture::views_from_npy(*file.views, path.string()));
-  if (!file.views && file.camera) views = camera.cast<capture::SensorProfile>().views;
+  py::object codes = py::none(), camera = py::none();
+  if (file.setup.codes) codes = to_array(*file.setup.codes);
+  if (file.setup.camera) camera = py::cast(*file.setup.camera);
   return make_tuple_of("EventImageFile", std::move(cycles), std::move(codes), std::move(camera),
-                       orientation_word(views));
+                       orientation_word(file.setup.views));
 }
 
 void write_event_images(const fs::path& path, const std::vector<py::array>& cycles,
                         const std::optional<py::array>& codes, const capture::SensorProfile* camera,
                         const std::optional<std::string>& views, bool overwrite) {
-  std::optional<NpyArray> patterns, orientation;
-  if (views) orientation = capture::views_to_npy(take(capture::orientation_from_name(*views, "views")));
-  if (codes) patterns = capture::codes_to_npy(codes_of(*codes, "codes"));
+  capture::RecordedSetup setup;
+  if (codes) setup.codes = codes_of(*codes, "codes");
+  if (camera != nullptr) setup.camera = *camera;
+  if (views) setup.views = take(capture::orientation_from_name(*views, "views"));
   std::vector<Borrowed<capture::EventImages>> all;
   for (const py::array& images : cycles) all.push_back(event_images_of(images, "cycles"));
   write_output(path, overwrite, [&](const fs::path& place) -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
-    if (patterns) writer.set_codes(*patterns);
-    if (camera != nullptr) writer.set_camera(capture::camera_to_npy(*camera));
-    if (orientation) writer.set_views(*orientation);
+    writer.keep(setup);
     for (const auto& images : all) E2LF_RETURN_IF_ERROR(writer.add(*images));
     return writer.finish();
   });

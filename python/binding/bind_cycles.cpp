@@ -5,10 +5,10 @@
 
 #include "e2lf/capture/patterns/codes_header.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/recording_place.h"
 #include "python/binding/arrays.h"
@@ -139,11 +139,11 @@ class CycleIterator {
     return to_python(report);
   }
   [[nodiscard]] py::object codes() const {
-    const auto codes = take(cli::setup_of_cycles(name_, reader_)).codes;
+    const auto codes = take(pipeline::setup_of_cycles(name_, reader_)).codes;
     return codes ? py::object(to_array(*codes)) : py::none();
   }
   [[nodiscard]] std::optional<std::string> views() const {
-    return orientation_word(take(cli::setup_of_cycles(name_, reader_)).views);
+    return orientation_word(take(pipeline::setup_of_cycles(name_, reader_)).views);
   }
 
  private:
@@ -254,10 +254,10 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
   recordings::RecordingInfo info;
   info.width = images.front()->width;
   info.height = images.front()->height;
-  cli::RecordedSetup setup;
+  capture::RecordedSetup setup;
   if (codes) setup.codes = codes_of(*codes, "codes");
   if (camera != nullptr) setup.camera = *camera;
-  info.header = cli::header_of(setup);
+  info.header = pipeline::header_of(setup);
   for (const auto& each : images) {
     if (each->transitions == options.schedule.num_images() && each->width == info.width && each->height == info.height)
       continue;

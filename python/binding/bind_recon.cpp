@@ -2,13 +2,9 @@
 #include <pybind11/stl.h>
 #include <variant>
 
-#include "e2lf/capture/measurement/colour_filter.h"
+#include "e2lf/pipeline/method.h"
 #include "e2lf/recon/event_check.h"
-#include "e2lf/recon/field_sequence.h"
 #include "e2lf/recon/gain.h"
-#include "e2lf/recon/inversion.h"
-#include "e2lf/recon/linear_estimate.h"
-#include "e2lf/recon/reconstruct.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
@@ -19,102 +15,73 @@ namespace {
 
 using GainArgument = std::variant<double, std::string>;
 
-/// Multiplies with a number, or with auto_gain() where it is "auto".
-void apply_gain(lightfield::LightField& field, const GainArgument& gain) {
-  const auto* number = std::get_if<double>(&gain);
-  recon::apply_tone(field, 0.0F, number != nullptr ? static_cast<float>(*number) : recon::auto_gain(field));
-}
-
-void check_gain(const GainArgument& gain) {
-  const auto* word = std::get_if<std::string>(&gain);
-  if (word != nullptr) check_word(*word, {"auto"}, "gain");
-  if (word == nullptr && !(std::get<double>(gain) > 0)) throw py::value_error("a gain is \"auto\" or above 0");
-}
-
-/// The light field of event images, each colour on its own where a filter is named.
-Result<lightfield::LightField> by_method(recon::Method method, const std::string& colour_filter,
-                                         const capture::EventImages& images, const ProgressFn& progress) {
-  if (!colour_filter.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const capture::ColourFilter filter, capture::colour_filter_from_name(colour_filter));
-    method = recon::colour_method(std::move(method), filter);
+pipeline::Tone tone_of(const GainArgument& gain) {
+  if (const auto* word = std::get_if<std::string>(&gain)) {
+    check_word(*word, {"auto"}, "gain");
+    return {.black = std::nullopt};
   }
-  return method(capture::Measurement(images), progress);
+  const double number = std::get<double>(gain);
+  if (!(number > 0)) throw py::value_error("a gain is \"auto\" or above 0");
+  return {.gain = static_cast<float>(number)};
+}
+
+/// The light field of event images.
+Result<lightfield::LightField> reconstruct_once(const pipeline::OpenedMethod& method, const pipeline::MethodUse& use,
+                                                const pipeline::Tone& tone, const capture::EventImages& images,
+                                                const capture::Orientation& orientation, const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(auto sequence, pipeline::open_sequence(method, use, tone, /*is_checked=*/false));
+  E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(capture::Measurement(images), progress));
+  lightfield::orient(field.light_field, orientation);
+  return std::move(field.light_field);
 }
 
 /// A network that is ready to run.
 class Network {
  public:
-  Network(const model::Model& model, const std::string& precision, const capture::SensorProfile* camera)
-      : reconstructor_(make(model, precision, camera)) {}
+  Network(const model::Model& model, const std::string& precision, const capture::SensorProfile* camera) {
+    pipeline::MethodChoice choice{.model = model, .precision = precision};
+    choice.measurement = model.measurement();
+    if (camera != nullptr) choice.camera = *camera;
+    method_ = without_gil([&] { return pipeline::open_method(std::move(choice)); });
+  }
 
   py::array reconstruct(py::array images, const GainArgument& gain, size_t passes, size_t cycles,
                         const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS,
                         const ProgressArgument& progress) {
-    check_gain(gain);
+    const pipeline::Tone tone = tone_of(gain);
     if (passes < 1 || cycles < 1) throw py::value_error("passes and cycles are at least 1");
     if (images.ndim() == 4 && images.shape(0) > 0) {
       if (cycles != 1) throw py::value_error("images of several cycles say how many these are; leave cycles out");
       cycles = static_cast<size_t>(images.shape(0));
       images = images.attr("sum")(0);
     }
-    if (cycles > 1 && !model::is_told_the_camera(reconstructor_.model())) {
-      throw ResultError({ErrorCode::kInvalidValue,
-                         reconstructor_.model().name + " takes one cycle for each light field; leave the argument out",
-                         "cycles"});
-    }
     const auto counts = event_images_of(images, "images");
     const ProgressFn told = progress_of(progress);
     const OneAtATime::Use use(use_, "reconstructor");
-    return to_array(without_gil([&]() -> Result<lightfield::LightField> {
-      const recon::Method method = [&](const capture::Measurement& measurement, const ProgressFn& part) {
-        return reconstructor_.reconstruct(measurement, part, passes, cycles);
-      };
-      E2LF_ASSIGN_OR_RETURN(auto field, by_method(method, colour_filter, *counts, told));
-      const auto& camera = reconstructor_.model().camera;
-      if (std::holds_alternative<std::string>(gain) && camera && camera->is_pixel()) {
-        recon::apply_tone(field, recon::auto_black(field), 1.0F);
-      }
-      apply_gain(field, gain);
-      lightfield::orient(field, E2LF_ORIENTATION_VALUE);
-      return field;
+    return to_array(without_gil([&] {
+      return reconstruct_once(method_, {passes, cycles, colour_filter}, tone, *counts, E2LF_ORIENTATION_VALUE, told);
     }));
   }
 
-  [[nodiscard]] std::string precision() const { return engine::precision_name(reconstructor_.engine().precision()); }
-  [[nodiscard]] std::vector<std::string> kernels() const { return reconstructor_.engine().describe(); }
+  [[nodiscard]] std::string precision() const { return engine::precision_name(engine().precision()); }
+  [[nodiscard]] std::vector<std::string> kernels() const { return engine().describe(); }
 
  private:
-  static recon::Reconstructor make(const model::Model& model, const std::string& precision,
-                                   const capture::SensorProfile* camera) {
-    model::Model own = model;
-    if (camera != nullptr && !model::is_told_the_camera(model)) {
-      throw ResultError(
-          {ErrorCode::kInvalidValue, model.name + " works for one camera alone; leave the argument out", "camera"});
-    }
-    if (camera != nullptr) own.camera = *camera;
-    const engine::EngineOptions options{.precision = take(engine::precision_from_name(precision))};
-    return without_gil([&] { return recon::Reconstructor::create(std::move(own), options); });
-  }
-
-  recon::Reconstructor reconstructor_;
+  [[nodiscard]] const engine::Engine& engine() const { return method_.network->engine(); }
+  pipeline::OpenedMethod method_;
   OneAtATime use_;
 };
 
 py::array invert(const py::array& images, const py::array& codes,
                  const std::optional<capture::SensorConstants>& constants, const GainArgument& gain,
                  const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS) {
-  check_gain(gain);
+  const pipeline::Tone tone = tone_of(gain);
   const auto counts = event_images_of(images, "images");
-  const capture::Codes patterns = codes_of(codes, "codes");
-  return to_array(without_gil([&]() -> Result<lightfield::LightField> {
-    const recon::Method method = [&](const capture::Measurement& measurement, const ProgressFn& /*progress*/) {
-      return recon::reconstruct_by_inversion(measurement.events, patterns,
-                                             constants.value_or(capture::SensorConstants()));
-    };
-    E2LF_ASSIGN_OR_RETURN(auto field, by_method(method, colour_filter, *counts, {}));
-    apply_gain(field, gain);
-    lightfield::orient(field, E2LF_ORIENTATION_VALUE);
-    return field;
+  const auto method = take(pipeline::open_method({.algorithm = "inversion",
+                                                  .codes = codes_of(codes, "codes"),
+                                                  .constants = constants.value_or(capture::SensorConstants())}));
+  return to_array(without_gil([&] {
+    return reconstruct_once(method, {1, 1, colour_filter}, tone, *counts, E2LF_ORIENTATION_VALUE, {});
   }));
 }
 

@@ -2,8 +2,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/verbs/describe.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/recording.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
@@ -54,12 +54,12 @@ py::object slice_of(Slice slice) {
 }
 
 py::object codes_of_recording(const Recording& recording) {
-  const auto codes = take(cli::recorded_setup(recording.name(), recording.reader().info())).codes;
+  const auto codes = take(pipeline::recorded_setup(recording.name(), recording.reader().info())).codes;
   return codes ? py::object(to_array(*codes)) : py::none();
 }
 
 py::object camera_of_recording(const Recording& recording) {
-  const auto camera = take(cli::recorded_setup(recording.name(), recording.reader().info())).camera;
+  const auto camera = take(pipeline::recorded_setup(recording.name(), recording.reader().info())).camera;
   return camera ? py::cast(*camera) : py::none();
 }
 
@@ -153,7 +153,7 @@ void bind_recording(py::module_& module) {
       .def_property_readonly(
           "views",
           [](const Recording& self) {
-            return orientation_word(take(cli::recorded_setup(self.name(), self.reader().info())).views);
+            return orientation_word(take(pipeline::recorded_setup(self.name(), self.reader().info())).views);
           },
           kViewsDoc)
       .def(

@@ -82,7 +82,7 @@ void bind_sensor(py::module_& module) {
         const auto scene = light_field_of(light_field, "light_field");
         const capture::Codes patterns = codes_of(codes, "codes");
         auto seen = without_gil([&] { return sensor::coded_intensities(patterns, *scene); });
-        return py::array_t<float>(std::vector<size_t>{seen.num_patterns, seen.height, seen.width}, seen.values.data());
+        return py::array_t<float>(std::vector<size_t>{seen.count, seen.height, seen.width}, seen.values.data());
       },
       py::arg("light_field"), py::arg("codes"),
       "What the sensor sees under each pattern (Eq. 1): float32 [N, y, x], divided by the number of views.\n\n"

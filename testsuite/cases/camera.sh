@@ -80,7 +80,7 @@ grep -q "knows the paper's event model alone" warned.txt || fail "no warning: $(
 other_codes other.npy
 "$E2LF" simulate scene --codes other.npy --camera evk4-lcos -o other.npz --quiet
 fails 1 "no bundled network was trained for these patterns" "$E2LF" reconstruct other.npz -o x
-fails 1 "give the model that was trained for them with -m" "$E2LF" reconstruct bare.npz -o x
+fails 1 "give the model that was trained for them" "$E2LF" reconstruct bare.npz -o x
 py - <<'EOF'
 import numpy as np
 np.savez("odd.npz", events=np.load("real.npz")["events"], camera=np.frombuffer(b"{}", np.uint8))

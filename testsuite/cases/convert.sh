@@ -35,7 +35,7 @@ done
 [ "$("$E2LF" info slice.npy --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
 fails 1 "(--overwrite)" "$E2LF" convert recording.raw a.csv
 fails 1 "check the path" "$E2LF" convert nothing.raw x.csv
-fails 1 "has this extension" "$E2LF" convert demo/scene scene.tif
+fails 1 "are not written with this extension" "$E2LF" convert demo/scene scene.tif
 absent scene.tif
 
 "$E2LF" convert demo/scene scene.npy

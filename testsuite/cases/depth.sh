@@ -29,7 +29,7 @@ c = np.load("out/confidence.npy")
 assert c.min() >= 0 and c.max() <= 1 and np.median(c) > 0.5, np.median(c)
 header, data = open("one.pfm", "rb").read().split(b"-1.0\n", 1)
 assert header == b"Pf\n64 48\n"
-assert np.array_equal(np.frombuffer(data, "<f4").reshape(48, 64)[::-1], d)
+assert np.array_equal(np.frombuffer(data, "<f4").reshape(48, 64)[::-1], -d)
 samples = np.fromfile("one.gray", "<u2").reshape(48, 64)
 assert np.abs((samples - 32768.0) / 4096 - d).max() <= 0.5 / 4096 + 1e-6
 text, points = open("one.ply", "rb").read().split(b"end_header\n", 1)
@@ -60,7 +60,7 @@ py -c 'import numpy as np; d = np.load("maps/cycle_00001/disparity.npy"); assert
 fails 1 'name one of them' "$E2LF" depth cycles -o x.ply
 fails 1 'give a larger one' "$E2LF" depth cycles/cycle_00001/lightfield.npy -o x.ply --infinity 0.5
 fails 1 'there is no view (8, 0)' "$E2LF" depth plane.npy -o x --view-row 8 --view-column 0
-fails 1 'two ends' "$E2LF" depth plane.npy -o x --min-disparity 0
+fails 1 'two limits' "$E2LF" depth plane.npy -o x --min-disparity 0
 fails 1 'leaves the picture of 64x48 px' "$E2LF" depth plane.npy -o x --min-disparity=-1e9 --max-disparity=1e9
 fails 1 'smaller one first' "$E2LF" depth plane.npy -o x --min-disparity 1 --max-disparity 0
 fails 1 'a single view' "$E2LF" depth plane.npy -o x --views 1

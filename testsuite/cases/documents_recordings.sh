@@ -29,3 +29,11 @@ exists simulation/out/colour simulation/out/equivalence/index.html simulation/ou
 page docs/video.md video
 exists video/out/frames/frame_000000.png
 page docs/viewer.md
+# A simulated camera, in builds for tests.
+if "$E2LF" --version | grep "^metavision: ON (.*simulated" >/dev/null; then
+  export E2LF_STAND_IN="serial=A1;period_us=200;loop;file=$PWD/recordings/REC.raw"
+  page docs/camera.md
+  exists camera/capture.raw camera/capture.bias
+fi
+page docs/live.md
+exists live/out/last.npy live/out/live.json

@@ -30,17 +30,17 @@ for input in scene.npy field.npz demo/scene; do
 done
 fails 1 "this is a model" "$E2LF" reconstruct "$model" -m "$model" -o out
 fails 1 "this is a folder of cycles" "$E2LF" reconstruct cycles -m "$model" -o out
-fails 1 "this is event images" "$E2LF" convert events.npz out
+fails 1 "these are event images" "$E2LF" convert events.npz out
 fails 1 "this is a model" "$E2LF" convert "$model" out
 fails 1 "name one, as cycles/cycle_00000" "$E2LF" convert cycles out
 fails 1 "name one, as cycles/cycle_00000" "$E2LF" eval demo/scene cycles
 fails 1 "no such file" "$E2LF" convert none out
 mkdir empty
-fails 1 "the folder holds neither" "$E2LF" info empty
-fails 1 "the folder holds neither" "$E2LF" convert empty out
-fails 1 "the folder holds neither" "$E2LF" reconstruct empty -m "$model" -o out
+fails 1 "the folder contains neither" "$E2LF" info empty
+fails 1 "the folder contains neither" "$E2LF" convert empty out
+fails 1 "the folder contains neither" "$E2LF" reconstruct empty -m "$model" -o out
 if grep -q -- --export <<<"$("$E2LF" view --help)"; then
-  fails 1 "the folder holds neither" "$E2LF" view empty --export page.html
+  fails 1 "the folder contains neither" "$E2LF" view empty --export page.html
 fi
 # An archive is told by its headers: the data behind them are not read for it.
 py - <<'PY'
@@ -50,6 +50,6 @@ data = bytearray(open("stored.npz", "rb").read())
 data[len(data) // 2] ^= 255
 open("damaged.npz", "wb").write(data)
 PY
-fails 1 "this is event images" "$E2LF" convert damaged.npz out
+fails 1 "these are event images" "$E2LF" convert damaged.npz out
 fails 1 "checksum" "$E2LF" info damaged.npz
 absent out page.html

@@ -6,6 +6,10 @@ cmake --install "$E2LF_BUILD" --prefix "$PWD/prefix" >install.log || fail "$(tai
 installed=$PWD/prefix/bin/e2lf
 "$installed" demo -o demo --width 96 --height 64 --quiet
 exists demo/scene prefix/share/e2lf/models/e2lf-n4.safetensors
+# The library of a camera lies in a prefix of its own: the program finds it there, and so does what is built with the package.
+if "$installed" --version | grep "^metavision: ON (.*simulated" >/dev/null; then
+  [ "$(E2LF_STAND_IN=serial=A1 "$installed" camera list --quiet)" = camera://metavision/e2lf:stand_in:A1 ] || fail "the HAL"
+fi
 
 cmake -S "$TESTSUITE/../examples" -B examples -G Ninja -DCMAKE_PREFIX_PATH="$PWD/prefix" -DCMAKE_BUILD_TYPE=Release >configure.log 2>&1 ||
   fail "$(tail -20 configure.log)"

@@ -42,7 +42,7 @@ check "$(json out.json "j['events']") == 50000"
 
 # What is outside the sensor is said, with the count and the remedy.
 "$E2LF" convert sorted.csv small.npz --sensor-width 32 --sensor-height 48 --quiet 2>stderr.txt
-grep -qE "left out [0-9]+ events outside the sensor; --sensor-width" stderr.txt || fail "$(cat stderr.txt)"
+grep -qE "left out [0-9]+ events outside the sensor; give the sensor size with --sensor-width" stderr.txt || fail "$(cat stderr.txt)"
 "$E2LF" convert sorted.csv small.npz --sensor-width 32 --sensor-height 48 --overwrite --json >out.json 2>stderr.txt
 check "$(json out.json "j['left_out'][0]['reason'] == 'out_of_range' and j['left_out'][0]['count'] + j['events'] == 50000")"
 fails 1 "strict" "$E2LF" convert sorted.csv strict.npz --sensor-width 32 --sensor-height 48 --strict
@@ -71,7 +71,7 @@ absent strict.npz strict.npz.run.json
 printf '%%geometry:64,48\n' >empty.csv
 fails 1 "no event and no trigger" "$E2LF" convert empty.csv empty.npz
 fails 1 "is empty" "$E2LF" convert sorted.csv range.npz --from-us 2 --to-us 1
-fails 1 "in that time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
+fails 1 "in this time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
 absent empty.npz range.npz
 "$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --json >absolute.json
 first=$(head -1 sorted.csv | cut -d, -f4)
@@ -87,7 +87,7 @@ absent unknown.npz
 # Event images of another size are not those of a light field.
 "$E2LF" simulate demo/scene -o demo.npz --quiet
 "$E2LF" demo -o small --width 80 --height 64 --quiet
-fails 1 "are not of a light field" "$E2LF" eval small/scene small/scene --events demo.npz
+fails 1 "do not belong to a light field" "$E2LF" eval small/scene small/scene --events demo.npz
 # What info tells of triggers, of a sensor of unknown size, and of packed data.
 "$E2LF" info recording.raw --json >info.json
 check "$(json info.json "j['trigger_channels'][0]['rising'] > 0 and j['trigger_channels'][0]['rising_period_us'] > 0 and j['extents']['width'] <= 96")"
@@ -119,7 +119,7 @@ check "$(json out.json "[(l['reason'], l['count']) for l in j['left_out']]") == 
 grep -q "hot.csv: left out 7233 events of pixels with more than 32,767 in an event image" stderr.txt || fail "$(cat stderr.txt)"
 [ "$(json hot.npz.run.json "j['notes']['left_out'][0]['count']")" = 7233 ] || fail "the record"
 check "$(py -c 'import numpy as np; print(np.load("hot.npz")["events"].max())') == 32767"
-fails 1 "no room for 7233 events" "${hot[@]}" -o strict.npz --strict
+fails 1 "cannot count 7233 events" "${hot[@]}" -o strict.npz --strict
 absent strict.npz
 py - <<'PY'
 import numpy as np
@@ -130,7 +130,7 @@ PY
 sums=("$E2LF" reconstruct sum.npz -m "$TESTSUITE/../models/e2lf-n4-capture.safetensors" --cycles-per-field 2 --gain 1)
 "${sums[@]}" -o sum --json >out.json 2>stderr.txt
 check "$(json out.json "[(l['reason'], l['count']) for l in j['left_out']]") == [('saturated', 40000 - 32767)]"
-fails 1 "no room for 7233 events" "${sums[@]}" -o strict --strict
+fails 1 "cannot count 7233 events" "${sums[@]}" -o strict --strict
 absent strict
 
 # What a replayed recording leaves out is accounted for as the file's is.

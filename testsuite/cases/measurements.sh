@@ -32,8 +32,8 @@ fails 1 "e2lf-n4 takes event-images" "$E2LF" reconstruct hybrid.npz -m "$TESTSUI
 fails 1 "is no stream of events" "$E2LF" simulate demo/scene --measurement hybrid -o rec.raw
 fails 1 "event images have no noise of intensity images" "$E2LF" simulate demo/scene --sigma-i 0.1 -o no.npz
 fails 1 "the measurement \"picture\" is not known" "$E2LF" simulate demo/scene --measurement picture -o no.npz
-fails 1 "constants come from event images" "$E2LF" calibrate coded.npz -o no.json
-fails 1 "the viewer shows no measurement" "$E2LF" view coded.npz --export no.html
+fails 1 "a calibration uses event images" "$E2LF" calibrate coded.npz -o no.json
+fails 1 "the viewer does not show measurements" "$E2LF" view coded.npz --export no.html
 absent no no.npz rec.raw no.json no.html
 
 # How well events stand for intensities: more noise and larger thresholds are worse.
@@ -47,7 +47,7 @@ error = {(r["event model"], round(r["noise"], 2), round(r["tau"], 2)): r["Eq. 7 
 assert error["reference-aware", 0, 0.1] < error["reference-aware", 0, 0.4], error
 assert error["reference-aware", 0, 0.1] < error["reference-aware", 1, 0.1], error
 PY
-fails 1 "an order has each of 1 to 4 once" "$E2LF" equivalence demo/scene -o no --order 1,1,2,3
+fails 1 "an order contains each of 1 to 4 once" "$E2LF" equivalence demo/scene -o no --order 1,1,2,3
 
 # A network for each measurement: trained for a moment, it takes what it was trained for, in `compare`, too.
 [ -x "$(dirname "$E2LF")/e2lf-train" ] || skip "e2lf was built without torch"

@@ -58,7 +58,7 @@ model=$models/e2lf-n4-camera.safetensors
 "$E2LF" reconstruct events.npz -m "$model" "${camera[@]}" -o told "${network_output[@]}"
 same_views "$model" events.npz told
 py -c 'import numpy as np; a, b = (np.load(f + "/lightfield.npy") for f in ("told", "e2lf-n4-camera")); assert abs(a - b).max() > 0.01'
-fails 1 "works for one camera alone" "$E2LF" model export "$models/e2lf-n4.safetensors" -o other.onnx --camera paper
+fails 1 "works for a single camera" "$E2LF" model export "$models/e2lf-n4.safetensors" -o other.onnx --camera paper
 
 # Several cycles are a batch.
 camera=()

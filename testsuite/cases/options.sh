@@ -2,22 +2,22 @@
 model=$TESTSUITE/../models/e2lf-n4.safetensors
 "$E2LF" demo -o demo --width 48 --height 32 --quiet
 simulate=("$E2LF" simulate demo/scene -m "$model" -o events.npz)
-fails 2 "--cycles: 0 is outside of the range; give at least 1" "${simulate[@]}" --cycles 0
-fails 2 "--seed: \"-1\" is no whole number" "${simulate[@]}" --seed -1
-fails 2 "--seed: \"99999999999999999999\" is no whole number" "${simulate[@]}" --seed 99999999999999999999
-fails 2 "--threads: 10000 is outside of the range; give 0 to 1024" "${simulate[@]}" --threads 10000
-fails 2 "--tau: \"nan\" is no number" "${simulate[@]}" --tau nan
+fails 2 "--cycles: 0 is out of range; give at least 1" "${simulate[@]}" --cycles 0
+fails 2 "--seed: \"-1\" is not a whole number" "${simulate[@]}" --seed -1
+fails 2 "--seed: \"99999999999999999999\" is not a whole number" "${simulate[@]}" --seed 99999999999999999999
+fails 2 "--threads: 10000 is out of range; give 0 to 1024" "${simulate[@]}" --threads 10000
+fails 2 "--tau: \"nan\" is not a number" "${simulate[@]}" --tau nan
 fails 2 "--white: 0 is not above 0" "${simulate[@]}" --white 0
-fails 2 "--step: 0 is outside of the range; give 1 to 65535" "${simulate[@]}" --step 0
-fails 2 "--duration-us: 0 is outside of the range; give at least 1" "$E2LF" codes render -o frames --duration-us 0
+fails 2 "--step: 0 is out of range; give 1 to 65535" "${simulate[@]}" --step 0
+fails 2 "--duration-us: 0 is out of range; give at least 1" "$E2LF" codes render -o frames --duration-us 0
 absent events.npz frames
 "${simulate[@]}" --seed 007 --quiet
 "$E2LF" simulate demo/scene -m "$model" --seed 7 -o seven.npz --quiet
 cmp events.npz seven.npz
 "$E2LF" simulate demo/scene -m "$model" -o recording.raw --cycles 2 --quiet
 accumulate=("$E2LF" accumulate recording.raw -o images.npz)
-fails 2 "--max-cycles: \"-1\" is no whole number" "${accumulate[@]}" --max-cycles -1
-fails 2 "--origin-us: \"99999999999999999999\" is no whole number" "${accumulate[@]}" --origin-us 99999999999999999999
+fails 2 "--max-cycles: \"-1\" is not a whole number" "${accumulate[@]}" --max-cycles -1
+fails 2 "--origin-us: \"99999999999999999999\" is not a whole number" "${accumulate[@]}" --origin-us 99999999999999999999
 fails 2 "a name that ends in .svg or .png" "${accumulate[@]}" --plot cycles.jpg
 fails 2 "none.json" "${accumulate[@]}" --schedule none.json
 absent images.npz cycles.png
@@ -43,7 +43,7 @@ fails 1 "--v2e-preset" "$E2LF" simulate demo/scene -m "$model" -o no.npz --v2e-p
 fails 1 "--width" "$E2LF" simulate demo/scene -m "$model" -o no.raw --stream --width 50
 absent rec.csv hci no.npz no.raw
 fails 1 "the method inversion makes one pass" "${reconstruct[@]}" --method inversion --passes 2
-fails 2 "--passes: 65 is outside of the range; give 1 to 64" "${reconstruct[@]}" --passes 65
+fails 2 "--passes: 65 is out of range; give 1 to 64" "${reconstruct[@]}" --passes 65
 absent out
 make release weights
 "$E2LF" model import --release weights -o paper.safetensors --quiet
@@ -70,9 +70,9 @@ cmp images.npz repeated.npz
 "$E2LF" demo --config demo/run.json -o repeated_demo --quiet
 cmp demo/events.npz repeated_demo/events.npz
 # A record of another verb is refused; an input that has changed is said.
-fails 2 "the record of another verb's run" "$E2LF" reconstruct --config events.npz.run.json
+fails 2 "the record of a run of another verb" "$E2LF" reconstruct --config events.npz.run.json
 "$E2LF" simulate demo/scene -m "$model" --seed 8 -o events.npz --overwrite --quiet
 "$E2LF" reconstruct --config out/run.json -o changed >out.txt 2>err.txt
-grep -q "events.npz is not what it was in the earlier run" err.txt || fail "$(cat err.txt)"
+grep -q "events.npz has changed since the earlier run" err.txt || fail "$(cat err.txt)"
 fails 1 "a port is for --view alone" "$E2LF" reconstruct events.npz -m "$model" --port 5000 -o port
 absent port

@@ -16,7 +16,7 @@ for format in npy hdf5 dsec; do
 done
 absent ./-
 fails 1 "give it such a name" "$E2LF" accumulate rec.raw -o /dev/null
-fails 1 "as .raw or .hdf5" "$E2LF" simulate demo/scene -o - </dev/null
+fails 1 "e.g. .raw or .hdf5" "$E2LF" simulate demo/scene -o - </dev/null
 absent ./-
 
 mkfifo pipe.raw
@@ -29,7 +29,7 @@ cmp file.raw piped.raw
 [ -c /dev/null ] || fail "/dev/null was replaced"
 absent /dev/null.run.json /dev/null_triggers.csv
 # Triggers that are lost are not said to be there.
-grep -q "triggers; they are lost" text.txt || fail "$(cat text.txt)"
+grep -q "triggers, which are lost" text.txt || fail "$(cat text.txt)"
 "$E2LF" convert rec.raw /dev/null --format csv >text.txt 2>warnings.txt
 grep -q " events and 0 triggers in /dev/null" text.txt || fail "$(cat text.txt)"
 fails 1 "name a file" "$E2LF" convert rec.raw /dev/null --format hdf5

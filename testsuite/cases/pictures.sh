@@ -34,7 +34,7 @@ exists named_qs1x1a1.33.png
 
 fails 1 'there is no row 48; give 0 to 47' "$E2LF" epi "$lf" --row 48 -o x.png
 fails 1 'give --row or --column' "$E2LF" epi "$lf" --view 2 -o x.png
-fails 1 'no view lies in this aperture' "$E2LF" refocus "$lf" --disparity=0 --aperture 0 -o x.png
+fails 1 'this aperture contains no view' "$E2LF" refocus "$lf" --disparity=0 --aperture 0 -o x.png
 fails 1 'give --aperture' "$E2LF" refocus "$lf" --disparity=0 --centre-row 1 -o x.png
 fails 2 'disparity' "$E2LF" refocus "$lf" -o x.png
 fails 1 'take .gif, .webm or .mp4' "$E2LF" animate "$lf" -o x.avi

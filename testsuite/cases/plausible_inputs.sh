@@ -84,7 +84,7 @@ for kind in unsigned bytes; do
 done
 # Things that a verb does not take.
 "$E2LF" codes render -m "$model" -o display --quiet
-fails 1 "the pictures that an aperture display shows" "$E2LF" reconstruct display -m "$model" -o out
+fails 1 "the images for an aperture display" "$E2LF" reconstruct display -m "$model" -o out
 "$E2LF" info display --json >info.json
 mkdir run
 echo '{}' >run/config.json

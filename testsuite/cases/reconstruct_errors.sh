@@ -22,7 +22,7 @@ PY
 run 1 "conv-grape" events.npz -m unknown.safetensors
 run 1 "missing.npz" missing.npz -m model.safetensors
 run 2 "--gian" events.npz -m model.safetensors --gian 2
-run 1 "\"bright\" is no gain" events.npz -m model.safetensors --gain bright
+run 1 "\"bright\" is not a gain" events.npz -m model.safetensors --gain bright
 run 2 "did you mean" events.npz -m model.safetensors --set precison=float32
 
 # Codes that cannot have made these events.

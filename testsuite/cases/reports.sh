@@ -79,7 +79,7 @@ if [ -x "$(dirname "$E2LF")/e2lf-train" ]; then
   page train.html "running mean" "learning rate" "Configuration" "synthesised 2"
   exists train.csv run/curves.html
   cmp train.html run/curves.html || fail "the page is that of the run"
-  fails 1 "the run writes a file of this name" "$E2LF" train "$config" -o other "${set[@]}" --report other/log.csv
+  fails 1 "the run writes a file with this name" "$E2LF" train "$config" -o other "${set[@]}" --report other/log.csv
   fails 1 "(--overwrite)" "$E2LF" train "$config" -o other "${set[@]}" --report train.html
   absent other
 fi

@@ -81,7 +81,7 @@ absent bb_triggers.csv
 cp in.csv bb_triggers.csv
 [ "$(triggers bb.csv)" = 0 ] || fail "events were read as triggers"
 "$E2LF" info bb.csv >info.txt 2>stderr.txt
-grep -q "holds events and not the triggers of bb.csv" stderr.txt || fail "$(cat stderr.txt)"
+grep -q "contains events and not the triggers of bb.csv" stderr.txt || fail "$(cat stderr.txt)"
 "$E2LF" convert without.raw y_cd.dat --quiet
 cp x_cd.dat y_trigger.dat
 fails 1 "did not write it" "$E2LF" convert with.raw y_cd.dat --overwrite

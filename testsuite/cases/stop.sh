@@ -63,7 +63,7 @@ grown() { [ "$(cat "$1".*.part/* 2>/dev/null | wc -c)" -gt "$2" ]; }
 
 size=$(stat -c %s rec.raw)
 ended INT 130 'grown live.raw 20000' "$E2LF" convert "$address" live.raw --event-format evt3
-grep -q "ended by SIGINT; what was complete by then is written" stderr.txt || fail "nothing was said"
+grep -q "ended by SIGINT; everything that was complete was written" stderr.txt || fail "nothing was said"
 [ "$("$E2LF" info live.raw --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" -gt 0 ] || fail "live.raw"
 ended TERM 143 'grown live.npz 1000' "$E2LF" accumulate "$address" -o live.npz --source triggers
 py - <<'PY'

@@ -19,7 +19,7 @@ ln -s ../secret.txt linked/secret.txt
 exists light.html light.html.run.json
 fails 1 "(--overwrite)" "$E2LF" view light.npy --export light.html
 mkdir empty
-fails 1 "holds neither event images" "$E2LF" view empty --export none.html
+fails 1 "contains neither event images" "$E2LF" view empty --export none.html
 fails 1 "check the path" "$E2LF" view nowhere
 absent none.html
 "$E2LF" view light.npy other.npy --export compare.html --quiet
@@ -30,7 +30,7 @@ np.save("small.npy", np.zeros((4, 5), np.float32))
 PY
 fails 1 "small.npy: has 5x4 px" "$E2LF" view light.npy --disparity small.npy --export none.html
 fails 1 "check the path" "$E2LF" view light.npy --disparity nowhere.npy --export none.html
-fails 1 "--disparity: a disparity map is shown on a light field" "$E2LF" view events.npz --disparity disparity.npy --export none.html
+fails 1 "--disparity: a disparity map is shown over a light field" "$E2LF" view events.npz --disparity disparity.npy --export none.html
 absent none.html
 "$E2LF" view colour.npy --export colour.html --quiet
 "$E2LF" view fine.npy --export fine.html --quiet
@@ -50,5 +50,7 @@ PY
 "$E2LF" view light.npy other.npy events.npz "$TESTSUITE/../models/e2lf-n4.safetensors" --export all.html --quiet
 
 "$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 6 -o six.raw --quiet
+"$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 120 -o long.raw --quiet
+"$E2LF" reconstruct long.raw -m "$TESTSUITE/../models/e2lf-n4.safetensors" --format npy -o long --quiet
 
 E2LF=$E2LF E2LF_MODEL=$TESTSUITE/../models/e2lf-n4.safetensors node "$viewer/test/run.mjs"

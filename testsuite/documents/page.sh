@@ -18,7 +18,7 @@ page() {
   py "$TESTSUITE/documents/documents.py" script "$root/$page" "$TESTSUITE/documents/not_run.txt" >"$folder.sh"
   if [ ! -x "$(dirname "$E2LF")/e2lf-train" ]; then
     # Built without torch: what trains, and what uses the result.
-    sed -i -E 's/^.*(runs\/|RUN|e2lf-train).*$/echo "not run (this build has no torch): a command of training"/' "$folder.sh"
+    sed -i -E 's/^.*(runs\/|\bRUN\b|e2lf-train).*$/echo "not run (this build has no torch): a command of training"/' "$folder.sh"
   fi
   if ! "$E2LF" --version | grep -q "^films: ON"; then
     sed -i -E 's/^e2lf animate .*\.(gif|mp4|webm).*$/echo "not run (this build makes no films): e2lf animate"/' "$folder.sh"

@@ -60,7 +60,16 @@ export interface ModelItem {
   codes?: Codes;
 }
 
-export type Item = LightFieldItem | EventImagesItem | RecordingItem | ModelItem;
+/** Of `e2lf live`: the light fields, and what else there is to see of a source while it comes. */
+export interface LiveItem {
+  kind: 'live_setup' | 'live_field';
+  name: string;
+  views: [number, number]; // rows, columns
+  height: number; // of the sensor, px
+  width: number;
+}
+
+export type Item = LiveItem | LightFieldItem | EventImagesItem | RecordingItem | ModelItem;
 
 export interface Comparison {
   first: number; // the truth, and the reconstruction: numbers of items
@@ -73,8 +82,11 @@ export interface ViewDocument {
   version: 1;
   items: Item[];
   comparisons: Comparison[];
-  is_growing?: boolean | undefined; // more cycles will come: growth.ts
+  is_growing?: boolean | undefined; // more cycles will come, or of e2lf live other items: growth.ts
 }
+
+/** Whether this is the page of `e2lf live`. */
+export const isLivePage = ({ items }: ViewDocument): boolean => items[0]?.kind === 'live_setup';
 
 /** Where the description and the parts come from. */
 export interface Source {

@@ -6,13 +6,15 @@ const periodMs = 300;
 
 const rest = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, periodMs));
 
-/** Takes over what is new. Items and cycles are only ever added. */
+/** Takes over what is new. A reconstruction only ever adds items and cycles; a live page replaces what was frozen. */
 function merge(target: ViewDocument, fresh: ViewDocument): void {
+  target.items.length = Math.min(target.items.length, fresh.items.length);
   fresh.items.forEach((item, i) => {
     const known = target.items[i];
-    if (!known) target.items.push(item);
-    else if (known.kind === 'light_field' && item.kind === 'light_field') known.cycles = item.cycles;
+    if (known?.kind === 'light_field' && item.kind === 'light_field' && known.name === item.name) known.cycles = item.cycles;
+    else if (known?.kind !== item.kind || known.name !== item.name) target.items[i] = item;
   });
+  target.comparisons = fresh.comparisons;
   target.is_growing = fresh.is_growing;
 }
 

@@ -36,6 +36,12 @@ export class LightFieldViews {
     return this.pictures.isGrey;
   }
 
+  /** Nothing more is loaded. */
+  close(): void {
+    ++this.loading;
+    this.painter.gl.deleteTexture(this.texture);
+  }
+
   /** Loads a cycle, unless it is there; `onProgress` is called now and then, and at the end. */
   async load(cycle: number, onProgress: (share: number) => void): Promise<void> {
     const number = Math.min(Math.max(Math.round(cycle), 0), this.item.cycles.length - 1);

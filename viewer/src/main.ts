@@ -1,6 +1,6 @@
 // Starts the page: tabs for what there is to look at, one screen at a time, keys.
 import { busy } from './busy';
-import { openSource, type Item, type Source } from './document';
+import { isLivePage, openSource, type Item, type Source } from './document';
 import { element, Panel } from './dom';
 import { followGrowth } from './growth';
 import { showHelp } from './help';
@@ -9,6 +9,8 @@ import type { Context, Screen } from './screen';
 import { savePictures } from './screenshot';
 import { EventsScreen } from './screens/events';
 import { LightFieldScreen } from './screens/light_field';
+import { LiveFieldScreen } from './screens/live_field';
+import { LiveSetupScreen } from './screens/live_setup';
 import { ModelScreen } from './screens/model';
 import { RecordingScreen } from './screens/recording';
 import { State } from './state';
@@ -23,6 +25,8 @@ const byId = (id: string): HTMLElement => document.getElementById(id)!;
 
 function openItem(context: Context, item: Item): Screen {
   switch (item.kind) {
+    case 'live_setup': return new LiveSetupScreen(context, item);
+    case 'live_field': return new LiveFieldScreen(context, item);
     case 'light_field': return new LightFieldScreen(context, item);
     case 'event_images': return new EventsScreen(context, item);
     case 'recording': return new RecordingScreen(context, item);
@@ -30,20 +34,24 @@ function openItem(context: Context, item: Item): Screen {
   }
 }
 
+const numLiveTabs = 2;
+
 /** Comparisons first: whoever gives two light fields wants to compare them. */
-function makeTabs({ items, comparisons }: Source['document']): Tab[] {
+function makeTabs(document: Source['document']): Tab[] {
+  const { items, comparisons } = document;
   const compared = comparisons.map((figures): Tab | null => {
     const [first, second] = [items[figures.first], items[figures.second]];
     if (first?.kind !== 'light_field' || second?.kind !== 'light_field') return null;
     return { name: `${first.name} and ${second.name}`, open: (context) => new LightFieldScreen(context, first, { item: second, figures }) };
   });
   const single = items.map((item): Tab => ({ name: item.name, open: (context) => openItem(context, item) }));
-  return [...compared.filter((tab) => tab !== null), ...single];
+  const live = single.splice(0, isLivePage(document) ? numLiveTabs : 0);
+  return [...live, ...compared.filter((tab) => tab !== null), ...single];
 }
 
 class Page {
   private readonly state = new State();
-  private readonly tabs: Tab[];
+  private tabs: Tab[];
   private screen: Screen | null = null;
   private panel: Panel | null = null;
   private opened = -1;
@@ -65,20 +73,36 @@ class Page {
   }
 
   grow(): void {
+    const tabs = makeTabs(this.source.document);
+    const isSame = tabs.length === this.tabs.length && tabs.every(({ name }, i) => name === this.tabs[i]!.name);
+    if (!isSame) return this.showFrozen(tabs);
     this.screen?.grow?.();
     this.panel?.follow();
+  }
+
+  /** The first tab behind those of the source is the one to see. */
+  private showFrozen(tabs: Tab[]): void {
+    this.tabs = tabs;
+    this.addTabs();
+    this.opened = -1;
+    this.state.set('tab', numLiveTabs);
+    if (this.opened < 0) this.open();
   }
 
   private chosen(): number {
     return Math.min(Math.max(Math.round(this.state.get('tab')), 0), this.tabs.length - 1);
   }
 
-  private addHeader(): void {
-    this.tabs.forEach(({ name }, i) => {
+  private addTabs(): void {
+    byId('tabs').replaceChildren(...this.tabs.map(({ name }, i) => {
       const button = element('button', { type: 'button', role: 'tab', title: name }, name);
       button.addEventListener('click', () => this.state.set('tab', i));
-      byId('tabs').append(button);
-    });
+      return button;
+    }));
+  }
+
+  private addHeader(): void {
+    this.addTabs();
     const actions: [string, string, () => void][] = [
       ['Save', 'Save the picture as PNG', () => this.save()],
       ['Theme', 'Dark or light', () => this.nextTheme()],

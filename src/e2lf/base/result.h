@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -28,8 +30,8 @@ enum class ErrorCode {
 /// Returns the name of a code as used in JSON output, e.g. "not_found".
 [[nodiscard]] const char* error_code_name(ErrorCode code);
 
-/// The settings with which a caller can fix an error or override an assumption. The library only names the setting; the
-/// verbs of e2lf add the command-line flag.
+/// The settings with which a caller can fix an error or override an assumption. The library only names the setting;
+/// each program adds how it is made there.
 enum class Setting {
   kNone,
   kOverwrite,
@@ -95,6 +97,22 @@ class [[nodiscard]] Result {
     return std::get<1>(state_);
   }
 
+  /// Returns the Result of `next`, called with the value, or the error.
+  template <typename Next>
+  auto and_then(Next&& next) const& -> std::invoke_result_t<Next, const T&> {
+    if (!ok()) return error();
+    return std::invoke(std::forward<Next>(next), std::get<0>(state_));
+  }
+  template <typename Next>
+  auto and_then(Next&& next) && -> std::invoke_result_t<Next, T&&> {
+    if (!ok()) return error();
+    return std::invoke(std::forward<Next>(next), std::get<0>(std::move(state_)));
+  }
+
+  /// Returns the value, or `fallback` if there is none.
+  [[nodiscard]] T value_or(T fallback) const& { return ok() ? std::get<0>(state_) : std::move(fallback); }
+  [[nodiscard]] T value_or(T fallback) && { return ok() ? std::get<0>(std::move(state_)) : std::move(fallback); }
+
  private:
   void require_ok() const {
     if (!ok()) throw ContractError("value() of a Result that holds an error: " + std::get<1>(state_).text());
@@ -118,6 +136,13 @@ class [[nodiscard]] Result<void> {
   [[nodiscard]] const Error& error() const {
     E2LF_REQUIRE(!ok(), "error() of a Result that holds success");
     return *error_;
+  }
+
+  /// Returns the Result of `next`, or the error.
+  template <typename Next>
+  auto and_then(Next&& next) const -> std::invoke_result_t<Next> {
+    if (!ok()) return error();
+    return std::invoke(std::forward<Next>(next));
   }
 
  private:

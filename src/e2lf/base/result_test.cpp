@@ -48,10 +48,35 @@ TEST(Result, MacrosPassTheFirstErrorOn) {
   EXPECT_FALSE(check(6).ok());
 }
 
+TEST(Result, AndThenGoesOnWithTheValueOrPassesTheErrorOn) {
+  EXPECT_EQ(half(8).and_then(half).and_then(half).value(), 1);
+  bool was_called = false;
+  const auto after = half(6).and_then(half).and_then([&](int) {
+    was_called = true;
+    return Result<std::string>("reached");
+  });
+  EXPECT_EQ(after.error().location, "a.npy");
+  EXPECT_FALSE(was_called);
+  EXPECT_TRUE(half(8).and_then(check));
+  EXPECT_EQ(check(4).and_then([] { return half(4); }).value(), 2);
+  EXPECT_EQ(check(6).and_then([] { return half(4); }).error().code, ErrorCode::kShape);
+}
+
+TEST(Result, ValueOrIsTheFallbackOnlyOfAnError) {
+  EXPECT_EQ(half(4).value_or(7), 2);
+  EXPECT_EQ(half(3).value_or(7), 7);
+  const Result<std::vector<int>> kept = std::vector<int>{1, 2};
+  EXPECT_EQ(kept.value_or({}).size(), 2U);
+  EXPECT_EQ(kept->size(), 2U);
+}
+
 TEST(Result, MovesWhatCannotBeCopied) {
   Result<std::unique_ptr<int>> result(std::make_unique<int>(5));
   const std::unique_ptr<int> value = *std::move(result);
   EXPECT_EQ(*value, 5);
+  const auto next = Result(std::make_unique<int>(6)).and_then([](std::unique_ptr<int> taken) { return half(*taken); });
+  EXPECT_EQ(next.value(), 3);
+  EXPECT_EQ(*Result(std::make_unique<int>(7)).value_or(nullptr), 7);
 }
 
 TEST(Result, AValueTakenFromATemporaryOutlivesIt) {

@@ -120,7 +120,7 @@ Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& 
   if (!start.is_pixel()) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the camera \"", start.name, "\" is of the event model ", start.event_model,
-                     "; begin with one of the model pixel"),
+                     "; start with a camera of the model pixel"),
                  ""};
   }
   return {};
@@ -243,16 +243,17 @@ std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, c
     const double spreads =
         std::abs(after[static_cast<Eigen::Index>(i)] - before[static_cast<Eigen::Index>(i)]) / each.spread;
     if (spreads > kQuantile) {
-      warnings.push_back(
-          cat(each.key, " went from ", static_cast<float>(each.get(start)), " to ", static_cast<float>(value),
-              ", which is out of the starting camera's uncertainty; check the input, or hold it with --hold"));
+      warnings.push_back(cat(each.key, " went from ", static_cast<float>(each.get(start)), " to ",
+                             static_cast<float>(value),
+                             ", which is outside the uncertainty of the starting camera; check the input, or fix the "
+                             "constant with --hold"));
     }
     for (const Bound& bound : bounds) {
       if (each.kind != Parameter::Kind::kConstant || each.index != static_cast<size_t>(bound.constant)) continue;
       const bool is_low = each.is_logarithm ? value < kNearBound * each.get(start) : value <= bound.low;
       if (!is_low && value < bound.high) continue;
       warnings.push_back(cat(each.key, " ends at the bound ", is_low ? bound.low : bound.high,
-                             ": the input contradicts the model; hold it with --hold"));
+                             ": the input contradicts the model; fix the constant with --hold"));
     }
   }
   return warnings;
@@ -289,7 +290,7 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
   if (calibrator.areas().size() < kLeastAreas) {
     return Error{ErrorCode::kInvalidValue,
                  cat("only ", calibrator.areas().size(), " flat areas were found in ", result.flat_pixels,
-                     " flat pixels; record a scene with larger even areas of several brightnesses"),
+                     " flat pixels; record a scene with larger uniform areas of different brightness"),
                  ""};
   }
   const Solution solution = solve(calibrator, all, options.is_even);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "e2lf/calibrate/fit.h"
+#include "testing/pixel_levels.h"
 #include "testing/test_still_scenes.h"
 
 namespace e2lf::calibrate {
@@ -70,6 +71,24 @@ TEST(CountDistribution, IsOneCombinationForPixelsWithoutAnyRandomness) {
   std::vector<double> model(histogram_size(2));
   count_distribution(camera.pixel, {.inverse = 5.0, .of_patterns = {1.0, 10.5, 4.0}}, model);
   EXPECT_NEAR(model[count_place(5) * kNumCounts + count_place(-1)], 1.0, 1e-9);
+}
+
+TEST(CountDistribution, AgreesWithTheOtherFormsOfThePhysicalPixel) {
+  constexpr float kThreshold = 0.6F;
+  const auto pixel = capture::lagging_camera(kThreshold).pixel;
+  const auto levels = capture::pixel_levels(pixel);
+  PixelLight light{.inverse = capture::exposure_of(capture::kInverseLight, pixel), .of_patterns = {}};
+  double reference = levels[0];
+  size_t cell = 0;
+  for (size_t n = 0; n < 4; ++n) {
+    light.of_patterns.push_back(capture::exposure_of(capture::kPatternLight[n], pixel));
+    const int count = static_cast<int>((levels[n] - reference) / kThreshold);
+    reference += count * static_cast<double>(kThreshold);
+    if (n > 0) cell = cell * kNumCounts + count_place(count);
+  }
+  std::vector<double> model(histogram_size(3));
+  count_distribution(pixel, light, model);
+  EXPECT_NEAR(model[cell], 1.0, 1e-3);
 }
 
 }  // namespace

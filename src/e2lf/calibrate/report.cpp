@@ -39,22 +39,22 @@ struct Meaning {
 };
 constexpr const char* kLog = "ln";  // natural logarithm of intensity
 constexpr std::array<Meaning, 16> kMeanings = {{
-    {"receptor_rate_hz", "1/s", "how fast the photoreceptor follows, in the dark"},
-    {"amplifier_rate_hz", "1/s", "how fast the amplifier behind it follows"},
-    {"leak", "1", "share of the light that a closed cell of the aperture passes"},
-    {"threshold_on", kLog, "contrast that makes an ON event"},
-    {"threshold_off", kLog, "contrast that makes an OFF event"},
-    {"mismatch", "1", "how far both thresholds of a pixel are off together (standard deviation, relative)"},
-    {"mismatch_each", "1", "how far each of them is off on its own"},
+    {"receptor_rate_hz", "1/s", "bandwidth of the photoreceptor in the dark"},
+    {"amplifier_rate_hz", "1/s", "bandwidth of the amplifier"},
+    {"leak", "1", "fraction of the light that a closed cell of the aperture transmits"},
+    {"threshold_on", kLog, "contrast threshold of ON events"},
+    {"threshold_off", kLog, "contrast threshold of OFF events"},
+    {"mismatch", "1", "mismatch that both thresholds of a pixel share (relative standard deviation)"},
+    {"mismatch_each", "1", "mismatch of each threshold alone (relative standard deviation)"},
     {"noise", kLog, "standard deviation of the level at the end of a pattern"},
-    {"shot_noise", kLog, "standard deviation that the dark adds"},
-    {"reset_span", "threshold_off", "range in which black leaves a pixel's reference"},
-    {"reset_offset", kLog, "how far that range begins below the level of black"},
-    {"dark_off", "1/pattern", "share of pixels with a causeless OFF event, in the dark"},
-    {"dark_on", "1/pattern", "share of pixels with a causeless ON event, in the dark"},
-    {"transmission", "1", "light of this lit pattern relative to its open cells; that of lit pattern 0 is 1"},
-    {"transmission.slope_x", "ln/half width", "change of that to the right"},
-    {"transmission.slope_y", "ln/half width", "change of that downwards"},
+    {"shot_noise", kLog, "additional standard deviation in the dark"},
+    {"reset_span", "threshold_off", "range of a pixel's reference after black"},
+    {"reset_offset", kLog, "offset of that range below the black level"},
+    {"dark_off", "1/pattern", "fraction of pixels with a spurious OFF event in the dark"},
+    {"dark_on", "1/pattern", "fraction of pixels with a spurious ON event in the dark"},
+    {"transmission", "1", "light of this active pattern relative to its open cells; 1 for the first"},
+    {"transmission.slope_x", "ln/half width", "its change to the right"},
+    {"transmission.slope_y", "ln/half width", "its change downwards"},
 }};
 
 const Meaning& meaning_of(const std::string& key) {
@@ -73,7 +73,7 @@ std::string constants_text(const Calibration& calibration) {
     text += format("%-23s %10.4g %-13s %-22s %s\n", each.key.c_str(), each.value, meaning.unit, range.c_str(),
                    meaning.text);
   }
-  return text + "kept: the input does not determine it, so it stays as in the starting camera\n";
+  return text + "kept: the input does not determine this constant, so it keeps the value of the starting camera\n";
 }
 
 std::string agreement_text(const std::vector<Agreement>& agreements, bool with_place) {

@@ -6,7 +6,8 @@
 namespace e2lf::cli {
 namespace {
 
-/// In quotes that bash, zsh and fish read alike; fish would read \' and \\ in them, so those are written apart.
+/// Quotes a text so that bash, zsh and fish read it alike. fish would interpret \' and \\ within quotes, so they are
+/// written separately.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char letter : text) {
@@ -25,7 +26,7 @@ bool is_shown(const DeclaredOption& option) {
   return !option.names().empty();
 }
 
-/// "verb) text ;;" lines, for verbs of which there is something to say.
+/// Returns lines "verb) text ;;" for the verbs with a non-empty text.
 template <typename Text>
 std::string cases_of(const std::vector<DeclaredVerb>& verbs, const Text& text_of) {
   std::string cases;
@@ -45,7 +46,7 @@ std::string flags_of(const DeclaredVerb& verb) {
   return join(flags, " ");
 }
 
-/// The first word of verbs that have subverbs, as a pattern of the shell.
+/// Returns the first words of verbs that have subverbs, as a pattern of the shell.
 std::string groups_of(const std::vector<DeclaredVerb>& verbs) {
   std::vector<std::string> groups;
   for (const DeclaredVerb& verb : verbs) {
@@ -54,7 +55,7 @@ std::string groups_of(const std::vector<DeclaredVerb>& verbs) {
   return join(groups, "|");
 }
 
-/// "e2lf-n4 ideal", of an argument that is given by its place; empty where there is none of such names.
+/// Returns the bundled names of a positional argument, "e2lf-n4 ideal", or an empty string if it has none.
 std::string bundled_arguments(const DeclaredVerb& verb) {
   for (const DeclaredOption& option : verb.options) {
     if (!option.argument.empty()) return join(option.bundled, " ");
@@ -130,7 +131,7 @@ complete -o default -F _e2lf e2lf
 )");
 }
 
-/// A text in a specification of zsh's _arguments, where brackets and colons mean something.
+/// Escapes a text for a specification of zsh's _arguments, where brackets and colons have a meaning.
 std::string zsh_text(const std::string& text) {
   std::string result;
   for (const char letter : text) {
@@ -250,7 +251,7 @@ Result<std::string> completion_script(const std::string& shell, const std::vecto
   if (shell == "bash") return bash_script(verbs);
   if (shell == "zsh") return zsh_script(verbs);
   if (shell == "fish") return fish_script(verbs);
-  return Error{ErrorCode::kInvalidValue, "there is completion for bash, zsh and fish; name one of them", shell};
+  return Error{ErrorCode::kInvalidValue, "completion is available for bash, zsh and fish; name one of them", shell};
 }
 
 }  // namespace e2lf::cli

@@ -9,8 +9,8 @@
 
 namespace e2lf::cli {
 
-/// The script that completes e2lf's verbs, flags and values in a shell: bash, zsh or fish. Fails with kInvalidValue for
-/// another one. The first of the verbs is e2lf itself.
+/// Returns the script that completes e2lf's verbs, flags and values in a shell: bash, zsh or fish. The first of `verbs`
+/// is e2lf itself. Fails with kInvalidValue for any other shell.
 [[nodiscard]] Result<std::string> completion_script(const std::string& shell, const std::vector<DeclaredVerb>& verbs);
 
 }  // namespace e2lf::cli

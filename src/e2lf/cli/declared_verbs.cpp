@@ -10,10 +10,10 @@
 namespace e2lf::cli {
 namespace {
 
-/// Where the verbs that are asked write what they are; null otherwise.
+/// The list to which verbs add their declaration while declared_verbs() runs; otherwise null.
 std::vector<DeclaredVerb>* g_declared = nullptr;
 
-/// The words of "TEXT:{auto,float32}"; none where there are no braces.
+/// Returns the words in braces of "TEXT:{auto,float32}", or none if there are no braces.
 std::vector<std::string> choices_of(const std::string& type) {
   const size_t begin = type.find('{'), end = type.find('}');
   std::vector<std::string> choices;
@@ -50,7 +50,7 @@ DeclaredOption declared_option(const CLI::Option& option) {
   return declared;
 }
 
-/// "Example:\n  e2lf demo" without its heading.
+/// Returns the example without its heading "Example:".
 std::string example_of(const CLI::App& app) {
   const std::string footer = app.get_footer();
   const size_t line = footer.find("\n  ");

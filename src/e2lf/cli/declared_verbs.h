@@ -7,37 +7,38 @@
 
 #include "e2lf/cli/verb.h"
 
-/// What the verbs declare of themselves, for texts that are made of it: completion in shells, manual pages.
+/// The declarations of the verbs, from which shell completion and manual pages are generated.
 namespace e2lf::cli {
 
-/// One flag, option or argument, as --help shows it.
+/// A flag, option or argument, as --help shows it.
 struct DeclaredOption {
-  std::vector<std::string> short_names, long_names;  ///< with their dashes; none = an argument by its place
-  std::string argument;                              ///< its name where it may be given by its place; else empty
+  std::vector<std::string> short_names, long_names;  ///< with their dashes; empty for a positional argument
+  std::string argument;                              ///< name of the positional argument; otherwise empty
   std::string help, group, default_value;
   bool takes_value = false, is_required = false;
   bool is_number = false;
-  std::vector<std::string> choices;  ///< all its values; empty = any
-  std::vector<std::string> bundled;  ///< names that it takes besides files
-  std::string type;                  ///< what --help calls its value
+  std::vector<std::string> choices;  ///< all allowed values; empty if any value is allowed
+  std::vector<std::string> bundled;  ///< names of bundled files that it accepts
+  std::string type;                  ///< the type of the value that --help shows
 
-  /// All names, the short ones first.
+  /// Returns all names, the short ones first.
   [[nodiscard]] std::vector<std::string> names() const;
-  /// What stands for its value: "PATH", "NUMBER", "{auto,float32}"; empty for a flag.
+  /// Returns the placeholder of the value: "PATH", "NUMBER", "{auto,float32}"; empty for a flag.
   [[nodiscard]] std::string placeholder() const;
 };
 
-/// One verb or subverb, with the words that call it: "codes show".
+/// A verb or subverb, with the words that call it: "codes show".
 struct DeclaredVerb {
   std::string name, summary, description, example;
   std::vector<DeclaredOption> options;
-  std::vector<std::string> subverbs;  ///< of one that is but a list of others
+  std::vector<std::string> subverbs;  ///< of a verb that only groups others
 };
 
-/// All verbs of the list and their subverbs, in its order. Runs none.
+/// Returns the declarations of all verbs of the list and their subverbs, in order, without running any.
 [[nodiscard]] std::vector<DeclaredVerb> declared_verbs(const std::vector<VerbEntry>& entries);
 
-/// While declared_verbs() asks, Verb::run() and run_subverb() answer by these and do nothing else.
+/// While declared_verbs() is running, Verb::run() and run_subverb() only register their declaration with these
+/// functions.
 [[nodiscard]] bool are_verbs_asked();
 void declare_verb(const std::string& name, const CLI::App& app);
 void declare_subverbs(const std::string& prefix, const std::vector<VerbEntry>& entries);

@@ -24,32 +24,35 @@ int run_completion(const std::vector<std::string>& arguments);
 const std::vector<VerbEntry>& verbs() {
   static const std::vector<VerbEntry> list = {
       {"demo", "simulate a scene, reconstruct its light field, measure it", run_demo},
-      {"info", "say what a file or folder is", run_info},
+      {"info", "describe a file or folder", run_info},
       {"convert", "convert between event formats, or between light-field formats", run_convert},
       {"accumulate", "recording -> event images per pattern cycle", run_accumulate},
       {"simulate", "light field -> event images or a recording", run_simulate},
       {"reconstruct", "event images or a recording -> light field", run_reconstruct},
-      {"video", "a recording -> grey frames, by a network or plainly", run_video},
-      {"calibrate", "event images of still scenes -> the constants of a camera", run_calibrate},
-      {"eval", "compare a reconstruction with the truth", run_eval},
-      {"compare", "methods over scenes, sensors and seeds -> tables and a page", run_compare},
-      {"equivalence", "how well events stand for intensities, over thresholds and noise", run_equivalence},
+      {"record", "live camera, pipe or socket -> recording, byte for byte", run_record},
+      {"camera", "list and check live cameras", run_camera},
+      {"video", "recording -> grey frames", run_video},
+      {"calibrate", "event images of static scenes -> constants of a camera", run_calibrate},
+      {"eval", "compare a reconstruction with the ground truth", run_eval},
+      {"compare", "compare methods over scenes, sensors and seeds", run_compare},
+      {"equivalence", "measure how well events determine intensities", run_equivalence},
       {"depth", "light field -> disparity map", run_depth},
-      {"refocus", "light field -> pictures of a camera with a wide aperture", run_refocus},
-      {"epi", "light field -> picture of a cut through its views", run_epi},
-      {"animate", "light field -> film that moves around or through the focus, or a quilt", run_animate},
-      {"view", "look at light fields, events, recordings and models in a browser", run_view},
-      {"pack", "light fields and photographs -> one file to train on", run_pack},
-      {"train", "learn aperture patterns and a network together", run_train},
+      {"refocus", "light field -> refocused images with a wide aperture", run_refocus},
+      {"epi", "light field -> epipolar plane image", run_epi},
+      {"animate", "light field -> film with a moving viewpoint or focus, or a quilt", run_animate},
+      {"view", "show light fields, events, recordings and models in a browser", run_view},
+      {"live", "show light fields while the camera records", run_live},
+      {"pack", "light fields and photographs -> one file for training", run_pack},
+      {"train", "learn aperture patterns and a network jointly", run_train},
       {"resume", "continue a training run", run_resume},
-      {"codes", "look at aperture patterns", run_codes},
-      {"model", "look at and import model files", run_model},
-      {"completion", "print the script that completes e2lf in a shell", run_completion},
+      {"codes", "show and render aperture patterns", run_codes},
+      {"model", "describe, import, store and export model files", run_model},
+      {"completion", "print the completion script for a shell", run_completion},
   };
   return list;
 }
 
-/// The version, what this build can do, and what kernels run as on this processor.
+/// Prints the version, the features of this build, and the instruction set that the kernels use on this processor.
 int print_version() {
   std::printf("e2lf %s\n%sinstructions: %s\n", kVersion, kFeatures, e2lf::current_isa().c_str());
   return 0;
@@ -61,7 +64,7 @@ int fail(const std::string& verb, const e2lf::Error& error, int code) {
 }
 
 int print_completion(const std::string& shell, const std::string& example, const std::vector<std::string>& arguments) {
-  Verb verb("completion " + shell, e2lf::cat("Print the script that completes e2lf in ", shell, "."), example);
+  Verb verb("completion " + shell, e2lf::cat("Print the script for the completion of e2lf in ", shell, "."), example);
   return verb.run(arguments, [&]() -> e2lf::Result<void> {
     E2LF_ASSIGN_OR_RETURN(const std::string script, completion_script(shell, declared_verbs(verbs())));
     std::fputs(script.c_str(), stdout);
@@ -72,7 +75,7 @@ int print_completion(const std::string& shell, const std::string& example, const
 int run_completion(const std::vector<std::string>& arguments) {
   if (!arguments.empty() && !arguments.front().starts_with("-")) {
     const auto script = completion_script(arguments.front(), {});
-    if (!script) return fail("completion", script.error(), 2);  // it names the shells
+    if (!script) return fail("completion", script.error(), 2);  // the error names the shells
   }
   return run_subverb(
       "completion",
@@ -85,7 +88,8 @@ int run_completion(const std::vector<std::string>& arguments) {
       arguments);
 }
 
-/// e2lf shell-texts FOLDER, for the build: manual pages (man1/) and completion (bash/, zsh/, fish/).
+/// Implements e2lf shell-texts FOLDER for the build: writes manual pages (man1/) and completion scripts (bash/, zsh/,
+/// fish/).
 int write_texts(const std::vector<std::string>& arguments) {
   if (arguments.size() != 2) {
     std::fprintf(stderr, "usage: e2lf shell-texts FOLDER\n");
@@ -108,7 +112,7 @@ int write_texts(const std::vector<std::string>& arguments) {
 int run(const std::vector<std::string>& arguments) {
   const std::string first = arguments.empty() ? "" : arguments.front();
   if (first == "--version" || first == "version") return print_version();
-  // Not in the list of verbs: of the build.
+  // Not in the list of verbs, because only the build uses it.
   if (first == "shell-texts") return write_texts(arguments);
   return run_subverb("", verbs(), arguments);
 }

@@ -9,7 +9,7 @@
 namespace e2lf::cli {
 namespace {
 
-/// Text of which roff takes nothing for a request or an escape.
+/// Escapes text so that roff finds no requests or escapes in it.
 std::string roff(const std::string& text) {
   std::string result = text.starts_with('.') || text.starts_with('\'') ? "\\&" : "";
   for (const char letter : text) {
@@ -57,7 +57,7 @@ std::string option_entry(const DeclaredOption& option) {
   return entry + (option.is_required ? "; required\n" : "\n");
 }
 
-/// Options by their groups, in the order in which these are met.
+/// Returns the options by group, in the order in which the groups occur.
 std::string options_text(const DeclaredVerb& verb) {
   std::vector<std::string> groups;
   for (const DeclaredOption& option : verb.options) {

@@ -8,10 +8,10 @@
 
 namespace e2lf::cli {
 
-/// The name of a verb's manual page without its section: "e2lf-codes-show".
+/// Returns the name of a verb's manual page without its section: "e2lf-codes-show".
 [[nodiscard]] std::string manual_name(const DeclaredVerb& verb);
 
-/// The manual page (roff, section 1) of a verb; `verbs` are all, for what it refers to.
+/// Returns the manual page (roff, section 1) of a verb. `verbs` are all verbs, to which the page may refer.
 [[nodiscard]] std::string manual_page(const DeclaredVerb& verb, const std::vector<DeclaredVerb>& verbs);
 
 }  // namespace e2lf::cli

@@ -13,7 +13,7 @@ namespace {
 
 const char* the_name = "e2lf";
 
-/// A result that did not reach its reader is a failure.
+/// If the output could not be written, the run has failed.
 int check_standard_output(int code) {
   const bool is_written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   if (is_written) return code;

@@ -7,11 +7,12 @@
 
 namespace e2lf::cli {
 
-/// Returns the name of the running program, which begins its messages: "e2lf" unless run_program() was given another.
+/// Returns the name of the running program, which its messages start with: "e2lf", unless run_program() received
+/// another.
 [[nodiscard]] const char* program_name();
 
-/// Runs the body of main(): calls `run` with the arguments behind the program's name, checks that what was printed
-/// reached the reader, and turns exceptions into a message. Returns the exit code of the process.
+/// Implements main(): calls `run` with the arguments after the program's name, checks that everything printed was
+/// written successfully, and converts exceptions to a message. Returns the exit code of the process.
 int run_program(const char* name, int argc, char** argv,
                 const std::function<int(const std::vector<std::string>& arguments)>& run);
 

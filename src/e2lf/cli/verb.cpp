@@ -10,7 +10,6 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/printable.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -21,6 +20,7 @@
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/workspace.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -33,12 +33,12 @@ void print_log(LogLevel level, const std::string& message) {
                printable(without_workspaces(message)).c_str());
 }
 
-/// --quiet: what was lost is said all the same.
+/// With --quiet, only warnings are printed.
 void print_warnings(LogLevel level, const std::string& message) {
   if (level == LogLevel::kWarning) print_log(level, message);
 }
 
-/// The names of all long flags, without "--".
+/// Returns the names of all long flags, without "--".
 std::vector<std::string> long_flags(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options()) {
@@ -52,7 +52,7 @@ std::vector<std::string> with_dashes(std::vector<std::string> names) {
   return names;
 }
 
-/// Which argument is missing, what it means, and what a whole command looks like.
+/// Returns a message with the missing argument, its meaning, and an example of a complete command.
 std::optional<std::string> missing_argument(const CLI::App& app, const std::string& example) {
   for (const CLI::Option* option : app.get_options()) {
     if (!option->get_required() || option->count() > 0) continue;
@@ -62,7 +62,7 @@ std::optional<std::string> missing_argument(const CLI::App& app, const std::stri
   return std::nullopt;
 }
 
-/// What is wrong with the first argument that looks like a long flag and is none.
+/// Returns a message about the first argument that looks like a long flag but is none.
 std::optional<std::string> unknown_argument(const CLI::App& app, const std::vector<std::string>& arguments) {
   const std::vector<std::string> known = long_flags(app);
   for (const std::string& argument : arguments) {
@@ -74,7 +74,7 @@ std::optional<std::string> unknown_argument(const CLI::App& app, const std::vect
   return std::nullopt;
 }
 
-/// Looks for --config and --set alone: what they hold may be what the rest of the line lacks.
+/// Finds only --config and --set, whose content may supply what the rest of the command line lacks.
 void find_config(std::vector<std::string> arguments, std::string& config, std::vector<std::string>& overrides) {
   CLI::App app;
   app.set_help_flag("");
@@ -85,7 +85,7 @@ void find_config(std::vector<std::string> arguments, std::string& config, std::v
   app.parse(arguments);
 }
 
-/// The flags by which a setting of the library is made.
+/// Returns the flags that set a setting of the library.
 std::vector<const char*> flags_of(Setting setting) {
   switch (setting) {
     case Setting::kNone:
@@ -122,7 +122,7 @@ std::vector<const char*> flags_of(Setting setting) {
   return {};
 }
 
-/// What a run says, and not what it makes: an earlier run's is not taken over.
+/// Options that affect what a run prints and not its result; they are not taken over from an earlier run.
 constexpr std::array kNotRepeated = {"json", "quiet", "overwrite"};
 
 }  // namespace
@@ -197,13 +197,14 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
   app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app_.footer("Example:\n  " + example);
   app_.set_help_flag("-h,--help", "print this text");
-  app_.add_option("--config", config_,
-                  "JSON file whose keys are the long flags' names, or an earlier result or its run.json");
+  app_.add_option(
+      "--config", config_,
+      "JSON file whose keys are the names of long flags, or an earlier result or its run.json, to repeat its run");
   app_.add_option("--set", overrides_, "set one key of the configuration: key=value (repeatable)")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);
-  app_.add_option("--threads", common_.threads, "number of threads, 0 = all cores")->check(whole_number(0, 1024));
-  app_.add_option("--seed", common_.seed, "seed of everything random")->capture_default_str();
+  app_.add_option("--threads", common_.threads, "number of threads; 0 = all cores")->check(whole_number(0, 1024));
+  app_.add_option("--seed", common_.seed, "seed of all random numbers")->capture_default_str();
   app_.add_flag("--json", common_.json, "print the result as JSON");
   app_.add_flag("--quiet", common_.quiet, "print nothing but warnings and errors");
   app_.add_flag("--overwrite", common_.overwrite, "replace existing output");
@@ -222,18 +223,19 @@ int Verb::usage_error(const std::string& message) const {
   return 2;
 }
 
-/// The keys and values of --config: those of the file, or the options of the run that it records.
+/// Reads the keys and values of --config: those of the file, or the options of the run that it records.
 Result<Json> Verb::read_config() {
-  // A result stands for its record.
+  // The name of a result denotes its record.
   std::error_code error;
   if (fs::is_directory(config_, error)) config_ = (fs::path(config_) / "run.json").string();
   if (const fs::path record = record_path_beside(config_); fs::exists(record, error)) config_ = record.string();
   E2LF_ASSIGN_OR_RETURN(Json config, read_json(config_));
   if (!config.is_object() || !config.contains("verb") || !config.contains("options")) return config;
   if (config["verb"] != name_) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("this is the record of another verb's run (", json_line(config["verb"]), "); give one of ", name_),
-                 config_};
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("this is the record of a run of another verb (", json_line(config["verb"]), "); give one of ", name_),
+        config_};
   }
   for (const char* name : kNotRepeated) config["options"].erase(name);
   missing_inputs_ = find_recorded_paths(config, app_);
@@ -241,7 +243,8 @@ Result<Json> Verb::read_config() {
   return earlier_run_["options"];
 }
 
-/// The flags of --config and of every --set, so that they can be parsed before the command line's own, which win.
+/// Returns the flags of --config and of every --set, which are parsed before those of the command line, so that the
+/// latter take precedence.
 Result<std::vector<std::string>> Verb::configured_flags() {
   Json config = Json::object();
   if (!config_.empty()) {
@@ -251,7 +254,7 @@ Result<std::vector<std::string>> Verb::configured_flags() {
   return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
 }
 
-/// Inputs of an earlier run that are gone, where the command line names no others.
+/// Fails if inputs of an earlier run no longer exist and the command line names no others.
 Result<void> Verb::check_inputs() const {
   for (const MissingInput& input : missing_inputs_) {
     const CLI::results_t& values = app_.get_option(input.flag)->results();
@@ -263,7 +266,7 @@ Result<void> Verb::check_inputs() const {
 Result<void> Verb::refuse_options(const std::string& group, const std::string& what) const {
   for (const CLI::Option* option : app_.get_options()) {
     if (option->get_group() != group || option->count() == 0) continue;
-    // A run that is made again from its record repeats the defaults, too.
+    // A run that is repeated from its record also repeats the defaults.
     if (join(option->results()) == option->get_default_str()) continue;
     return Error{ErrorCode::kInvalidValue, cat("does nothing for ", what, "; leave it out"), option->get_name()};
   }
@@ -314,7 +317,7 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
 std::string Verb::flag_hint(Setting setting) const {
   std::string hint;
   for (const char* flag : flags_of(setting)) {
-    // Not every verb can set everything.
+    // Not every verb has every flag.
     if (app_.get_option_no_throw(flag) != nullptr) hint += cat(hint.empty() ? " (" : ", ", flag);
   }
   return hint.empty() ? hint : hint + ")";
@@ -325,10 +328,15 @@ int Verb::exit_code(const Result<void>& result) const {
     const std::string text = without_workspaces(result.error().text()) + flag_hint(result.error().setting);
     std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), printable(text).c_str());
   }
+  if (!stop_requested() && result && !failed_input_.empty()) {
+    std::fprintf(stderr, "%s: %s: the input failed: %s; what came before that is written\n", program_name(),
+                 name_.c_str(), printable(failed_input_).c_str());
+    return 3;
+  }
   if (!stop_requested()) return result ? 0 : 1;
   std::fprintf(stderr, "%s: %s: ended by %s; %s\n", program_name(), name_.c_str(),
                stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",
-               result ? "what was complete by then is written" : "nothing was complete by then");
+               result ? "everything that was complete was written" : "nothing was complete");
   return 128 + stop_signal();
 }
 
@@ -337,7 +345,7 @@ Json Verb::resolved_options() const {
   for (const CLI::Option* option : app_.get_options()) {
     if (option->get_lnames().empty() || option == app_.get_help_ptr()) continue;
     const std::string name = option->get_lnames().front();
-    // Their keys are among the others.
+    // Their keys are already among the others.
     if (name == "config" || (name == "set" && !keeps_overrides_)) continue;
     if (option->count() > 0) {
       const int most = option->get_items_expected_max();

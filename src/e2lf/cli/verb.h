@@ -24,10 +24,10 @@ struct CommonOptions {
   bool overwrite = false;
 };
 
-/// One verb of the command line: declares its flags on a CLI11 app, then does its work as a function that returns a
-/// Result. parse() adds the common flags, --config FILE.json and --set key=value (keys are the long flags' names), caps
-/// threads, and turns mistakes into messages. --config also takes the run.json of an earlier run of the verb, and makes
-/// it again.
+/// A verb of the command line. It declares its flags on a CLI11 app and then does its work in a function that returns a
+/// Result. run() adds the common flags, --config FILE.json and --set key=value (the keys are the names of the long
+/// flags), limits the number of threads, and reports usage errors. --config also accepts the run.json of an earlier run
+/// of the verb, which is then repeated.
 ///
 ///   Verb verb("eval", "compare light fields", "e2lf eval TRUTH RECON --json");
 ///   verb.app().add_option("truth", truth, "the true light field")->required();
@@ -39,31 +39,37 @@ class Verb {
   [[nodiscard]] CLI::App& app() { return app_; }
   [[nodiscard]] const CommonOptions& common() const { return common_; }
 
-  /// For a verb with a configuration of its own: leaves the assignments of --set to it instead of reading them as
-  /// flags, and takes away the common flags that the configuration stands for (--config, --seed) or that do
-  /// not apply (--json, --overwrite).
+  /// For a verb with a configuration of its own: leaves the assignments of --set to the verb instead of reading them as
+  /// flags, and removes the common flags that the configuration replaces (--config, --seed) or that do not apply
+  /// (--json, --overwrite).
   void keep_overrides();
   [[nodiscard]] const std::vector<std::string>& overrides() const { return overrides_; }
 
-  /// For a verb whose work asks stop_requested(): the first SIGINT or SIGTERM ends it early with what is complete. A
-  /// second one, and the first one of any other verb, ends the process at once.
+  /// For a verb whose work checks stop_requested(): the first SIGINT or SIGTERM ends the work early and keeps what is
+  /// complete. A second signal, or the first one of any other verb, ends the process at once.
   void stop_gently() { stops_gently_ = true; }
 
-  /// Fails with kInvalidValue where an option of this help group was given another value than its default, though it
-  /// does nothing here, since the input is `what` ("a light field").
+  /// Notes the failure that ended live input early (LiveBacklog::failure, empty if there was none). If the work
+  /// succeeds, run() then reports the failure and returns 3, because the result contains only what came before it.
+  void note_failed_input(const std::string& failure) const { failed_input_ = failure; }
+
+  /// Fails with kInvalidValue if an option of this help group differs from its default although it has no effect,
+  /// because the input is `what` ("a light field").
   [[nodiscard]] Result<void> refuse_options(const std::string& group, const std::string& what) const;
 
-  /// Parses, runs `work` and prints its error as "e2lf: <verb>: <what>; <what to do>".
-  /// Returns the process's exit code: 0 done, 1 failed, 2 usage, 130 and 143 ended by SIGINT and SIGTERM.
+  /// Parses the arguments, runs `work`, and prints its error as "e2lf: <verb>: <what went wrong>; <what to do>".
+  /// Returns the exit code of the process: 0 success, 1 failure, 2 usage error, 3 success with live input that
+  /// failed early, 130 and 143 ended by SIGINT and SIGTERM.
   int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
 
-  /// The record of the run that --config names to be made again; null otherwise.
+  /// Returns the record of the run that --config repeats, or null.
   [[nodiscard]] const Json& earlier_run() const { return earlier_run_; }
 
-  /// The verb's flags for a setting, as " (--sensor-width, --sensor-height)"; empty where it has none.
+  /// Returns the verb's flags for a setting, as " (--sensor-width, --sensor-height)", or an empty string if it has
+  /// none.
   [[nodiscard]] std::string flag_hint(Setting setting) const;
 
-  /// Every flag with the value it has after parsing, for run.json.
+  /// Returns every flag with its value after parsing, for run.json.
   [[nodiscard]] Json resolved_options() const;
 
  private:
@@ -79,23 +85,25 @@ class Verb {
   Json earlier_run_;
   std::vector<MissingInput> missing_inputs_;
   std::vector<std::string> overrides_;
+  mutable std::string failed_input_;
   bool keeps_overrides_ = false, stops_gently_ = false;
 };
 
-/// Turns a configuration object into flags: {"tau": 0.3, "overwrite": true} -> {"--tau=0.3", "--overwrite"}. Keys may
-/// use '_' for '-'. Fails with kInvalidValue on a key that is no flag of `app`, naming the nearest one.
+/// Converts a configuration object to flags: {"tau": 0.3, "overwrite": true} -> {"--tau=0.3", "--overwrite"}. Keys may
+/// use '_' for '-'. Fails with kInvalidValue if a key is not a flag of `app`, suggesting the nearest one.
 [[nodiscard]] Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI::App& app,
                                                                  const std::string& location);
 
-/// A verb or subverb: its name, what it does in a few words, and its function.
+/// A verb or subverb: its name, a summary in a few words, and its function.
 struct VerbEntry {
   const char* name;
   const char* summary;
   int (*run)(const std::vector<std::string>& arguments);
 };
 
-/// Runs the entry that the first argument names; prints the list for --help, and with exit code 2 for a missing or
-/// unknown name. `prefix` is what stands before the name on the command line ("model"; "" for the verbs themselves).
+/// Runs the entry that the first argument names. Prints the list of entries for --help, and also, with exit code 2, if
+/// the name is missing or unknown. `prefix` are the words before the name on the command line ("model", or "" for the
+/// verbs themselves).
 int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
                 const std::vector<std::string>& arguments);
 
@@ -103,7 +111,9 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
 int run_accumulate(const std::vector<std::string>& arguments);
 int run_animate(const std::vector<std::string>& arguments);
 int run_calibrate(const std::vector<std::string>& arguments);
+int run_camera(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
+int run_codes_play(const std::vector<std::string>& arguments);
 int run_codes_render(const std::vector<std::string>& arguments);
 int run_compare(const std::vector<std::string>& arguments);
 int run_convert(const std::vector<std::string>& arguments);
@@ -113,9 +123,11 @@ int run_epi(const std::vector<std::string>& arguments);
 int run_equivalence(const std::vector<std::string>& arguments);
 int run_eval(const std::vector<std::string>& arguments);
 int run_info(const std::vector<std::string>& arguments);
+int run_live(const std::vector<std::string>& arguments);
 int run_model(const std::vector<std::string>& arguments);
 int run_pack(const std::vector<std::string>& arguments);
 int run_reconstruct(const std::vector<std::string>& arguments);
+int run_record(const std::vector<std::string>& arguments);
 int run_refocus(const std::vector<std::string>& arguments);
 int run_resume(const std::vector<std::string>& arguments);
 int run_simulate(const std::vector<std::string>& arguments);

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <list>
+#include <map>
+#include <utility>
+#include <vector>
+
 #include "e2lf/base/progress.h"
 #include "e2lf/compare/plan.h"
 #include "e2lf/lightfield/light_field.h"
+#include "e2lf/model/video/video_model.h"
+#include "e2lf/pipeline/method.h"
 
 namespace e2lf::compare {
 
@@ -16,11 +23,44 @@ struct Outcome {
   lightfield::LightField light_field;  ///< the reconstruction, multiplied by its gain
 };
 
-/// Simulates the events of a scene (cycle c of seed s uses the seed s + 1000 c), reconstructs the light field and
-/// compares it with the truth. Networks conditioned on the sensor profile receive the sum of all cycles; the results of
-/// other methods are averaged over the cycles. Fails as simulation and reconstruction do; the location names method and
-/// scene.
-[[nodiscard]] Result<Outcome> measure(const Plan& plan, const Job& job, const lightfield::LightField& truth,
-                                      const ProgressFn& progress = {});
+/// Runs the jobs of a plan. Prepared methods are kept for all their jobs with a sensor, and what is simulated is kept
+/// for all methods with the same patterns, until a job has another scene or sensor.
+class JobRunner {
+ public:
+  explicit JobRunner(const Plan& plan) : plan_(plan) {}
+
+  /// Simulates the events of a scene (see pipeline::simulate_cycle()), reconstructs the light field and compares it
+  /// with the truth. Networks conditioned on the sensor profile receive the sum of all cycles; the results of other
+  /// methods are averaged over the cycles. The figure `saturated_events` counts the events for which sums had no room.
+  /// Fails as simulation and reconstruction do; the location names method and scene.
+  [[nodiscard]] Result<Outcome> run(const Job& job, const lightfield::LightField& truth,
+                                    const ProgressFn& progress = {});
+
+  /// Returns how many measurements were simulated and how many methods were prepared so far.
+  [[nodiscard]] size_t num_simulated() const { return num_simulated_; }
+  [[nodiscard]] size_t num_prepared() const { return methods_.size(); }
+
+ private:
+  using Cycles = std::vector<capture::Measurement>;
+  struct Simulated {
+    capture::Codes codes;
+    capture::MeasurementKind kind;
+    uint64_t seed;
+    Cycles cycles;
+  };
+
+  Result<Outcome> run_any(const Job& job, const lightfield::LightField& truth, const ProgressFn& progress);
+  Result<Outcome> run_method(const Job& job, const lightfield::LightField& truth, const ProgressFn& progress);
+  Result<Outcome> run_scan(const Job& job, const lightfield::LightField& truth, const ProgressFn& progress);
+  Result<const pipeline::OpenedMethod*> method_of(const Job& job);
+  Result<const Cycles*> cycles_of(const Job& job, const lightfield::LightField& truth);
+
+  const Plan& plan_;
+  std::map<std::pair<size_t, size_t>, pipeline::OpenedMethod> methods_;  ///< by the numbers of method and sensor
+  std::map<size_t, model::VideoModel> scans_;                            ///< by the number of the method
+  std::list<Simulated> simulated_;                                       ///< of the current scene and sensor
+  std::pair<size_t, size_t> place_;                                      ///< their numbers
+  size_t num_simulated_ = 0;
+};
 
 }  // namespace e2lf::compare

@@ -36,6 +36,10 @@ Plan inversion_plan(size_t cycles, float gain) {
   return plan;
 }
 
+Result<Outcome> measure(const Plan& plan, const Job& job, const LightField& truth) {
+  return JobRunner(plan).run(job, truth);
+}
+
 TEST(Measure, IsWhatSimulationInversionAndComparisonGive) {
   const Plan plan = inversion_plan(1, 1.0F);
   const LightField truth = load_scene(plan.scenes[0]).value();
@@ -146,6 +150,42 @@ TEST(Measure, ErrorsNameMethodSceneAndSensor) {
   const auto failed = measure(plan, plan.jobs[0], truth);
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().location, "inversion on demo, sensor paper");
+}
+
+TEST(Measure, MethodsShareEventsAndJobsShareMethods) {
+  Plan plan = inversion_plan(2, 1.0F);
+  plan.methods.push_back(plan.methods[0]);
+  plan.methods[1].config.algorithm = "regularised";
+  plan.methods.push_back(plan.methods[0]);
+  std::ranges::reverse(plan.methods[2].codes.values);
+  plan.scenes.push_back(plan.scenes[0]);
+  const LightField truth = load_scene(plan.scenes[0]).value();
+  JobRunner runner(plan);
+  for (size_t scene = 0; scene < 2; ++scene) {
+    for (size_t method = 0; method < 3; ++method) {
+      for (const uint64_t seed : {7, 8}) {
+        const Job job{method, scene, 0, seed, {}, {}};
+        EXPECT_EQ(runner.run(job, truth)->figures["psnr_db"], measure(plan, job, truth)->figures["psnr_db"]);
+      }
+    }
+  }
+  EXPECT_EQ(runner.num_prepared(), 3U);
+  EXPECT_EQ(runner.num_simulated(), 2U * 2U * 2U) << "two scenes, seeds and sets of patterns";
+}
+
+TEST(Measure, SumsThatSaturateAreCounted) {
+  const TestFolder folder;
+  Plan plan = inversion_plan(3, 1.0F);
+  ComparedMethod& method = plan.methods[0];
+  method.config.algorithm = "network";
+  method.model = folder / "m.safetensors";
+  ASSERT_TRUE(model::write_model(
+      method.model, channel_model({{model::InputKind::kCounts, 1.0F}, {model::InputKind::kCamera, 1.0F}}, 1)));
+  const LightField truth = load_scene(plan.scenes[0]).value();
+  EXPECT_EQ(measure(plan, plan.jobs[0], truth)->figures["saturated_events"], 0);
+  plan.sensors[0].config.cycles = 40;
+  plan.sensors[0].camera.constants = {.eps = 1e-6F, .tau = 0.01F, .sigma_w = 0, .sigma_z = 0};
+  EXPECT_GT(measure(plan, plan.jobs[0], truth)->figures["saturated_events"], 0);
 }
 
 TEST(Look, HasViewInsetEpiAndError) {

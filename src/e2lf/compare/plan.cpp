@@ -13,27 +13,24 @@
 #include "e2lf/files/json_text.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/video/video_model.h"
+#include "e2lf/pipeline/method.h"
 
 namespace e2lf::compare {
 namespace fs = std::filesystem;
 namespace {
 
 /// Must be increased when the arithmetic behind a result changes within a version.
-constexpr int kComputation = 1;
+constexpr int kComputation = 2;
 
 bool is_folder(const fs::path& path) {
   std::error_code error;
   return fs::is_directory(path, error);
 }
 
-Result<model::Model> read_any_model(const fs::path& path) {
-  return is_folder(path) ? model::import_release(path) : model::read_model(path);
-}
-
 /// Reads patterns from a model file, from a file of codes, or from the folder of the release.
 Result<capture::Codes> read_any_codes(const fs::path& path) {
-  if (!is_folder(path) && path.extension() != ".safetensors") return capture::read_codes(path);
-  E2LF_ASSIGN_OR_RETURN(model::Model model, read_any_model(path));
+  if (!is_folder(path)) return pipeline::read_patterns(path);
+  E2LF_ASSIGN_OR_RETURN(model::Model model, pipeline::read_network(path));
   if (model.codes) return std::move(*model.codes);
   return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera as \"codes\"",
                path.string()};
@@ -130,7 +127,7 @@ class Planner {
       codes = one_hot_codes();
     } else if (!config.model.empty()) {
       E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
-      E2LF_ASSIGN_OR_RETURN(model::Model model, read_any_model(method.model));
+      E2LF_ASSIGN_OR_RETURN(model::Model model, pipeline::read_network(method.model));
       E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
       codes = std::move(model.codes);
       is_told = model::is_told_the_camera(model);

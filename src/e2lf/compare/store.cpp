@@ -20,8 +20,7 @@ std::optional<Json> ResultStore::find(const Job& job) const {
 }
 
 std::vector<uint8_t> ResultStore::picture(const std::string& key) const {
-  auto bytes = read_file(file(key, ".png"));
-  return bytes ? std::move(*bytes) : std::vector<uint8_t>();
+  return read_file(file(key, ".png")).value_or({});
 }
 
 Result<void> ResultStore::keep_picture(const std::string& key, const std::vector<uint8_t>& png) const {

@@ -13,6 +13,8 @@ namespace {
 constexpr double kEnoughOfLastPattern = 0.5;
 /// The number of cycles for which events are counted at most, in case a cycle does not end.
 constexpr int64_t kMaxCyclesCounted = 4;
+/// The number of cycles at the beginning that are always whole, so that confidence and polarity are known.
+constexpr uint64_t kWholeAtBegin = 3;
 
 /// Returns a quarter of the shortest pattern, which excludes the preceding and following bursts. The upper limit is
 /// longer than the rise of a burst.
@@ -123,6 +125,8 @@ std::optional<Cycle> CycleAssembler::take() {
 void CycleAssembler::begin_cycle(int64_t t_us) {
   open_ = Open{};
   open_->cycle.number = next_number_++;
+  const uint64_t number = open_->cycle.number;
+  open_->is_whole = report_.complete < kWholeAtBegin || number % whole_every_ == 0;
   open_->cycle.begin_us = t_us;
   open_->cycle.images = capture::EventImages(options_.schedule.num_images(), height_, width_);
   open_->events.resize(options_.schedule.size());
@@ -142,8 +146,7 @@ void CycleAssembler::end_cycle() {
     if (report_.drops.size() < CycleReport::kMaxDrops) report_.drops.push_back(*open_->fault);
   } else {
     ++report_.complete;
-    open_->cycle.confidence = open_->has_late_edge ? 0.0F : confidence_of(open_->starts);
-    judge_polarity(open_->events, open_->cycle);
+    judge_by_events();
     if (filter_) {
       filter_->apply(open_->cycle.images);
       report_.hot_pixels = filter_->num_silenced();
@@ -153,13 +156,30 @@ void CycleAssembler::end_cycle() {
   open_.reset();
 }
 
-/// Sets the confidence to 0 if the signs of the events contradict the schedule.
-void CycleAssembler::judge_polarity(const std::vector<PatternEvents>& events, Cycle& cycle) {
-  cycle.polarity = polarity_of(options_.schedule, events);
-  report_.inverted += cycle.polarity == CyclePolarity::kInverted ? 1 : 0;
-  report_.half_cycle_off += cycle.polarity == CyclePolarity::kHalfCycleOff ? 1 : 0;
+/// Sets confidence and polarity. The confidence is 0 if the signs of the events contradict the schedule.
+void CycleAssembler::judge_by_events() {
+  Cycle& cycle = open_->cycle;
+  if (open_->is_whole) {
+    whole_confidence_ = confidence_of(open_->starts);
+    whole_polarity_ = polarity_of(options_.schedule, open_->events);
+    report_.inverted += whole_polarity_ == CyclePolarity::kInverted ? 1 : 0;
+    report_.half_cycle_off += whole_polarity_ == CyclePolarity::kHalfCycleOff ? 1 : 0;
+  }
+  cycle.polarity = whole_polarity_;
   const bool contradicts = cycle.polarity == CyclePolarity::kInverted || cycle.polarity == CyclePolarity::kHalfCycleOff;
-  if (contradicts) cycle.confidence = 0.0F;
+  cycle.confidence = contradicts || open_->has_late_edge ? 0.0F : whole_confidence_;
+}
+
+std::optional<TimeSlice> CycleAssembler::unused_time(const PatternTracker& tracker) const {
+  if (!pattern_ || !open_ || open_->is_whole || whole_every_ == 1) return std::nullopt;
+  const auto& patterns = options_.schedule.patterns;
+  TimeSlice unused{pattern_begin_us_ + window_us_, pattern_begin_us_ - window_us_};
+  for (size_t i = *pattern_; !patterns[i].image; i = (i + 1) % patterns.size()) {
+    unused.end_us += tracker.interval_us(i);
+    // The next cycle may be whole.
+    if (is_last_of_cycle(i)) break;
+  }
+  return unused.begin_us < unused.end_us ? std::optional(unused) : std::nullopt;
 }
 
 /// Records that the trigger before `start` was out of step, which is known only now; its cycle is still open.
@@ -220,7 +240,9 @@ void CycleAssembler::apply(const PatternStart& start, const PatternTracker* trac
 void CycleAssembler::close_pattern(int64_t end_us) {
   if (!pattern_) return;
   if (open_ && options_.schedule.patterns[*pattern_].image) open_->cycle.slices.push_back({pattern_begin_us_, end_us});
-  if (filter_) quiet_us_ += std::max<int64_t>(0, end_us - pattern_begin_us_ - options_.filter->settle_us);
+  if (filter_ && open_ && open_->is_whole) {
+    quiet_us_ += std::max<int64_t>(0, end_us - pattern_begin_us_ - options_.filter->settle_us);
+  }
   pattern_.reset();
 }
 
@@ -236,7 +258,7 @@ void CycleAssembler::consume_events(int64_t until_us) {
     events.on += on;
     events.off += end - next_ - on;
     if (options_.schedule.patterns[*pattern_].image) accumulate(next_, end);
-    if (filter_) {
+    if (filter_ && open_->is_whole) {
       const size_t quiet = std::min(end, index_at(pattern_begin_us_ + options_.filter->settle_us));
       filter_->add_quiet_events(events_, quiet, end);
     }

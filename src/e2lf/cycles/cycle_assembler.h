@@ -30,6 +30,13 @@ class CycleAssembler {
   /// Ends the recording. last_us is its last time.
   void finish(int64_t last_us);
 
+  /// Makes one of so many cycles whole; see CycleReader::read_whole_every().
+  void make_whole_every(uint64_t cycles) { whole_every_ = cycles; }
+
+  /// Returns the time of the present pattern and the next ones whose events no image needs and, if the cycle is not
+  /// whole, no check either; nothing if there is none.
+  [[nodiscard]] std::optional<TimeSlice> unused_time(const PatternTracker& tracker) const;
+
   /// Returns the oldest complete cycle.
   [[nodiscard]] std::optional<Cycle> take();
 
@@ -42,11 +49,12 @@ class CycleAssembler {
     std::vector<PatternStart> starts;   ///< of the patterns of the cycle
     std::vector<PatternEvents> events;  ///< one for each pattern of the schedule
     bool has_late_edge = false;
+    bool is_whole = true;  ///< events of all its patterns are read
   };
 
   void begin_cycle(int64_t t_us);
   void end_cycle();
-  void judge_polarity(const std::vector<PatternEvents>& events, Cycle& cycle);
+  void judge_by_events();
   void note_late_edge(const PatternStart& start);
   void apply(const PatternStart& start, const PatternTracker* tracker);
   [[nodiscard]] float confidence_of(const std::vector<PatternStart>& starts) const;
@@ -76,6 +84,9 @@ class CycleAssembler {
   int64_t expected_end_us_ = 0;
   int64_t deadline_us_ = 0;  ///< a start that has not occurred by then is missing
   int64_t quiet_us_ = 0;     ///< quiet time in this cycle
+  uint64_t whole_every_ = 1;
+  float whole_confidence_ = 1.0F;  ///< of the last whole cycle
+  CyclePolarity whole_polarity_ = CyclePolarity::kUnknown;
   uint64_t next_number_ = 0;
   std::deque<Cycle> complete_;
   CycleReport report_;

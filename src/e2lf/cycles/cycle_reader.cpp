@@ -95,6 +95,12 @@ class CycleReader::Impl {
     }
   }
 
+  void read_whole_every(uint64_t cycles) {
+    const bool can_skip = options_.source == CycleSource::kTriggers && !options_.one_trigger_per_cycle;
+    assembler_.make_whole_every(can_skip ? cycles : 1);
+    if (cycles == 1 && has_skipped_) reader_->skip_events(0, 0);
+  }
+
   CycleReport report() const {
     CycleReport report = assembler_.report();
     report.marks = marks_;
@@ -154,7 +160,7 @@ class CycleReader::Impl {
       for (uint8_t& p : batch_.events.p) p = p != 0 ? 0 : 1;
     }
     triggers_.add(batch_.triggers);
-    if (options_.source == CycleSource::kTriggers) onset_.add_events(batch_.events.t);
+    if (options_.source == CycleSource::kTriggers && !has_skipped_) onset_.add_events(batch_.events.t);
     if (options_.on_batch) options_.on_batch(batch_);
     if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
     if (!batch_.triggers.empty()) last_us_ = std::max(last_us_, batch_.triggers.back().t);
@@ -181,7 +187,17 @@ class CycleReader::Impl {
     assembler_.add_events(batch_.events);
     assembler_.process(has_ended_ ? INT64_MAX : known_us, tracker_by_pattern());
     if (has_ended_) assembler_.finish(last_us_);
+    skip_unused_events();
     return {};
+  }
+
+  /// Lets the recording leave out the events up to the next image, in cycles that are not read as a whole.
+  void skip_unused_events() {
+    if (has_ended_ || !tracker_.is_locked()) return;
+    const auto unused = assembler_.unused_time(tracker_);
+    if (!unused) return;
+    has_skipped_ = true;
+    reader_->skip_events(unused->begin_us, unused->end_us);
   }
 
   void add_starts_of_marks() {
@@ -252,7 +268,7 @@ class CycleReader::Impl {
   /// Adds a start. With one trigger per cycle, it determines the starts of all patterns of the cycle, in proportion to
   /// the schedule.
   void add_start(const PatternStart& start) {
-    if (start.kind == PatternStart::Kind::kSeen) onset_.add_start(start.t_us);
+    if (start.kind == PatternStart::Kind::kSeen && !has_skipped_) onset_.add_start(start.t_us);
     const bool is_fault = start.kind == PatternStart::Kind::kDoubled || start.kind == PatternStart::Kind::kLost;
     if (options_.source != CycleSource::kTriggers || !options_.one_trigger_per_cycle || is_fault)
       return assembler_.add_start(start);
@@ -282,6 +298,7 @@ class CycleReader::Impl {
   std::vector<PatternStart> starts_;
   int64_t last_us_ = INT64_MIN;
   bool has_ended_ = false;
+  bool has_skipped_ = false;  ///< events of some patterns
   uint64_t marks_ = 0, saturated_ = 0;
   std::optional<int64_t> next_start_us_;  ///< kSchedule
   size_t next_pattern_ = 0;
@@ -316,6 +333,11 @@ CycleReader::CycleReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 CycleReader::CycleReader(CycleReader&&) noexcept = default;
 CycleReader& CycleReader::operator=(CycleReader&&) noexcept = default;
 CycleReader::~CycleReader() = default;
+
+void CycleReader::read_whole_every(uint64_t cycles) {
+  E2LF_REQUIRE(cycles > 0, "cycles are read as a whole now and then");
+  impl_->read_whole_every(cycles);
+}
 
 Result<std::optional<Cycle>> CycleReader::next() {
   return impl_->next();

@@ -136,6 +136,13 @@ class CycleReader {
   CycleReader& operator=(CycleReader&&) noexcept;
   ~CycleReader();
 
+  /// Reads only one of so many cycles as a whole, and of the others only the events of their images as far as the
+  /// recording can leave out the rest (recordings::RecordingReader::skip_events). The images stay the same. Confidence
+  /// and polarity of the others are those of the last whole cycle, and `onset_us` and the hot pixels are no longer
+  /// updated by them. With 1, all events are read from now on. It needs a trigger for each pattern; with other sources,
+  /// all cycles are read as a whole. The default is 1.
+  void read_whole_every(uint64_t cycles);
+
   /// Returns the next complete cycle, or nothing at the end. Incomplete cycles are dropped and reported. Fails as the
   /// reader does and, under its strict policy, also if an image has no room for an event.
   [[nodiscard]] Result<std::optional<Cycle>> next();

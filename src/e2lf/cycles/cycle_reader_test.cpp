@@ -12,6 +12,7 @@
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "testing/chunked_source.h"
 
 namespace e2lf::cycles {
 namespace {
@@ -271,6 +272,52 @@ TEST(CycleReader, OneTriggerForEachCycleIsEnough) {
   options.one_trigger_per_cycle = true;
   const auto only_first = [](uint64_t, SynthesisedCycle& cycle) { cycle.batch.triggers.resize(2); };
   expect_exact(cut(30, synthesis, options, only_first), 30, synthesis);
+}
+
+/// A RAW recording of the synthesis in memory, whose cycles are read with one of `whole_every` as a whole.
+Outcome cut_raw(uint64_t cycles, const SynthesisOptions& synthesis, uint64_t whole_every, uint64_t& events_read) {
+  recordings::RecordingInfo info;
+  info.format = "evt3";
+  info.width = kWidth;
+  info.height = kHeight;
+  std::vector<uint8_t> bytes;
+  auto writer = recordings::create_recording(recordings::make_memory_sink(bytes), "evt3", info);
+  EXPECT_TRUE(writer.ok());
+  for (uint64_t number = 0; number < cycles; ++number) {
+    EXPECT_TRUE((*writer)->write(synthesise_cycle(images_of(number), number, synthesis).batch));
+  }
+  EXPECT_TRUE((*writer)->finish());
+  // Pieces as a camera sends them: what is decoded in advance is not left out.
+  constexpr size_t kPieceBytes = 512;
+  auto recording = recordings::open_recording(
+      std::make_unique<recordings::ChunkedSource>(std::move(bytes), std::vector<size_t>(), kPieceBytes), {});
+  EXPECT_TRUE(recording.ok()) << recording.error().text();
+  auto reader = CycleReader::open(std::move(*recording), by_triggers());
+  EXPECT_TRUE(reader.ok()) << reader.error().text();
+  reader->read_whole_every(whole_every);
+  Outcome outcome;
+  for (auto cycle = reader->next(); cycle && *cycle; cycle = reader->next())
+    outcome.cycles.push_back(std::move(**cycle));
+  outcome.report = reader->report();
+  events_read = reader->summary().events();
+  return outcome;
+}
+
+TEST(CycleReader, EventsThatNoImageNeedsAreLeftOutOfMostCycles) {
+  SynthesisOptions synthesis;
+  synthesis.jitter_us = 100;
+  uint64_t all_events = 0, some_events = 0;
+  const Outcome all = cut_raw(60, synthesis, 1, all_events), some = cut_raw(60, synthesis, 20, some_events);
+  expect_exact(all, 60, synthesis);
+  expect_exact(some, 60, synthesis);
+  ASSERT_EQ(all.cycles.size(), some.cycles.size());
+  for (size_t i = 0; i < all.cycles.size(); ++i) {
+    EXPECT_EQ(some.cycles[i].events, all.cycles[i].events);
+    EXPECT_EQ(some.cycles[i].begin_us, all.cycles[i].begin_us);
+    EXPECT_TRUE(all.cycles[i].confidence == 0 || some.cycles[i].confidence > 0.5F) << i;
+    EXPECT_EQ(some.cycles[i].polarity, all.cycles[i].polarity);
+  }
+  EXPECT_LT(static_cast<double>(some_events), 0.8 * static_cast<double>(all_events));
 }
 
 TEST(CycleReader, OtherChannelsAndEdgesAreIgnored) {

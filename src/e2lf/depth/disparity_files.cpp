@@ -48,13 +48,12 @@ Colour colour_of(float nearness) {
 
 }  // namespace
 
-std::vector<uint8_t> encode_pfm(const Image& grey) {
-  E2LF_REQUIRE(grey.channels == 1, "a grey picture");
+std::vector<uint8_t> encode_pfm(const Image& disparity) {
+  E2LF_REQUIRE(disparity.channels == 1, "a disparity map has one channel");
   std::vector<uint8_t> bytes;
-  append_text(bytes, cat("Pf\n", grey.width, " ", grey.height, "\n-1.0\n"));
-  for (size_t y = grey.height; y-- > 0;) {
-    const auto* const row = reinterpret_cast<const uint8_t*>(grey.pixels.data() + y * grey.width);
-    bytes.insert(bytes.end(), row, row + grey.width * sizeof(float));
+  append_text(bytes, cat("Pf\n", disparity.width, " ", disparity.height, "\n-1.0\n"));
+  for (size_t y = disparity.height; y-- > 0;) {
+    for (size_t x = 0; x < disparity.width; ++x) append(bytes, 0.0F - disparity.pixels[y * disparity.width + x]);
   }
   return bytes;
 }
@@ -84,6 +83,7 @@ Result<Image> decode_pfm(std::span<const uint8_t> bytes, const std::string& name
   if (scale > 0) {  // big-endian
     for (float& value : image.pixels) value = std::bit_cast<float>(__builtin_bswap32(std::bit_cast<uint32_t>(value)));
   }
+  for (float& value : image.pixels) value = 0.0F - value;
   return image;
 }
 

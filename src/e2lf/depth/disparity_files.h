@@ -12,11 +12,12 @@
 
 namespace e2lf::depth {
 
-/// Encodes a PFM file as used by the HCI benchmark and Middlebury: "Pf", grey float32, little-endian, rows from bottom
-/// to top.
-[[nodiscard]] std::vector<uint8_t> encode_pfm(const lightfield::Image& grey);
+/// Encodes a disparity map as a PFM file of the HCI 4D Light Field Benchmark: "Pf", float32, little-endian, rows from
+/// bottom to top, with the sign of the benchmark, whose disparities are larger for nearer points: each is -d.
+[[nodiscard]] std::vector<uint8_t> encode_pfm(const lightfield::Image& disparity);
 
-/// Decodes a PFM file of either byte order. Fails with kFormat, kTruncated and kUnsupported (colour).
+/// Decodes such a disparity map, of either byte order, and returns d. Fails with kFormat, kTruncated and kUnsupported
+/// (colour).
 [[nodiscard]] Result<lightfield::Image> decode_pfm(std::span<const uint8_t> bytes, const std::string& name);
 
 /// The encoding of disparities in a 16-bit PNG: sample = 32768 + 4096 d, clamped, so that d ranges from -8 to 8 px.

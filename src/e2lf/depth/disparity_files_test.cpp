@@ -17,7 +17,7 @@ DisparityMap small_map() {
   return map;
 }
 
-TEST(Pfm, HasItsRowsBottomToTop) {
+TEST(Pfm, HasTheRowsAndTheSignOfTheBenchmark) {
   const Image image = small_map().disparity;
   const std::vector<uint8_t> bytes = encode_pfm(image);
   const std::string header = "Pf\n3 2\n-1.0\n";
@@ -25,7 +25,7 @@ TEST(Pfm, HasItsRowsBottomToTop) {
   EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(header.size())), header);
   float first = 0;
   std::memcpy(&first, bytes.data() + header.size(), 4);
-  EXPECT_EQ(first, 0.25F);
+  EXPECT_EQ(first, -0.25F);
   EXPECT_EQ(decode_pfm(bytes, "a.pfm").value(), image);
 }
 
@@ -34,7 +34,7 @@ TEST(Pfm, ReadsEitherByteOrderAndRefusesDamage) {
   const auto span = [](const std::string& text) {
     return std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size());
   };
-  EXPECT_EQ(decode_pfm(span(big), "a").value().pixels[0], 1.0F);
+  EXPECT_EQ(decode_pfm(span(big), "a").value().pixels[0], -1.0F);
   EXPECT_EQ(decode_pfm(span(big.substr(0, 13)), "a").error().code, ErrorCode::kTruncated);
   EXPECT_EQ(decode_pfm(span("Pf 99999999999 99999999999 1.0\n"), "a").error().code, ErrorCode::kTruncated);
   EXPECT_EQ(decode_pfm(span("PF 1 1 1.0\n"), "a").error().code, ErrorCode::kUnsupported);

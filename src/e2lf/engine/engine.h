@@ -43,8 +43,8 @@ class FrameState {
 /// rows, and each layer keeps only the rows that its successors still need. Thus nothing is computed twice, the live
 /// data stay in the cache, and memory does not grow with the height of the image. Zero padding is exact at the borders.
 /// Recurrent networks keep their states for the whole image; networks with attention keep its inputs, and neighbouring
-/// tensors until it is done. The number of threads is that of base/threads.h. Only one run per Engine is allowed at a
-/// time.
+/// tensors until it is done. The number of threads is that of base/threads.h. An Engine does not change after create():
+/// any number of threads may run it at once, each run with memory of its own, and all share its weights.
 class Engine {
  public:
   /// Prepares kernels and weights. Fails with kUnsupported (a precision that the CPU lacks or that E2LF_MAX_ISA

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <thread>
 #include <utility>
 
 #include "e2lf/base/isa.h"
@@ -68,6 +69,32 @@ TEST_F(EngineTest, GivesTheSameBitsForAnyNumberOfThreads) {
             << test.name << " " << precision_name(precision) << " " << threads;
       }
     }
+  }
+}
+
+TEST_F(EngineTest, ThreadsThatRunOneEngineAtOnceGetTheSameBits) {
+  constexpr size_t kThreads = 4, kRuns = 3, kHeight = 36, kWidth = 132;
+  for (const TestNetwork& test : test_networks()) {
+    const Engine engine = Engine::create(test.network, random_weights(test.network, 1)).value();
+    std::vector<std::vector<float>> inputs, expected;
+    for (size_t i = 0; i < kThreads; ++i) {
+      inputs.push_back(random_values(test.network.input_channels * kHeight * kWidth, 2 + i));
+      expected.emplace_back(model::infer_shapes(test.network).value().back().channels * kHeight * kWidth);
+      ASSERT_TRUE(engine.run(inputs[i], kHeight, kWidth, expected[i]));
+    }
+    std::vector<size_t> same(kThreads);
+    std::vector<std::thread> threads;
+    for (size_t i = 0; i < kThreads; ++i) {
+      threads.emplace_back([&, i] {
+        for (size_t run = 0; run < kRuns; ++run) {
+          std::vector<float> output(expected[i].size());
+          engine.run(inputs[i], kHeight, kWidth, output).value();
+          same[i] += output == expected[i];
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_THAT(same, ::testing::Each(kRuns)) << test.name;
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "e2lf/base/contract.h"
+
 namespace e2lf::eval {
 namespace {
 

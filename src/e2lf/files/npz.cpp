@@ -64,7 +64,7 @@ Result<std::vector<uint8_t>> read_archive(const std::filesystem::path& path) {
   const auto bytes = std::filesystem::file_size(path, error);
   if (!error) {
     E2LF_RETURN_IF_ERROR(require_memory(
-        bytes, "an .npz is read whole: store the events as .npy, .csv or .hdf5, or in parts", path.string()));
+        bytes, "an .npz file is read as a whole: store the events as .npy, .csv or .hdf5, or in parts", path.string()));
   }
   return read_file(path);
 }

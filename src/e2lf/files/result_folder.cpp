@@ -283,4 +283,10 @@ Result<void> ResultFolder::update_record(Json record) const {
   return write_record(target_, record);
 }
 
+fs::path record_path_beside(const fs::path& file) {
+  fs::path path = file;
+  path += ".run.json";
+  return path;
+}
+
 }  // namespace e2lf

@@ -51,4 +51,7 @@ class ResultFolder {
 /// Returns true if a run.json, or the "<file>.run.json" beside a file, was written by e2lf.
 [[nodiscard]] bool is_our_record(const std::filesystem::path& path);
 
+/// Returns "<file>.run.json", where a verb that writes a single file keeps its record.
+[[nodiscard]] std::filesystem::path record_path_beside(const std::filesystem::path& file);
+
 }  // namespace e2lf

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,15 +20,39 @@ struct Shape {
   bool operator==(const Shape&) const = default;
 };
 
+/// Lets a vector leave its values unset if they are about to be overwritten.
+template <typename T>
+struct UnsetAllocator : std::allocator<T> {
+  template <typename Other>
+  struct rebind {
+    using other = UnsetAllocator<Other>;
+  };
+  template <typename Value>
+  void construct(Value* place) {
+    ::new (static_cast<void*>(place)) Value;
+  }
+  template <typename Value, typename From>
+  void construct(Value* place, From&& from) {
+    ::new (static_cast<void*>(place)) Value(std::forward<From>(from));
+  }
+};
+
 /// A 4-D light field: float32 [view_y, view_x, y, x] (grey) or [view_y, view_x, y, x, channel], row-major, with values
 /// in [0, 1]. The view number is views_x * view_y + view_x. The disparity d is in px per view step: a point at x in
 /// view (r, c) is at x + d in view (r, c + 1), and likewise for rows.
 class LightField {
  public:
   LightField() = default;
-  explicit LightField(const Shape& shape) : shape_(shape), data_(shape.size()) {}
-  LightField(const Shape& shape, std::vector<float> data) : shape_(shape), data_(std::move(data)) {
+  explicit LightField(const Shape& shape) : shape_(shape), data_(shape.size(), 0.0F) {}
+  LightField(const Shape& shape, std::span<const float> data) : shape_(shape), data_(data.begin(), data.end()) {
     E2LF_REQUIRE(data_.size() == shape_.size(), "the data of a light field must fill its shape");
+  }
+  /// Returns a light field whose values are not set, for a caller that sets all of them.
+  [[nodiscard]] static LightField unset(const Shape& shape) {
+    LightField field;
+    field.shape_ = shape;
+    field.data_.resize(shape.size());
+    return field;
   }
 
   [[nodiscard]] const Shape& shape() const { return shape_; }
@@ -55,7 +80,7 @@ class LightField {
     return (view_y * shape_.views_x + view_x) * shape_.view_size();
   }
   Shape shape_;
-  std::vector<float> data_;
+  std::vector<float, UnsetAllocator<float>> data_;
 };
 
 }  // namespace e2lf::lightfield

@@ -64,7 +64,7 @@ class ModelCheck {
     for (const auto& [field, sigma] : {std::pair("sigma_w", constants.sigma_w), std::pair("sigma_z", constants.sigma_z),
                                        std::pair("sigma_i", constants.sigma_i)}) {
       if (!std::isfinite(sigma) || sigma < 0.0F) {
-        return refuse(cat("constants.", field), cat(sigma, " is no standard deviation; use zero or more"));
+        return refuse(cat("constants.", field), cat(sigma, " is not a standard deviation; use zero or more"));
       }
     }
     return {};
@@ -75,7 +75,7 @@ class ModelCheck {
     for (size_t i = 0; i < model_.input.size(); ++i) {
       const float scale = model_.input[i].scale;
       if (!std::isfinite(scale) || scale == 0.0F) {
-        return refuse(cat("input[", i, "].scale"), cat(scale, " is no scale; use a finite number other than zero"));
+        return refuse(cat("input[", i, "].scale"), cat(scale, " is not a scale; use a finite number other than zero"));
       }
     }
     return {};

@@ -18,7 +18,7 @@ constexpr uint64_t kSeedStep = uint64_t{1} << 40;
 double relative_error(const capture::CodedIntensities& found, const capture::CodedIntensities& truth, size_t black,
                       float gain) {
   double errors = 0, squares = 0;
-  for (size_t n = 0; n < truth.num_patterns; ++n) {
+  for (size_t n = 0; n < truth.count; ++n) {
     if (n == black) continue;
     for (size_t i = 0; i < truth.image_size(); ++i) {
       const double expected = static_cast<double>(gain * truth.image(n)[i]);

@@ -28,7 +28,7 @@ class PixelCheck {
         eps_(check.constants.eps),
         tau_(check.constants.tau),
         is_reference_aware_(check.model == sensor::EventModel::kReferenceAware),
-        levels_(intensities.num_patterns) {}
+        levels_(intensities.count) {}
 
   void add(size_t pixel, Differences& differences) {
     for (size_t k = 0; k < levels_.size(); ++k) {

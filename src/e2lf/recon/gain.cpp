@@ -29,8 +29,8 @@ float level_of(std::span<const float> values, double quantile) {
 
 }  // namespace
 
-float auto_gain(const lightfield::LightField& light_field) {
-  const float level = level_of(light_field.data(), kBrightQuantile);
+float auto_gain(const lightfield::LightField& light_field, float black) {
+  const float level = level_of(light_field.data(), kBrightQuantile) - black;
   if (level <= 0 || (level >= 0.7F && level <= 1.0F)) return 1;
   return std::clamp(0.9F / level, 0.25F, 64.0F);
 }

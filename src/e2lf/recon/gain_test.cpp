@@ -41,6 +41,13 @@ TEST(AutoGain, StaysWithinItsRange) {
   EXPECT_EQ(auto_gain(ramp(1e3F)), 0.25F);
 }
 
+TEST(AutoGain, CountsFromBlackAsIfItWereSubtracted) {
+  auto light_field = ramp(0.37F);
+  const float gain = auto_gain(light_field, 0.041F);
+  apply_tone(light_field, 0.041F, 1.0F);
+  EXPECT_EQ(gain, auto_gain(light_field));
+}
+
 TEST(AutoGain, SceneWithoutLightIsLeftAlone) {
   EXPECT_EQ(auto_gain(ramp(0)), 1.0F);
   EXPECT_EQ(auto_gain(lightfield::LightField()), 1.0F);

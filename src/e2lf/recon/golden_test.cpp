@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <string>
 
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/lightfield/light_field_io.h"

@@ -51,13 +51,13 @@ capture::Measurement extend(const capture::Measurement& measurement, const GridS
   if (events.transitions > 0) {
     extended.events = capture::EventImages(events.transitions, events.height + shift.y, events.width + shift.x);
   }
-  if (images.num_patterns > 0) {
-    extended.images = capture::CodedIntensities(images.num_patterns, images.height + shift.y, images.width + shift.x);
+  if (images.count > 0) {
+    extended.images = capture::CodedIntensities(images.count, images.height + shift.y, images.width + shift.x);
   }
   for (size_t k = 0; k < events.transitions; ++k) {
     extend_image(events.image(k), events.width, shift, extended.events.image(k));
   }
-  for (size_t n = 0; n < images.num_patterns; ++n) {
+  for (size_t n = 0; n < images.count; ++n) {
     extend_image(images.image(n), images.width, shift, extended.images.image(n));
   }
   return extended;

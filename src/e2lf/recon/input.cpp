@@ -98,7 +98,7 @@ void fill_counts(const capture::EventImages& images, std::span<const model::Inpu
 
 /// Fills the planes of intensity images, which are extended in the same way as counts.
 void fill_images(const capture::CodedIntensities& images, float scale, size_t first_channel, InputPlanes& planes) {
-  for (size_t n = 0; n < images.num_patterns; ++n) {
+  for (size_t n = 0; n < images.count; ++n) {
     for (size_t y = 0; y < planes.height; ++y) {
       const auto from = images.image(n).subspan(std::min(y, images.height - 1) * images.width, images.width);
       float* row = planes.values.data() + ((first_channel + n) * planes.height + y) * planes.width;
@@ -146,19 +146,23 @@ void fill_lens_array(const capture::CodedIntensities& image, float scale, size_t
 
 Result<InputPlanes> network_input(const capture::Measurement& measurement, std::span<const model::InputGroup> groups,
                                   const InputConditions& conditions, size_t size_multiple) {
+  InputPlanes planes;
+  E2LF_RETURN_IF_ERROR(network_input(measurement, groups, conditions, size_multiple, planes));
+  return planes;
+}
+
+Result<void> network_input(const capture::Measurement& measurement, std::span<const model::InputGroup> groups,
+                           const InputConditions& conditions, size_t size_multiple, InputPlanes& planes) {
   E2LF_REQUIRE(conditions.cycles >= 1, "counts are of one cycle at least");
   E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
   E2LF_REQUIRE(measurement.height() > 0 && measurement.width() > 0, "images must not be empty");
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
     E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
-  const std::vector<size_t> first_channels = group_begins(
-      groups, measurement.events.transitions, conditions.conditioning.size(), measurement.images.num_patterns);
-  InputPlanes planes{first_channels.back(),
-                     round_up(measurement.height(), size_multiple),
-                     round_up(measurement.width(), size_multiple),
-                     {}};
-  planes.values.resize(planes.channels * planes.height * planes.width);
+  const std::vector<size_t> first_channels =
+      group_begins(groups, measurement.events.transitions, conditions.conditioning.size(), measurement.images.count);
+  planes.resize(first_channels.back(), round_up(measurement.height(), size_multiple),
+                round_up(measurement.width(), size_multiple));
   if (std::any_of(groups.begin(), groups.end(), is_of_counts)) {
     fill_counts(measurement.events, groups, first_channels, conditions, planes);
   }
@@ -172,7 +176,7 @@ Result<InputPlanes> network_input(const capture::Measurement& measurement, std::
       fill_lens_array(measurement.images, scale, first_channels[g], planes);
     }
   }
-  return planes;
+  return {};
 }
 
 }  // namespace e2lf::recon

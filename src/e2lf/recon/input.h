@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "e2lf/base/planes.h"
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/profile/sensor_constants.h"
@@ -13,10 +14,7 @@
 namespace e2lf::recon {
 
 /// The input of a network: float32 [channel, y, x], row-major.
-struct InputPlanes {
-  size_t channels = 0, height = 0, width = 0;
-  std::vector<float> values;
-};
+using InputPlanes = Planes<float>;
 
 /// The conditions under which the counts of event images were recorded.
 struct InputConditions {
@@ -34,5 +32,10 @@ struct InputConditions {
 [[nodiscard]] Result<InputPlanes> network_input(const capture::Measurement& measurement,
                                                 std::span<const model::InputGroup> groups,
                                                 const InputConditions& conditions, size_t size_multiple = 1);
+
+/// The same into `planes`, whose memory is used again.
+[[nodiscard]] Result<void> network_input(const capture::Measurement& measurement,
+                                         std::span<const model::InputGroup> groups, const InputConditions& conditions,
+                                         size_t size_multiple, InputPlanes& planes);
 
 }  // namespace e2lf::recon

@@ -73,7 +73,7 @@ TEST(NetworkInput, LensesAreJoinedInStraightLines) {
   }
   const auto planes =
       network_input(measured, std::vector<model::InputGroup>{{InputKind::kLensArray, 2.0F}}, {}).value();
-  ASSERT_EQ(planes.channels, 64U);
+  ASSERT_EQ(planes.count, 64U);
   const auto at = [&](size_t view, size_t y, size_t x) { return planes.values[(view * 16 + y) * 32 + x]; };
   EXPECT_NEAR(at(9, 5, 0), 2 * 9 / 64.0, 1e-6);  // before the first centre
   EXPECT_NEAR(at(9, 5, 15), 2 * (9 / 64.0 + 0.5 * (15.5 / 8 - 0.5)), 1e-6);
@@ -87,7 +87,7 @@ TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
   const std::vector<float> conditioning = {0.5F, -1.0F, 3.0F};
   const auto planes = network_input(images, groups, {.conditioning = conditioning});
   ASSERT_TRUE(planes);
-  ASSERT_EQ(planes->channels, 7U);
+  ASSERT_EQ(planes->count, 7U);
   EXPECT_EQ(planes->values[0], 5.0F);
   for (size_t trait = 0; trait < conditioning.size(); ++trait) {
     for (size_t i = 0; i < 6; ++i) EXPECT_EQ(planes->values[(2 + trait) * 6 + i], 2.0F * conditioning[trait]);

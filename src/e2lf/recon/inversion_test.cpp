@@ -13,7 +13,7 @@ constexpr double kEps = 0.01, kTau = 0.30;
 
 /// Noise-free events straight from Eq. 8 to 10, in double precision.
 capture::EventImages count_events(const capture::CodedIntensities& intensities, Counting counting) {
-  capture::EventImages images(intensities.num_patterns - 1, intensities.height, intensities.width);
+  capture::EventImages images(intensities.count - 1, intensities.height, intensities.width);
   for (size_t pixel = 0; pixel < images.image_size(); ++pixel) {
     double reference = std::log(double{intensities.image(0)[pixel]} + kEps);
     for (size_t k = 0; k < images.transitions; ++k) {

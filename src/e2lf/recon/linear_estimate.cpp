@@ -47,9 +47,9 @@ Result<void> check_not_empty(const capture::CodedIntensities& images) {
 
 Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& intensities,
                                                const capture::Codes& codes, const LinearEstimateOptions& options) {
-  if (intensities.num_patterns != codes.num_patterns) {
+  if (intensities.count != codes.num_patterns) {
     return Error{ErrorCode::kShape,
-                 cat("there are ", intensities.num_patterns, " coded images but ", codes.num_patterns,
+                 cat("there are ", intensities.count, " coded images but ", codes.num_patterns,
                      " patterns; use the patterns that the events were recorded with"),
                  ""};
   }

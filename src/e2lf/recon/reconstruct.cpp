@@ -9,21 +9,14 @@
 
 namespace e2lf::recon {
 
-/// Views that may extend beyond the image: float32 [view, height, width].
-struct Reconstructor::Planes {
-  size_t height = 0, width = 0;
-  std::vector<float> values;
-};
-
 namespace {
 
-/// Adds to `field` the part of `planes` that begins at `shift`.
-template <class Planes>
-void add_crop(const Planes& planes, const GridShift& shift, lightfield::LightField& field) {
-  const lightfield::Shape& shape = field.shape();
+/// Adds to `field` the part of `larger` that begins at `shift`.
+void add_crop(const lightfield::LightField& larger, const GridShift& shift, lightfield::LightField& field) {
+  const lightfield::Shape &shape = field.shape(), &from_shape = larger.shape();
   for (size_t row = 0; row < shape.num_views() * shape.height; ++row) {
     const size_t view = row / shape.height, y = row % shape.height + shift.y;
-    const float* from = planes.values.data() + (view * planes.height + y) * planes.width + shift.x;
+    const float* from = larger.data().data() + (view * from_shape.height + y) * from_shape.width + shift.x;
     float* to = field.data().data() + row * shape.width;
     for (size_t x = 0; x < shape.width; ++x) to[x] += from[x];
   }
@@ -41,11 +34,12 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
   E2LF_RETURN_IF_ERROR(model::validate(model, model.name));
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model.network, model.weights, options));
   if (!model.camera) model.camera.emplace().constants = model.constants;
+  model.weights.clear();
   return Reconstructor(std::move(model), std::move(engine));
 }
 
-Result<Reconstructor::Planes> Reconstructor::run(const capture::Measurement& measurement, size_t cycles,
-                                                 const ProgressFn& progress) const {
+Result<lightfield::LightField> Reconstructor::run(const capture::Measurement& measurement, size_t cycles,
+                                                  const ProgressFn& progress) const {
   InputConditions conditions{model_.camera->constants, {}, cycles};
   if (model::is_told_the_camera(model_)) {
     conditions.conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
@@ -53,10 +47,15 @@ Result<Reconstructor::Planes> Reconstructor::run(const capture::Measurement& mea
 
   E2LF_ASSIGN_OR_RETURN(const InputPlanes input,
                         network_input(measurement, model_.input, conditions, model::size_multiple(model_.network)));
-  Planes planes{input.height, input.width, {}};
-  planes.values.resize(model_.views_y * model_.views_x * input.height * input.width);
-  E2LF_RETURN_IF_ERROR(engine_.run(input.values, input.height, input.width, planes.values, progress));
-  return planes;
+  auto field = lightfield::LightField::unset({model_.views_y, model_.views_x, input.height, input.width});
+  E2LF_RETURN_IF_ERROR(engine_->run(input.values, input.height, input.width, field.data(), progress));
+  return field;
+}
+
+Reconstructor Reconstructor::with_camera(const capture::SensorProfile& camera) const {
+  Reconstructor other = *this;
+  other.model_.camera = camera;
+  return other;
 }
 
 size_t Reconstructor::num_passes(size_t wanted) const {
@@ -84,9 +83,9 @@ Result<void> Reconstructor::check(const capture::Measurement& measurement) const
   }
   const capture::CodedIntensities& images = measurement.images;
   const size_t num_images = capture::num_images(wanted, model_.num_patterns);
-  if (images.num_patterns != num_images || (num_images > 0 && images.image_size() == 0)) {
+  if (images.count != num_images || (num_images > 0 && images.image_size() == 0)) {
     return Error{ErrorCode::kShape,
-                 cat("there are ", images.num_patterns, " intensity images of ", images.width, "x", images.height,
+                 cat("there are ", images.count, " intensity images of ", images.width, "x", images.height,
                      " but the model was trained for ", num_images, "; use the model that belongs to the patterns"),
                  ""};
   }
@@ -107,13 +106,13 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measure
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
-    const capture::Measurement extended = extend(measurement, shifts[pass]);
-    E2LF_ASSIGN_OR_RETURN(Planes planes, run(extended, cycles, part_of(progress, pass, shifts.size())));
-    if (shifts.size() == 1 && planes.height == shape.height && planes.width == shape.width) {
-      return lightfield::LightField(shape, std::move(planes.values));
-    }
+    const bool is_shifted = shifts[pass] != GridShift();
+    const capture::Measurement extended = is_shifted ? extend(measurement, shifts[pass]) : capture::Measurement();
+    E2LF_ASSIGN_OR_RETURN(lightfield::LightField field,
+                          run(is_shifted ? extended : measurement, cycles, part_of(progress, pass, shifts.size())));
+    if (shifts.size() == 1 && field.shape() == shape) return field;
     if (pass == 0) mean = lightfield::LightField(shape);  // a single uncropped pass needs no second field
-    add_crop(planes, shifts[pass], mean);
+    add_crop(field, shifts[pass], mean);
   }
   for (float& value : mean.data()) value /= static_cast<float>(shifts.size());
   return mean;

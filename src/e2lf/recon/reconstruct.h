@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "e2lf/base/progress.h"
@@ -13,7 +14,8 @@
 
 namespace e2lf::recon {
 
-/// Reconstructs light fields from measurements with one model. It is made once and used for every cycle.
+/// Reconstructs light fields from measurements with one model. It is made once and used for every cycle, by any number
+/// of threads at once. Copies share the engine and its weights.
 class Reconstructor {
  public:
   /// Prepares the network of `model`. Fails as model::validate() and Engine::create() do.
@@ -35,19 +37,23 @@ class Reconstructor {
   /// model::size_multiple() squared, or one if there is a lens array.
   [[nodiscard]] size_t num_passes(size_t wanted) const;
 
+  /// Returns the same network, conditioned on another sensor profile.
+  [[nodiscard]] Reconstructor with_camera(const capture::SensorProfile& camera) const;
+
+  /// Returns the model without its weights, which are the engine's.
   [[nodiscard]] const model::Model& model() const { return model_; }
-  [[nodiscard]] const engine::Engine& engine() const { return engine_; }
+  [[nodiscard]] const engine::Engine& engine() const { return *engine_; }
 
  private:
-  struct Planes;
-  /// Returns the output of the network without cropping.
-  [[nodiscard]] Result<Planes> run(const capture::Measurement& measurement, size_t cycles,
-                                   const ProgressFn& progress) const;
+  /// Returns the output of the network, whose views may extend beyond the image at the bottom and on the right.
+  [[nodiscard]] Result<lightfield::LightField> run(const capture::Measurement& measurement, size_t cycles,
+                                                   const ProgressFn& progress) const;
   [[nodiscard]] Result<void> check(const capture::Measurement& measurement) const;
 
-  Reconstructor(model::Model model, engine::Engine engine) : model_(std::move(model)), engine_(std::move(engine)) {}
+  Reconstructor(model::Model model, engine::Engine engine)
+      : model_(std::move(model)), engine_(std::make_shared<const engine::Engine>(std::move(engine))) {}
   model::Model model_;
-  engine::Engine engine_;
+  std::shared_ptr<const engine::Engine> engine_;
 };
 
 }  // namespace e2lf::recon

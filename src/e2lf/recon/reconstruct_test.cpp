@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/reconstruct.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -94,6 +95,18 @@ model::Model uneven_model() {
   model.weights["weigh.bias"] = std::vector<float>(4);
   model.weights["views.weight"].assign(64, 2.0F);
   return model;
+}
+
+TEST(Reconstructor, SharesItsEngineWithTheSameNetworkToldAnotherCamera) {
+  capture::SensorProfile camera;
+  camera.constants.tau = 0.5F;
+  model::Model told = told_model();
+  told.camera = camera;
+  const auto expected = Reconstructor::create(told)->reconstruct(numbered_images());
+  const Reconstructor first = Reconstructor::create(told_model()).value(), second = first.with_camera(camera);
+  EXPECT_EQ(&second.engine(), &first.engine());
+  EXPECT_TRUE(std::ranges::equal(second.reconstruct(numbered_images())->data(), expected->data()));
+  EXPECT_FALSE(std::ranges::equal(first.reconstruct(numbered_images())->data(), expected->data()));
 }
 
 TEST(Reconstructor, PassesAverageOverTheGrid) {

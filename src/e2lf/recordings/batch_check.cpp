@@ -15,7 +15,7 @@ namespace e2lf::recordings {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The largest value; 0 for none.
+/// Returns the largest value, or 0 if there are none.
 template <typename T>
 uint32_t largest(const T* values, size_t count) {
   const hn::ScalableTag<T> d;
@@ -41,7 +41,7 @@ bool is_sorted(const int64_t* t, size_t count) {
   return sorted;
 }
 
-/// Whether all of x, y and p lie below their bounds and times do not fall.
+/// Returns whether x, y and p are below their bounds and times do not decrease.
 bool is_good(const EventColumns& events, uint32_t width, uint32_t height) {
   const size_t count = events.size();
   return largest(events.x.data(), count) < width && largest(events.y.data(), count) < height &&
@@ -107,7 +107,7 @@ Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, 
     if (given == 0) return {};
     if (stated != 0 && stated != given) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("the file says its ", what, " is ", stated, ", not ", given, "; leave the option away"), name};
+                   cat("the file says its ", what, " is ", stated, ", not ", given, "; leave the option out"), name};
     }
     stated = given;
     return {};

@@ -8,14 +8,14 @@
 
 namespace e2lf::recordings {
 
-/// What RecordingWriter::write promises to refuse, for every format alike.
+/// Checks batches as RecordingWriter::write() requires, in the same way for all formats.
 class BatchCheck {
  public:
-  /// The sensor's size in pixels; 0 = unlimited. `name` is the location in errors.
+  /// `width` and `height` are the size of the sensor, px; 0 = unlimited. `name` is the location in errors.
   BatchCheck(size_t width, size_t height, std::string name) : width_(width), height_(height), name_(std::move(name)) {}
 
-  /// Fails with kInvalidValue for an event outside the sensor, p above 1, or time that runs backwards, within the batch
-  /// or against the batches before.
+  /// Fails with kInvalidValue for an event outside the sensor, for p above 1, and for times that decrease within the
+  /// batch or since the last one.
   [[nodiscard]] Result<void> operator()(const EventBatch& batch);
 
  private:
@@ -28,8 +28,8 @@ class BatchCheck {
   uint64_t events_done_ = 0;
 };
 
-/// Puts the size the caller gave into `info` where the file does not say. Fails with kInvalidValue where both say and
-/// differ; `name` is the location.
+/// Sets the size in `info` from the options if the file does not state it. Fails with kInvalidValue if both state it
+/// and differ; `name` is the location.
 [[nodiscard]] Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, const std::string& name);
 
 }  // namespace e2lf::recordings

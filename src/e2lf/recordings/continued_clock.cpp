@@ -88,9 +88,11 @@ class ContinuedClock final : public EventBlocks {
   /// Takes events as those of the part at hand.
   void accept(EventColumns& events, size_t begin, size_t end) {
     if (begin == end) return;
-    const auto count_on = std::count(&events.p[begin], &events.p[begin] + (end - begin), 1);
-    has_on_ |= count_on > 0;
-    has_off_ |= static_cast<size_t>(count_on) < end - begin;
+    if (order_ == EventOrder::kAny && !(has_on_ && has_off_)) {
+      const auto count_on = std::count(&events.p[begin], &events.p[begin] + (end - begin), 1);
+      has_on_ |= count_on > 0;
+      has_off_ |= static_cast<size_t>(count_on) < end - begin;
+    }
     const size_t noted = std::min(end - begin, kRestartWitnesses);
     const size_t stale = history_.size() - std::min(history_.size(), kRestartWitnesses - noted);
     history_.erase(history_.begin(), history_.begin() + static_cast<ptrdiff_t>(stale));

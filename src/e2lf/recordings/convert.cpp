@@ -15,17 +15,16 @@ void warn(ConvertReport& report, const std::string& message) {
   report.warnings.push_back(message);
 }
 
-/// Why there is nothing to write.
+/// Returns the error that explains why there is nothing to write.
 Error nothing_to_convert(const RecordingReader& reader) {
   const OpenOptions& options = reader.options();
   const std::vector<Loss> left_out = losses(reader.summary());
-  std::string message = "no event and no trigger";
+  std::string message = "there is no event and no trigger";
   if (options.from_us != INT64_MIN || options.to_us != INT64_MAX) {
-    message +=
-        options.range == TimeOrigin::kZero ? " in that time from its first one on" : " in that time of its clock";
+    message += options.range == TimeOrigin::kZero ? " in this time after the first one" : " in this time on its clock";
   }
   message += left_out.empty() ? "" : cat(" (left out: ", loss_text(left_out), ")");
-  return {ErrorCode::kInvalidValue, message + "; `e2lf info` tells what the recording holds, and from when to when",
+  return {ErrorCode::kInvalidValue, message + "; `e2lf info` shows the content and the time range of the recording",
           reader.name()};
 }
 
@@ -57,17 +56,17 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
 
   if (report.triggers > 0 && !writer->holds_triggers()) {
     report.trigger_file = side.path().filename();
-    warn(report, cat(name, ": the format has no place for ", report.triggers, " triggers; they are in ",
+    warn(report, cat(name, ": the format cannot hold ", report.triggers, " triggers; they are in ",
                      side.path().filename().string(), " beside it"));
   }
   if (report.lost_triggers > 0) {
-    warn(report, cat(name, ": the format has no place for ", report.lost_triggers,
-                     " triggers; they are lost, write to a file instead"));
+    warn(report, cat(name, ": the format cannot hold ", report.lost_triggers,
+                     " triggers, which are lost; write to a file instead"));
   }
   if (!writer->holds_absolute_time()) {
     warn(report, cat(name,
-                     ": the format does not keep the sensor's absolute time; compare it with others "
-                     "that begin at zero too"));
+                     ": the format does not keep the sensor's absolute time; compare it only with recordings that also "
+                     "begin at zero"));
   }
   return report;
 }

@@ -13,23 +13,22 @@ namespace e2lf::recordings {
 
 struct ConvertOptions {
   std::string format = {};   ///< of the output; empty = by its extension
-  ProgressFn progress = {};  ///< called with the events written so far; the total is not known and 0
+  ProgressFn progress = {};  ///< called with the number of events written so far; the total is unknown and given as 0
 };
 
 struct ConvertReport {
   uint64_t events = 0;
-  uint64_t triggers = 0;               ///< written
-  uint64_t lost_triggers = 0;          ///< neither the format nor the place has room for them: text to a pipe
-  std::filesystem::path trigger_file;  ///< where triggers went that the format does not hold: a name beside the
-                                       ///< output; empty = none
-  std::vector<std::string> warnings;   ///< what the output cannot hold, for people; also logged
-  DecodeSummary summary;               ///< of the input: what was left out of it
+  uint64_t triggers = 0;       ///< written
+  uint64_t lost_triggers = 0;  ///< lost because neither the format nor the destination can hold them: text to a pipe
+  std::filesystem::path trigger_file;  ///< name of the file with triggers that the format cannot hold; empty = none
+  std::vector<std::string> warnings;   ///< what the output cannot hold, as messages that are also logged
+  DecodeSummary summary;               ///< of the input, with what was left out
 };
 
-/// Copies what is left of a recording into a new file, in bounded memory where the formats allow it. Triggers that the
-/// output's format cannot hold go to <name>_triggers.csv, with a warning; so does a warning for times that will not
-/// come back as they are. Fails as the reader and create_recording() do, and with
-/// kInvalidValue where there is neither an event nor a trigger; the output then does not appear.
+/// Copies the rest of a recording to a new file, in bounded memory if the formats permit it. Triggers that the format
+/// of the output cannot hold are written to <name>_triggers.csv, with a warning; another warning states that times will
+/// not be preserved. Fails as the reader and create_recording() do, and with kInvalidValue if there is neither an event
+/// nor a trigger, in which case no output appears.
 [[nodiscard]] Result<ConvertReport> convert_recording(RecordingReader& reader, const std::filesystem::path& output,
                                                       const ConvertOptions& options = {});
 

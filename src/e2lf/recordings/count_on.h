@@ -6,7 +6,7 @@
 
 namespace e2lf::recordings {
 
-/// How many of the polarities are ON; each is 0 or 1.
+/// Returns the number of polarities that are ON; each is 0 or 1.
 [[nodiscard]] uint64_t count_on(std::span<const uint8_t> p);
 
 }  // namespace e2lf::recordings

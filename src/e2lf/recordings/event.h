@@ -9,14 +9,15 @@
 
 namespace e2lf::recordings {
 
-/// Times beyond +-this (36,000 years) are damage: readers drop them, so that differences of times never overflow.
+/// Times beyond +-this value (36,000 years) are damage. Readers drop them, so that differences of times never overflow.
 inline constexpr int64_t kTimeLimitUs = int64_t{1} << 60;
 
 [[nodiscard]] constexpr bool is_time(int64_t t_us) {
   return t_us >= -kTimeLimitUs && t_us <= kTimeLimitUs;
 }
 
-/// One change of brightness at one pixel: x, y from the top left, p 1 = ON (brighter) or 0 = OFF, t in microseconds.
+/// A change of the brightness of one pixel: x and y are counted from the top left, p is 1 for ON (brighter) and 0 for
+/// OFF, and t is in microseconds.
 struct Event {
   uint16_t x = 0;
   uint16_t y = 0;
@@ -25,7 +26,8 @@ struct Event {
   bool operator==(const Event&) const = default;
 };
 
-/// An edge on an external trigger input: p 1 = rising, 0 = falling; id = the input's number; t in microseconds.
+/// An edge on an external trigger input: t is in microseconds, id is the number of the input, and p is 1 for a rising
+/// and 0 for a falling edge.
 struct Trigger {
   int64_t t = 0;
   uint16_t id = 0;
@@ -33,7 +35,8 @@ struct Trigger {
   bool operator==(const Trigger&) const = default;
 };
 
-/// Leaves new elements uninitialised where std::allocator zeroes them: columns are resized, then filled by kernels.
+/// An allocator that leaves new elements uninitialised, while std::allocator sets them to zero. Columns are resized and
+/// then filled by kernels.
 template <typename T>
 struct UninitialisedAllocator : std::allocator<T> {
   template <typename U>
@@ -50,11 +53,11 @@ struct UninitialisedAllocator : std::allocator<T> {
   }
 };
 
-/// A std::vector whose resize() does not touch the new elements.
+/// A std::vector whose resize() does not initialise the new elements.
 template <typename T>
 using Column = std::vector<T, UninitialisedAllocator<T>>;
 
-/// Events as four columns of one length.
+/// Events as four columns of equal length.
 struct EventColumns {
   Column<uint16_t> x;
   Column<uint16_t> y;
@@ -67,7 +70,7 @@ struct EventColumns {
 
   void clear() { resize(0); }
 
-  /// Sets the length; new elements hold anything.
+  /// Sets the length; the values of new elements are unspecified.
   void resize(size_t count) {
     x.resize(count);
     y.resize(count);
@@ -97,7 +100,7 @@ struct EventColumns {
     copy(t, other.t);
   }
   void append(const EventColumns& other) { append(other, 0, other.size()); }
-  /// Drops the first events; memory stays.
+  /// Removes the first events without releasing memory.
   void drop_front(size_t count) {
     const auto drop = [count](auto& column) {
       column.erase(column.begin(), column.begin() + static_cast<ptrdiff_t>(count));
@@ -110,7 +113,7 @@ struct EventColumns {
   bool operator==(const EventColumns&) const = default;
 };
 
-/// A stretch of a recording: events and triggers, each sorted by time.
+/// A section of a recording: events and triggers, each sorted by time.
 struct EventBatch {
   EventColumns events;
   std::vector<Trigger> triggers;

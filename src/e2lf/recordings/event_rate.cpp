@@ -8,7 +8,7 @@
 namespace e2lf::recordings {
 namespace {
 
-/// Adds up neighbours; half as many bins are left.
+/// Adds neighbouring bins, which halves their number.
 void merge_pairs(std::vector<uint64_t>& counts) {
   for (size_t i = 0; i < counts.size(); i += 2) {
     counts[i / 2] = counts[i] + (i + 1 < counts.size() ? counts[i + 1] : 0);
@@ -22,10 +22,10 @@ EventRateCounter::EventRateCounter(size_t max_bins) : max_bins_(max_bins) {
   E2LF_REQUIRE(max_bins >= 2, "at least two bins");
 }
 
-/// The bin of a time; there is one for it afterwards.
+/// Returns the bin of a time, and adds bins as necessary.
 size_t EventRateCounter::bin_of(int64_t t_us) {
   if (rate_.size() == 0) rate_.begin_us = t_us;
-  // A trigger may come a little before the first event that was read.
+  // A trigger may be slightly before the first event that was read.
   const int64_t since_us = std::max<int64_t>(0, t_us - rate_.begin_us);
   while (static_cast<uint64_t>(since_us / rate_.bin_us) >= max_bins_) {
     for (auto* counts : {&rate_.on, &rate_.off, &rate_.triggers}) merge_pairs(*counts);

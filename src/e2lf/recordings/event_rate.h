@@ -10,21 +10,22 @@
 
 namespace e2lf::recordings {
 
-/// How many events fell into each stretch of time.
+/// The number of events in each time bin.
 struct EventRate {
-  int64_t begin_us = 0;  ///< of the first bin
+  int64_t begin_us = 0;  ///< start of the first bin
   int64_t bin_us = 1;
   std::vector<uint64_t> on, off;
-  std::vector<uint64_t> triggers;  ///< edges of any input
+  std::vector<uint64_t> triggers;  ///< edges of all inputs
 
   [[nodiscard]] size_t size() const { return on.size(); }
 };
 
-/// Counts a whole recording in at most max_bins (>= 2) bins, as fine as that allows: bins are halved in number whenever
-/// there are too many, so that memory does not depend on the recording's length. Fails as the reader does.
+/// Counts the events of a whole recording in at most max_bins (>= 2) bins, as narrow as this permits. Whenever there
+/// are too many bins, pairs are merged, so that memory does not depend on the length of the recording. Fails as the
+/// reader does.
 [[nodiscard]] Result<EventRate> measure_event_rate(RecordingReader& reader, size_t max_bins = 2000);
 
-/// The same bin by bin, for events that come in portions.
+/// Computes the same event rate from events that arrive in batches.
 class EventRateCounter {
  public:
   explicit EventRateCounter(size_t max_bins);

@@ -9,10 +9,10 @@
 
 namespace e2lf::recordings {
 
-/// A batch that is handed out bit by bit, in an order that keeps what was handed out sorted.
+/// A batch that is returned in pieces, in an order in which everything that was returned is sorted.
 class PendingBatch {
  public:
-  /// Empties it for filling; memory is kept.
+  /// Clears the batch and returns it for filling; memory is kept.
   EventBatch& refill() {
     batch_.clear();
     event_ = trigger_ = 0;
@@ -22,24 +22,25 @@ class PendingBatch {
   [[nodiscard]] bool empty() const { return event_ == batch_.events.size() && trigger_ == batch_.triggers.size(); }
   [[nodiscard]] const EventBatch& batch() const { return batch_; }
 
-  /// The first event and trigger that were not handed out yet.
+  /// Return the index of the first event or trigger that was not returned yet.
   [[nodiscard]] size_t event() const { return event_; }
   [[nodiscard]] size_t trigger() const { return trigger_; }
 
-  /// Leaves out events and triggers up to these.
+  /// Skips the events and triggers before these indices.
   void skip_to(size_t event, size_t trigger) {
     event_ = event;
     trigger_ = trigger;
   }
 
-  /// Raises earlier times to this one; sorted events and triggers stay so.
+  /// Raises earlier times to this one. Sorted events and triggers remain sorted.
   void raise_times(int64_t t_us) {
     for (size_t i = event_; i < batch_.events.size() && batch_.events.t[i] < t_us; ++i) batch_.events.t[i] = t_us;
     for (size_t i = trigger_; i < batch_.triggers.size() && batch_.triggers[i].t < t_us; ++i)
       batch_.triggers[i].t = t_us;
   }
 
-  /// Appends at most `max_events` of each to `out`; all of a fresh batch goes without a copy to an empty one.
+  /// Appends at most `max_events` events and as many triggers to `out`. A complete batch is moved to an empty one
+  /// without copying.
   void take(EventBatch& out, size_t max_events) {
     if (out.empty() && event_ == 0 && trigger_ == 0 && batch_.events.size() <= max_events &&
         batch_.triggers.size() <= max_events) {
@@ -57,7 +58,7 @@ class PendingBatch {
     skip_to(event_end, trigger_end);
   }
 
-  /// The first event left that is at or after a time, and the same for triggers; times need not be sorted.
+  /// Return the index of the first remaining event or trigger at or after a time. Times need not be sorted.
   [[nodiscard]] size_t first_event(int64_t t_us) const {
     size_t i = event_;
     while (i < batch_.events.size() && batch_.events.t[i] < t_us) ++i;

@@ -10,8 +10,9 @@
 
 namespace e2lf::recordings {
 
-/// Reads the next batch of a recording on a thread of its own while the caller works on the one before. With one thread
-/// allowed (num_threads()), reads when asked. Nobody else may use the reader until this is gone.
+/// Reads the next batch of a recording in a separate thread while the caller processes the previous one. If only one
+/// thread is permitted (num_threads()), reads on request. The reader must not be used otherwise during the lifetime of
+/// this object.
 class ReadAhead {
  public:
   explicit ReadAhead(RecordingReader& reader);
@@ -19,7 +20,7 @@ class ReadAhead {
   ReadAhead& operator=(const ReadAhead&) = delete;
   ~ReadAhead();
 
-  /// As RecordingReader::read(batch); what that throws is thrown here.
+  /// Reads a batch as RecordingReader::read() does; exceptions of the reader are rethrown here.
   [[nodiscard]] Result<bool> read(EventBatch& batch);
 
  private:
@@ -29,9 +30,9 @@ class ReadAhead {
   std::mutex mutex_;
   std::condition_variable changed_;
   EventBatch next_;
-  Result<bool> more_ = true;      ///< of the last read; nothing follows an end or an error
-  std::exception_ptr exception_;  ///< of the last read
-  bool is_read_ = false;          ///< next_, more_ and exception_ wait to be taken
+  Result<bool> more_ = true;      ///< result of the last read; nothing follows an end or an error
+  std::exception_ptr exception_;  ///< exception of the last read
+  bool is_read_ = false;          ///< whether next_, more_ and exception_ are ready
   bool is_stopped_ = false;
   std::thread thread_;
 };

@@ -13,7 +13,8 @@
 namespace e2lf::recordings {
 namespace {
 
-/// What comes first in a batch behind so many events and triggers; nothing where nothing does.
+/// Returns the time of the first event or trigger of a batch after the given numbers of events and triggers, or nothing
+/// if there is none.
 std::optional<int64_t> first_time(const EventBatch& batch, size_t events, size_t triggers) {
   std::optional<int64_t> first_us;
   if (events < batch.events.size()) first_us = batch.events.t[events];
@@ -32,8 +33,8 @@ std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   return std::nullopt;
 }
 
-/// read_next(), with the times of later parts moved behind those of earlier ones. Ends in front of a later part that is
-/// to be kept apart; that part then begins with the batch.
+/// Calls read_next() and shifts the times of later parts behind those of earlier ones. Stops before a later part that
+/// is to be kept separate; the batch then begins with that part.
 Result<bool> RecordingReader::read_one_clock(EventBatch& batch, size_t max_events) {
   const size_t events = batch.events.size(), triggers = batch.triggers.size(), gaps = summary_.gaps.size();
   E2LF_ASSIGN_OR_RETURN(const bool more, read_next(batch, max_events));
@@ -51,10 +52,10 @@ Result<bool> RecordingReader::read_one_clock(EventBatch& batch, size_t max_event
   return more;
 }
 
-/// Decides about a part whose first time is known.
+/// Decides how to treat a part whose first time is known.
 Result<void> RecordingReader::join_part(int64_t first_us) {
   Restart restart = *std::exchange(joint_, std::nullopt);
-  if (first_us >= restart.before_us) return {};  // recordings that follow each other by one clock
+  if (first_us >= restart.before_us) return {};  // consecutive recordings with the same clock
   restart.after_us = first_us;
   has_restarted_ = true;
   switch (options_.restart) {
@@ -82,7 +83,7 @@ Result<void> RecordingReader::join_part(int64_t first_us) {
 }
 
 Result<bool> RecordingReader::next_part() {
-  // What is at or after options_.to_us was not read.
+  // Data at or after options_.to_us were not read.
   for (bool more = has_ended_; more && !is_between_parts_;) {
     E2LF_ASSIGN_OR_RETURN(more, refill_pending(kDefaultBatch));
   }
@@ -121,30 +122,33 @@ Result<void> RecordingReader::find_shift() {
 }
 
 DecodeSummary RecordingReader::left_out_before() const {
-  return losses_of_source_ == nullptr ? DecodeSummary() : *losses_of_source_;
+  DecodeSummary before;
+  for (const auto& losses : losses_before_) before.append(losses());
+  return before;
 }
 
-/// Who ends a stream ends it anywhere: what is cut there is no damage.
-void RecordingReader::pass_over_cut() {
+/// A stop request or the failure of a camera can come between any two reads, so an incomplete word at this point is not
+/// damage.
+void RecordingReader::pass_over_cut(const DecodeSummary& before) {
   ViolationCount& cut = summary_.of(Violation::kTruncated);
   const uint64_t known = known_violations_[static_cast<size_t>(Violation::kTruncated)];
-  if (stop_requested()) cut = {known, known == 0 ? 0 : cut.first_byte};
+  if (stop_requested() || !before.live.failure.empty()) cut = {known, known == 0 ? 0 : cut.first_byte};
 }
 
 Result<void> RecordingReader::apply_policy() {
-  pass_over_cut();
   const DecodeSummary before = left_out_before();
+  pass_over_cut(before);
   if (options_.policy == DecodePolicy::kStrict && before.num_violations() > 0) return violation_error(before, name_);
   if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time + before.events_before_time > 0) {
-    return Error{ErrorCode::kFormat,
-                 "events stand in front of the first time, which strict reading refuses; without it they are left out "
-                 "and counted",
-                 name_};
+    return Error{
+        ErrorCode::kFormat,
+        "there are events before the first time, which strict reading refuses; otherwise they are left out and counted",
+        name_};
   }
   if (options_.policy == DecodePolicy::kStrict && summary_.other_streams + before.other_streams > 0) {
     return Error{ErrorCode::kInvalidValue,
                  cat("there are several streams of events, ", join(info_.streams),
-                     ", and strict reading leaves none out; choose one"),
+                     ", and strict reading does not leave any out; select one"),
                  name_, Setting::kStream};
   }
   for (size_t i = 0; i < kNumViolations; ++i) {
@@ -185,12 +189,12 @@ DecodeSummary RecordingReader::summary() const {
   return shifted;
 }
 
-/// A time of the options on the sensor's clock.
+/// Converts a time of the options to the sensor's clock.
 int64_t RecordingReader::in_range(int64_t t_us) const {
   return std::clamp(t_us, -kTimeLimitUs, kTimeLimitUs) + range_origin_us_;
 }
 
-/// Goes to a time where the source can be sought; otherwise passes over what comes before.
+/// Seeks to a time if the source is seekable; otherwise skips everything before it.
 Result<void> RecordingReader::begin_at(int64_t absolute_us) {
   const auto sought = seek_before(absolute_us);
   if (!sought && sought.error().code != ErrorCode::kUnsupported) return sought;
@@ -207,7 +211,7 @@ Result<void> RecordingReader::skip_to(int64_t absolute_us) {
   }
 }
 
-/// Drops what is at or after a time from a batch; there is no more then.
+/// Removes everything at or after a time from a batch, which is then the last one.
 void RecordingReader::end_at(int64_t absolute_us, EventBatch& batch) {
   const auto is_late = [absolute_us](const auto& t_us) { return t_us >= absolute_us; };
   const auto event = std::find_if(batch.events.t.begin(), batch.events.t.end(), is_late);
@@ -221,7 +225,7 @@ void RecordingReader::end_at(int64_t absolute_us, EventBatch& batch) {
 Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   E2LF_REQUIRE(max_events >= kMinBatch, "a batch holds at least kMinBatch events");
   batch.clear();
-  // A live source ends by itself, behind what has arrived.
+  // A live source ends by itself, after what has arrived.
   if (stop_requested() && !arrival()) return false;
   if (is_between_parts_) return false;
   E2LF_RETURN_IF_ERROR(find_shift());
@@ -254,8 +258,13 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   return !batch.empty();
 }
 
+void RecordingReader::skip_events(int64_t begin_us, int64_t end_us) {
+  const int64_t shift_us = shift_us_.value_or(0) - part_shift_us_;
+  skip_decoding(begin_us + shift_us, end_us + shift_us);
+}
+
 Result<void> RecordingReader::seek_before(int64_t) {
-  return Error{ErrorCode::kUnsupported, cat("a ", info_.format, " recording cannot be sought; read it from the start"),
+  return Error{ErrorCode::kUnsupported, cat("a ", info_.format, " recording is not seekable; read it from the start"),
                name_};
 }
 

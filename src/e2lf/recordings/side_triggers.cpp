@@ -29,12 +29,12 @@ std::optional<Trigger> parse_line(std::string_view line) {
   return Trigger{values[2], static_cast<uint16_t>(values[1]), static_cast<uint8_t>(values[0] > 0)};
 }
 
-/// An empty line, a comment, or the names of the columns above the first trigger.
+/// Returns whether a line is empty, a comment, or the column names above the first trigger.
 bool is_remark(std::string_view line, uint64_t byte) {
   return line.empty() || line == "\r" || line[0] == '#' || line[0] == '%' || (byte == 0 && line.starts_with("p,"));
 }
 
-/// Whether a file begins as a text of events does: a recording of its own that has such a name.
+/// Returns whether a file begins like a text file of events: an independent recording with such a name.
 Result<bool> holds_events(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
   std::string_view text(reinterpret_cast<const char*>(head.data()), std::min(head.size(), kDetectBytes));
@@ -51,7 +51,7 @@ class SideTriggerFile final : public TriggerSource {
  public:
   explicit SideTriggerFile(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
 
-  /// All triggers at once, sorted.
+  /// Returns all triggers at once, sorted.
   Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
     const auto begin = static_cast<ptrdiff_t>(block.size());
     for (bool more = true; more;) {
@@ -67,7 +67,7 @@ class SideTriggerFile final : public TriggerSource {
   }
 
  private:
-  /// The triggers of the lines at hand; false at the end.
+  /// Appends the triggers of the available lines; returns false at the end.
   Result<bool> read_lines(std::vector<Trigger>& block, DecodeSummary& summary) {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestTriggerLine));
     if (bytes.empty()) return false;
@@ -77,7 +77,7 @@ class SideTriggerFile final : public TriggerSource {
       add_line(text.substr(used, end - used), source_->position() + used, block, summary);
       is_within_line_ = false;
     }
-    // What is left is the last line of the file, or of the bytes at hand, or a line too long to be one.
+    // The remainder is the last line of the file or of the available bytes, or a line that is too long to be valid.
     if (used == 0) {
       add_line(text, source_->position(), block, summary);
       is_within_line_ = true;
@@ -87,7 +87,7 @@ class SideTriggerFile final : public TriggerSource {
     return true;
   }
 
-  /// A line that is too long is none, wherever the bytes at hand end.
+  /// A line that is too long is invalid, wherever the available bytes end.
   void add_line(std::string_view line, uint64_t byte, std::vector<Trigger>& block, DecodeSummary& summary) const {
     if (is_within_line_ || is_remark(line, byte)) return;
     const auto trigger = line.size() < kLongestTriggerLine ? parse_line(line) : std::nullopt;
@@ -100,7 +100,7 @@ class SideTriggerFile final : public TriggerSource {
   }
 
   std::unique_ptr<ByteSource> source_;
-  bool is_within_line_ = false;  ///< the beginning of the line at hand was too long
+  bool is_within_line_ = false;  ///< whether the beginning of the current line was too long
 };
 
 }  // namespace
@@ -115,8 +115,8 @@ Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
   if (source == nullptr) return TriggerFeed();
   E2LF_ASSIGN_OR_RETURN(const bool is_recording, holds_events(*source));
   if (is_recording) {
-    log_warning(cat(side_trigger_path(recording).string(), ": holds events and not the triggers of ",
-                    recording.filename().string(), ": leaving it out; give one of them another name"));
+    log_warning(cat(side_trigger_path(recording).string(), ": this file contains events and not the triggers of ",
+                    recording.filename().string(), ", so it is left out; give one of them another name"));
     return TriggerFeed();
   }
   return make_side_trigger_feed(std::move(source));

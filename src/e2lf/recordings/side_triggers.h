@@ -14,20 +14,20 @@
 
 namespace e2lf::recordings {
 
-/// Triggers of a recording whose format has no place for them: <name>_triggers.csv beside <name>.<extension>, a line
-/// "p,id,t" each (t in microseconds) under a line that says so. They are read in any order, and held in memory.
+/// Triggers of a recording whose format cannot hold them are stored in <name>_triggers.csv beside <name>.<extension>: a
+/// header line, and one line "p,id,t" per trigger (t in microseconds). They may be in any order and are held in memory.
 
 [[nodiscard]] std::filesystem::path side_trigger_path(const std::filesystem::path& recording);
 
-/// The triggers beside a recording; an empty feed when there is no such file (or `recording` is empty), and, with a
-/// warning, when it holds events. A line that cannot be read is counted in the reader's summary (kBadRecord). Fails
-/// with kIo.
+/// Opens the triggers beside a recording. Returns an empty feed if there is no such file, if `recording` is empty, or,
+/// with a warning, if the file contains events. Lines that cannot be read are counted in the reader's summary
+/// (kBadRecord). Fails with kIo.
 [[nodiscard]] Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording);
 
-/// The triggers in the text that a source holds.
+/// Returns a feed of the triggers in the text of a source.
 [[nodiscard]] TriggerFeed make_side_trigger_feed(std::unique_ptr<ByteSource> source);
 
-/// Writes the file; it appears at finish(), and only when there was a trigger.
+/// Writes the file. It appears at finish(), and only if there was a trigger.
 class SideTriggerWriter {
  public:
   explicit SideTriggerWriter(const std::filesystem::path& recording) : path_(side_trigger_path(recording)) {}

@@ -15,8 +15,8 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr size_t kBufferedEvents = size_t{1} << 22;  // of all runs together while they are merged
-constexpr size_t kLeastBuffer = 256;                 // of one run
+constexpr size_t kBufferedEvents = size_t{1} << 22;  // for all runs together during the merge
+constexpr size_t kLeastBuffer = 256;                 // for one run
 
 std::filesystem::path temporary_folder() {
   std::error_code error;
@@ -83,7 +83,7 @@ void SortedRuns::rewind() {
   is_merging_ = false;
 }
 
-/// Puts the next events of a run into memory; false at its end.
+/// Reads the next events of a run into memory; returns false at its end.
 Result<bool> SortedRuns::refill(Run& run) {
   const size_t share = std::max(kLeastBuffer, kBufferedEvents / runs_.size());
   const auto count = static_cast<size_t>(std::min<uint64_t>(share, run.end - run.next));

@@ -10,12 +10,11 @@
 
 namespace e2lf::recordings {
 
-/// Puts events in order of time; events of one time keep their order.
+/// Sorts events by time; the order of events with equal times is preserved.
 void sort_by_time(EventColumns& events);
 
-/// Events in order of time in a temporary file without a name, for more of them than memory should hold: sorted runs
-/// are added, then merged. 16 bytes of disk for each event, in TMPDIR or /tmp; they go when the object goes, or the
-/// process.
+/// Sorts more events than memory should hold, with a temporary file that has no name: sorted runs are added and then
+/// merged. Needs 16 bytes of disk space per event in TMPDIR or /tmp, which are released with the object or the process.
 class SortedRuns {
  public:
   SortedRuns() = default;
@@ -26,21 +25,21 @@ class SortedRuns {
   /// Sorts the events and adds them as the next run. Fails with kIo.
   [[nodiscard]] Result<void> add(EventColumns& events);
 
-  /// Starts to merge from the first event; runs added later are not seen.
+  /// Starts merging from the first event; runs that are added later are not included.
   void rewind();
 
-  /// Replaces `events` by the next ones, at most `max_events`; of one time, those of earlier runs come first. False
-  /// when there are no more. Fails with kIo.
+  /// Replaces `events` by the next ones, at most `max_events`. Of events with equal times, those of earlier runs come
+  /// first. Returns false when there are no more. Fails with kIo.
   [[nodiscard]] Result<bool> next(EventColumns& events, size_t max_events);
 
  private:
-  /// What is left of a run, and the part of it in memory.
+  /// The remainder of a run, and the part of it in memory.
   struct Run {
-    uint64_t next = 0, end = 0;  ///< events of the file
+    uint64_t next = 0, end = 0;  ///< indices of events in the file
     std::vector<Event> buffer;
     size_t place = 0;
   };
-  /// Where the next event of a run stands in the order of all.
+  /// The position of the next event of a run in the overall order.
   struct Head {
     int64_t t_us = 0;
     size_t run = 0;
@@ -52,7 +51,7 @@ class SortedRuns {
   [[nodiscard]] Result<void> begin_merge();
 
   int descriptor_ = -1;
-  std::vector<uint64_t> begins_ = {0};  ///< of the runs, in events, and the end
+  std::vector<uint64_t> begins_ = {0};  ///< begin of each run in events, and the end of the last
   std::vector<Run> runs_;               ///< while merging
   std::vector<Head> heads_;             ///< a heap, the earliest in front
   bool is_merging_ = false;

@@ -10,7 +10,7 @@ namespace e2lf::recordings {
 std::string one_line(std::string text) {
   for (size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
-    // In UTF-8 those from 0x80 to 0x9F stand behind 0xC2.
+    // In UTF-8, control characters from 0x80 to 0x9F follow 0xC2.
     const bool is_second = i > 0 && text[i - 1] == '\xC2' && byte < 0xA0;
     if (byte < 0x20 || byte == 0x7F || is_second) text[i] = '?';
   }
@@ -35,7 +35,7 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
   if (wanted.empty()) {
     if (streams.size() > 1) {
       info.assumptions.push_back({cat("there are ", streams.size(), " streams of events, ", join(info.streams),
-                                      "; taking the first and leaving the others out"),
+                                      ", of which the first is read and the others are left out"),
                                   Setting::kStream});
     }
     return size_t{0};
@@ -53,7 +53,7 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
   const auto count = std::count_if(streams.begin(), streams.end(), is_wanted);
   if (count != 1) {
     return Error{ErrorCode::kInvalidValue,
-                 cat(count == 0 ? "no stream of events is called " : "several streams of events are called ",
+                 cat(count == 0 ? "there is no stream of events named " : "there are several streams of events named ",
                      one_line(wanted), "; there are ", join(info.streams), ": choose one by its number"),
                  location, Setting::kStream};
   }

@@ -10,18 +10,19 @@
 
 namespace e2lf::recordings {
 
-/// How many neighbouring times are looked at for one: one that is damaged then leads nowhere.
+/// Number of neighbouring times that are inspected for one, so that a single damaged time does not mislead the search.
 inline constexpr size_t kTimesPerProbe = 5;
 
-/// The middle one of some times.
+/// Returns the median of the times.
 [[nodiscard]] inline int64_t median_time(std::vector<int64_t> times_us) {
   const auto middle = times_us.begin() + static_cast<ptrdiff_t>(times_us.size() / 2);
   std::nth_element(times_us.begin(), middle, times_us.end());
   return *middle;
 }
 
-/// A place in [0, count) from which on no event of t_us or later is missed, near the first of them: bisects sorted
-/// places by time_at(place), a Result<int64_t>. For places that are looked up one by one in a file.
+/// Finds a position in [0, count) after which no event at or after t_us is missed, near the first of them, by bisecting
+/// sorted positions with time_at(position), which returns a Result<int64_t>. Meant for positions that are looked up one
+/// by one in a file.
 template <typename TimeAt>
 [[nodiscard]] Result<uint64_t> find_place_before(uint64_t count, int64_t t_us, const TimeAt& time_at) {
   uint64_t low = 0, high = count;  // time_at(low) < t_us or low = 0; time_at(high) >= t_us or high = count
@@ -30,7 +31,7 @@ template <typename TimeAt>
     E2LF_ASSIGN_OR_RETURN(const int64_t middle_us, time_at(middle));
     (middle_us < t_us ? low : high) = middle;
   }
-  // A median looks at places behind its own.
+  // A median also inspects positions after its own.
   return low - std::min<uint64_t>(low, kTimesPerProbe);
 }
 

@@ -85,7 +85,7 @@ Result<void> validate(const EventModelOptions& options) {
 }
 
 Result<capture::EventImages> simulate_events(const CodedIntensities& intensities, const EventModelOptions& options) {
-  const ImageSize size = {intensities.num_patterns, intensities.height, intensities.width};
+  const ImageSize size = {intensities.count, intensities.height, intensities.width};
   E2LF_RETURN_IF_ERROR(validate(options));
   E2LF_RETURN_IF_ERROR(check_size(size));
   return simulate_blocks(size, options, [&](size_t first, size_t count, float* sums) {

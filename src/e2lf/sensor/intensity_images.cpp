@@ -45,7 +45,7 @@ Result<CodedIntensities> lens_array_image(const lightfield::LightField& light_fi
 
 CodedIntensities sum_of(const CodedIntensities& intensities) {
   CodedIntensities sum(1, intensities.height, intensities.width);
-  for (size_t n = 0; n < intensities.num_patterns; ++n) {
+  for (size_t n = 0; n < intensities.count; ++n) {
     const auto image = intensities.image(n);
     for (size_t i = 0; i < image.size(); ++i) sum.values[i] += image[i];
   }
@@ -53,7 +53,7 @@ CodedIntensities sum_of(const CodedIntensities& intensities) {
 }
 
 void add_noise(const ImageOptions& options, CodedIntensities& images) {
-  for (size_t n = 0; n < images.num_patterns; ++n) {
+  for (size_t n = 0; n < images.count; ++n) {
     const CounterRng rng(options.seed, kImageStream + n);
     const auto image = images.image(n);
     parallel_for(image.size(), 4096, [&](size_t begin, size_t end) {

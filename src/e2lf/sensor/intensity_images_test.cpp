@@ -27,8 +27,8 @@ TEST(IntensityImages, WithoutNoiseCodedImagesAreCodedIntensitiesAndAHybridHasThe
   const auto expected = coded_intensities(codes, field).value();
   const auto coded = measure_images(MeasurementKind::kCodedImages, codes, field, {.sigma = 0, .gain = 0.5F}).value();
   const auto sum = measure_images(MeasurementKind::kHybrid, codes, field, {.sigma = 0, .gain = 0.5F}).value();
-  ASSERT_EQ(coded.num_patterns, 4U);
-  ASSERT_EQ(sum.num_patterns, 1U);
+  ASSERT_EQ(coded.count, 4U);
+  ASSERT_EQ(sum.count, 1U);
   for (size_t i = 0; i < sum.values.size(); ++i) {
     float total = 0;
     for (size_t n = 0; n < 4; ++n) {
@@ -37,12 +37,12 @@ TEST(IntensityImages, WithoutNoiseCodedImagesAreCodedIntensitiesAndAHybridHasThe
     }
     EXPECT_FLOAT_EQ(sum.values[i], total);
   }
-  EXPECT_EQ(measure_images(MeasurementKind::kEventImages, codes, field, {}).value().num_patterns, 0U);
+  EXPECT_EQ(measure_images(MeasurementKind::kEventImages, codes, field, {}).value().count, 0U);
 }
 
 TEST(IntensityImages, EachPixelUnderALensIsAViewOverTheArea) {
   const auto image = measure_images(MeasurementKind::kLensArray, {}, ramp(16, 11), {.sigma = 0}).value();
-  ASSERT_EQ(image.num_patterns, 1U);
+  ASSERT_EQ(image.count, 1U);
   ASSERT_EQ(image.height, 16U);
   ASSERT_EQ(image.width, 16U);  // the second lens is cut after 3 columns
   // Lens (1, 0), view (2, 5): rows 8..15, columns 0..7.

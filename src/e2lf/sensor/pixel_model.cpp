@@ -137,7 +137,7 @@ class ExposureOf {
              float gain)
       : cycle_(cycle),
         intensities_(intensities),
-        transmission_(camera, intensities.num_patterns - 2, intensities.height, intensities.width),
+        transmission_(camera, intensities.count - 2, intensities.height, intensities.width),
         gain_over_eps_(gain / camera.pixel[kEps]),
         leak_(camera.pixel[kLeak]) {}
 
@@ -177,7 +177,8 @@ Result<void> check(const capture::Codes& codes, const capture::SensorProfile& ca
                  ""};
   }
   if (!(options.gain >= 0.0F) || !std::isfinite(options.gain)) {
-    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is no brightness; use zero or more"), ""};
+    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is not a brightness; use zero or more"),
+                 ""};
   }
   if (codes.num_patterns < 2 || !capture::is_black_first(codes)) {
     return Error{ErrorCode::kShape, "the event model pixel needs patterns that begin with black; use others", ""};

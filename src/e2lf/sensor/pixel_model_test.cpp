@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/sensor/pixel_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/sensor/event_model.h"
+#include "testing/pixel_levels.h"
 
 namespace e2lf::sensor {
 namespace {
@@ -92,24 +94,21 @@ TEST(PixelModel, InverseLetsThroughWhatItsCodeHoldsBack) {
   }
 }
 
-TEST(PixelModel, CountsFollowThePhotoreceptorsDifferentialEquation) {
-  constexpr float kThreshold = 0.01F, kRate = 30.0F;
-  auto camera = ideal_camera(kThreshold);
-  camera.pixel[kReceptorRate] = kRate;
+TEST(PixelModel, AgreesWithTheOtherFormsOfThePhysicalPixel) {
+  constexpr float kThreshold = 0.01F;
+  const auto camera = capture::lagging_camera(kThreshold);
+  capture::Codes codes(4, 8, 8);
+  for (size_t i = 0; i < codes.values.size(); ++i) {
+    codes.values[i] = static_cast<float>(capture::kPatternLight[i / 64] / capture::kFullLight);
+  }
   lightfield::LightField field({8, 8, 1, 1});
-  std::fill(field.data().begin(), field.data().end(), 0.2F);
-  const auto counts = simulate_pixel_events(half_codes(), field, camera, {});
-  ASSERT_TRUE(counts);
-  // Half of the cells pass 0.1, that is J = 11; the inverse of the last pattern too.
-  double u = std::log(11.0);
-  const auto integrate = [&](double target, double seconds) {
-    constexpr int kSteps = 100000;
-    for (int i = 0; i < kSteps; ++i) u += seconds / kSteps * kRate * (target - std::exp(u));
-  };
-  integrate(1.0, camera.pixel[kBlackTime]);
-  const double black = u;
-  integrate(11.0, camera.pixel[kLitTime]);
-  EXPECT_NEAR(counts->image(0)[0] * kThreshold, u - black, 2 * kThreshold);
+  std::ranges::fill(field.data(), static_cast<float>(capture::kFullLight));
+  const auto images = simulate_pixel_events(codes, field, camera, {});
+  ASSERT_TRUE(images) << images.error().text();
+  const auto levels = capture::pixel_levels(camera.pixel);
+  for (size_t n = 1; n < 4; ++n) {
+    EXPECT_NEAR(images->counts[n - 1] * kThreshold, levels[n] - levels[n - 1], 2 * kThreshold) << n;
+  }
 }
 
 TEST(PixelModel, ThresholdsStayFromCycleToCycleAndNoiseDoesNot) {

@@ -44,9 +44,9 @@ Result<CodedIntensities> reference_coded_intensities(const capture::Codes& codes
 Result<capture::EventImages> reference_simulate_events(const CodedIntensities& intensities,
                                                        const EventModelOptions& options) {
   E2LF_RETURN_IF_ERROR(validate(options));
-  E2LF_REQUIRE(intensities.num_patterns >= 2, "events need at least two patterns");
+  E2LF_REQUIRE(intensities.count >= 2, "events need at least two patterns");
   const auto& [eps, tau, sigma_w, sigma_z, sigma_i] = options.constants;
-  capture::EventImages images(intensities.num_patterns - 1, intensities.height, intensities.width);
+  capture::EventImages images(intensities.count - 1, intensities.height, intensities.width);
   for (size_t pixel = 0; pixel < intensities.image_size(); ++pixel) {
     const auto log_intensity = [&, eps = eps](size_t n) {
       return std::log(std::max(0.0F, intensities.image(n)[pixel] * options.gain) + eps);

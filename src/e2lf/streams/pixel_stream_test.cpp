@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "testing/pixel_levels.h"
 #include "testing/test_light.h"
 
 namespace e2lf::streams {
@@ -210,6 +211,21 @@ TEST(PixelStreamNodes, TheFastOnesMakeTheEventsOfTheReference) {
   size_t different = 0;
   for (size_t i = 0; i < fast.events().size(); ++i) different += fast.events()[i] == reference.events()[i] ? 0 : 1;
   EXPECT_LE(different, 4U);  // times within rounding of a whole microsecond
+}
+
+TEST_P(PixelStream, AgreesWithTheOtherFormsOfThePhysicalPixel) {
+  constexpr float kThreshold = 0.01F;
+  auto options = ideal_pixels(kThreshold);
+  options.pixel = capture::lagging_camera(kThreshold).pixel;
+  TestLight light(options, 1, 1, GetParam());
+  light.show(static_cast<float>(capture::kInverseLight), 1000);
+  const auto levels = capture::pixel_levels(options.pixel);
+  for (size_t n = 0; n < 4; ++n) {
+    const int64_t before = light.sum();
+    light.show(static_cast<float>(capture::kPatternLight[n]), n == 0 ? 15600 : 10400);
+    if (n == 0) continue;
+    EXPECT_NEAR(static_cast<double>(light.sum() - before) * kThreshold, levels[n] - levels[n - 1], 2 * kThreshold) << n;
+  }
 }
 
 }  // namespace

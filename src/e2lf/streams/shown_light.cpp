@@ -48,7 +48,7 @@ Result<capture::CodedIntensities> ShownLight::measure(const lightfield::LightFie
 
 void ShownLight::image(const capture::CodedIntensities& intensities, ShownPattern shown,
                        std::vector<float>& light) const {
-  const auto open = intensities.image(shown.code), full = intensities.image(intensities.num_patterns - 1);
+  const auto open = intensities.image(shown.code), full = intensities.image(intensities.count - 1);
   light.resize(open.size());
   parallel_for(light.size(), kLeastPixels, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {

@@ -32,7 +32,8 @@ Result<void> check(const RigOptions& options) {
                  ""};
   }
   if (!(options.gain >= 0.0F && options.gain <= std::numeric_limits<float>::max())) {
-    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is no brightness; use zero or more"), ""};
+    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is not a brightness; use zero or more"),
+                 ""};
   }
   return {};
 }

@@ -30,9 +30,10 @@ Result<std::shared_ptr<LightFieldCycles>> LightFieldCycles::open(const fs::path&
   std::vector<fs::path> paths = lightfield::cycle_folders(path);
   if (paths.empty()) paths.push_back(path);
   std::shared_ptr<LightFieldCycles> cycles(new LightFieldCycles(std::move(paths), options));
-  E2LF_ASSIGN_OR_RETURN(const auto first, lightfield::read_light_field(cycles->paths_.front(), options));
+  E2LF_ASSIGN_OR_RETURN(auto first, lightfield::read_light_field(cycles->paths_.front(), options));
   cycles->shape_ = first.shape();
   E2LF_RETURN_IF_ERROR(check_browser_memory(first.shape(), path));
+  cycles->kept_ = std::make_shared<const lightfield::LightField>(std::move(first));
   return cycles;
 }
 

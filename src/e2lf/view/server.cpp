@@ -17,6 +17,7 @@ namespace {
 
 constexpr const char* kHost = "127.0.0.1";
 constexpr std::chrono::milliseconds kStopPoll{100};
+constexpr size_t kThreads = 16;
 
 /// Returns 32 hexadecimal digits from the random device of the system.
 std::string random_secret() {
@@ -56,7 +57,8 @@ void refuse(httplib::Response& response, int status, const char* text) {
 
 class Server::Impl {
  public:
-  Impl(Document document, std::string secret) : secret_(std::move(secret)) {
+  Impl(Document document, std::string secret, Answerer answerer)
+      : secret_(std::move(secret)), answerer_(std::move(answerer)) {
     replace(std::move(document));
     server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       answer(request, response);
@@ -67,6 +69,8 @@ class Server::Impl {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
+    // Answers may take a while, and each of a browser's six connections keeps a thread.
+    if (answerer_) server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     server_.set_payload_max_length(0);
     server_.set_keep_alive_timeout(1);  // in s; limits how long a stop waits
   }
@@ -121,13 +125,20 @@ class Server::Impl {
   void answer(const httplib::Request& request, httplib::Response& response) const {
     set_headers(response);
     if (!is_from_own_page(request)) return refuse(response, 403, "only pages of this server may ask");
-    if (request.method != "GET" && request.method != "HEAD") return refuse(response, 405, "only GET");
+    const bool is_command = request.method == "POST" && answerer_;
+    if (!is_command && request.method != "GET" && request.method != "HEAD") return refuse(response, 405, "only GET");
     const std::string& path = request.path;
     const size_t end = path.find('/', 1);
     if (end == std::string::npos || !is_equal_secretly(path.substr(1, end - 1), secret_)) {
       return refuse(response, 404, "the address lacks the secret that e2lf view printed");
     }
-    send(path.substr(end + 1), response);
+    const std::string name = path.substr(end + 1);
+    if (!is_command && send(name, response)) return;
+    const auto other = answerer_ ? answerer_({is_command, name, {request.params.begin(), request.params.end()}})
+                                 : std::optional<Answer>();
+    if (!other) return refuse(response, 404, "there is no such part");
+    response.status = other->status;
+    response.set_content(other->body, other->type);
   }
 
   struct Shown {
@@ -141,24 +152,33 @@ class Server::Impl {
     return shown_;
   }
 
-  void send(const std::string& name, httplib::Response& response) const {
+  /// Returns false if `name` is not of the document.
+  bool send(const std::string& name, httplib::Response& response) const {
     const auto now = shown();
-    if (name.empty()) return response.set_content(empty_page().data(), empty_page().size(), "text/html; charset=utf-8");
-    if (name == "version") return response.set_content(std::to_string(now->version), "text/plain");
-    if (name == "document.json") return response.set_content(now->description, "application/json");
-    size_t number = 0;
-    const char* const end = name.data() + name.size();
-    const bool is_part = name.starts_with("part/") && name.size() > 5 &&
-                         std::from_chars(name.data() + 5, end, number) == std::from_chars_result{end, std::errc()};
-    if (!is_part || number >= now->document.parts().size()) {
-      return refuse(response, 404, "there is no such part");
+    if (name.empty()) {
+      response.set_content(empty_page().data(), empty_page().size(), "text/html; charset=utf-8");
+    } else if (name == "version") {
+      response.set_content(std::to_string(now->version), "text/plain");
+    } else if (name == "document.json") {
+      response.set_content(now->description, "application/json");
+    } else {
+      size_t number = 0;
+      const char* const end = name.data() + name.size();
+      const bool is_part = name.starts_with("part/") && name.size() > 5 &&
+                           std::from_chars(name.data() + 5, end, number) == std::from_chars_result{end, std::errc()};
+      if (!is_part || number >= now->document.parts().size()) return false;
+      const auto bytes = now->document.parts()[number]();
+      if (!bytes) {
+        refuse(response, 500, bytes.error().text().c_str());
+      } else {
+        response.set_content(reinterpret_cast<const char*>(bytes->data()), bytes->size(), "application/octet-stream");
+      }
     }
-    const auto bytes = now->document.parts()[number]();
-    if (!bytes) return refuse(response, 500, bytes.error().text().c_str());
-    response.set_content(reinterpret_cast<const char*>(bytes->data()), bytes->size(), "application/octet-stream");
+    return true;
   }
 
   std::string secret_;
+  Answerer answerer_;
   mutable std::mutex mutex_;
   std::shared_ptr<const Shown> shown_;
   int port_ = 0;
@@ -171,8 +191,8 @@ Server::Server(Server&&) noexcept = default;
 Server& Server::operator=(Server&&) noexcept = default;
 Server::~Server() = default;
 
-Result<Server> Server::create(Document document, uint16_t port) {
-  auto impl = std::make_unique<Impl>(std::move(document), random_secret());
+Result<Server> Server::create(Document document, uint16_t port, Answerer answerer) {
+  auto impl = std::make_unique<Impl>(std::move(document), random_secret(), std::move(answerer));
   E2LF_RETURN_IF_ERROR(impl->bind(port));
   return Server(std::move(impl));
 }

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "e2lf/base/result.h"
@@ -10,14 +13,28 @@
 
 namespace e2lf::view {
 
+/// What else a server is asked and answers.
+struct Question {
+  bool is_command = false;  ///< POST, in place of GET
+  std::string name;         ///< behind the secret
+  std::map<std::string, std::string> parameters;
+};
+struct Answer {
+  int status = 200;  ///< as of HTTP
+  std::string type, body;
+};
+/// Called by several threads at a time; nothing = there is no such thing.
+using Answerer = std::function<std::optional<Answer>(const Question&)>;
+
 /// Serves a document and its page to browsers on this computer, and nothing else: it never opens a file named by a
 /// request. It listens on 127.0.0.1 only. Every address contains a secret of 128 random bits. A request is refused
 /// (403) unless its Host is this server's own, since a page of another site that resolves its name to 127.0.0.1 has
 /// another Host, and if its Origin or Sec-Fetch-Site shows that it comes from another site.
 class Server {
  public:
-  /// Binds the port; 0 selects any free one. Fails with kIo if it is in use.
-  [[nodiscard]] static Result<Server> create(Document document, uint16_t port);
+  /// Binds the port; 0 selects any free one. `answerer` is asked for what is not of the document, and for commands,
+  /// which are refused without it. Fails with kIo if the port is in use.
+  [[nodiscard]] static Result<Server> create(Document document, uint16_t port, Answerer answerer = {});
 
   Server(Server&&) noexcept;
   Server& operator=(Server&&) noexcept;

@@ -3,7 +3,7 @@ import { nearestView, shapes } from '../aperture';
 import { ApertureMap } from '../aperture_map';
 import { numFrames, paths, placeOnPath, recordGif, recordVideo, videoEndings, type Place } from '../animation';
 import { busy } from '../busy';
-import type { Comparison, LightFieldItem } from '../document';
+import { isLivePage, type Comparison, type LightFieldItem } from '../document';
 import { disparityColour, drawColours, sequential, type Colour } from '../colour_map';
 import { canvas, clamp, element, placeOn } from '../dom';
 import { DisparityMap } from '../disparity_map';
@@ -15,6 +15,7 @@ import { fit, setSize, type Context, type Screen } from '../screen';
 import { saveBlob } from '../screenshot';
 import { epiShader, gridShader, pictureShader } from '../shaders';
 import type { Key } from '../state';
+import { pressViewKey, viewKeys } from '../view_keys';
 
 const keysWhileMoving: Key[] = ['x', 'y', 'focus', 'tiltx', 'tilty', 'size', 'split', 'gain', 'gamma', 'boost', 'overlay'];
 const modes: Record<string, number> = { first: 0, second: 1, swipe: 2, difference: 3 };
@@ -22,11 +23,8 @@ const swipeMode = 2;
 
 export class LightFieldScreen implements Screen {
   readonly keys: [string, string][] = [
-    ['arrows', 'move the viewpoint'],
-    ['+ and -', 'focus nearer and farther'],
-    ['a and A', 'smaller and larger aperture'],
+    ...viewKeys,
     ['g', 'all views'],
-    ['0', 'everything as at the start'],
     ['< and >', 'the cycle before and after'],
   ];
   private readonly first: LightFieldViews;
@@ -57,7 +55,7 @@ export class LightFieldScreen implements Screen {
     private readonly comparison?: { item: LightFieldItem; figures: Comparison },
   ) {
     const { source, painter, state } = context;
-    this.isLive = context.document.is_growing === true;
+    this.isLive = context.document.is_growing === true && !isLivePage(context.document);
     this.first = new LightFieldViews(item, source, painter);
     this.second = comparison ? new LightFieldViews(comparison.item, source, painter) : this.first;
     this.camera = new Camera(painter);
@@ -354,19 +352,9 @@ export class LightFieldScreen implements Screen {
 
   press(key: string): boolean {
     const { state } = this.context;
-    const [rows, columns] = this.item.views;
-    const move = (name: 'x' | 'y', by: number, count: number) => state.set(name, clamp(state.get(name) + by, -(count - 1) / 2, (count - 1) / 2));
+    if (pressViewKey(state, this.item.views, key)) return true;
     switch (key) {
-      case 'ArrowLeft': move('x', -0.5, columns); return true;
-      case 'ArrowRight': move('x', 0.5, columns); return true;
-      case 'ArrowUp': move('y', -0.5, rows); return true;
-      case 'ArrowDown': move('y', 0.5, rows); return true;
-      case '+': state.set('focus', Math.min(state.get('focus') + 0.05, maxDisparity)); return true;
-      case '-': state.set('focus', Math.max(state.get('focus') - 0.05, -maxDisparity)); return true;
-      case 'a': state.set('size', Math.max(state.get('size') - 0.5, 0)); return true;
-      case 'A': state.set('size', Math.min(state.get('size') + 0.5, Math.hypot(rows, columns) / 2)); return true;
       case 'g': state.set('show', state.get('show') === 'grid' ? 'picture' : 'grid'); return true;
-      case '0': state.reset(); return true;
       case '<': state.set('cycle', Math.max(state.get('cycle') - 1, 0)); return true;
       case '>': state.set('cycle', Math.min(state.get('cycle') + 1, this.item.cycles.length - 1)); return true;
       default: return false;
@@ -381,8 +369,7 @@ export class LightFieldScreen implements Screen {
 
   close(): void {
     this.isClosed = true;
-    const { gl } = this.context.painter;
-    for (const views of new Set([this.first, this.second])) gl.deleteTexture(views.texture);
+    for (const views of new Set([this.first, this.second])) views.close();
     this.disparity?.close();
   }
 }

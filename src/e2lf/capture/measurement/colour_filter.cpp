@@ -14,7 +14,7 @@ Result<ColourFilter> colour_filter_from_name(const std::string& name) {
       std::all_of(kLetters.begin(), kLetters.end(), [&](char c) { return name.find(c) != name.npos; });
   if (name.size() != 4 || !has_each || name.find_first_not_of(kLetters) != std::string::npos) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("\"", name, "\" is no colour filter; give the colours of 2x2 pixels row by row, such as rggb"),
+                 cat("\"", name, "\" is not a colour filter; give the colours of 2x2 pixels row by row, such as rggb"),
                  "colour_filter"};
   }
   ColourFilter filter;

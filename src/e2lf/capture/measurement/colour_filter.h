@@ -10,17 +10,18 @@
 
 namespace e2lf::capture {
 
-/// The colour filters over each block of 2x2 pixels, row by row: 0 is red, 1 green, 2 blue. "rggb" is the usual one.
+/// The colours of a filter mosaic over each block of 2x2 pixels, row by row: 0 is red, 1 green and 2 blue. The default
+/// is "rggb".
 struct ColourFilter {
   std::array<size_t, 4> channels = {0, 1, 1, 2};
   bool operator==(const ColourFilter&) const = default;
 };
 
-/// Of four letters r, g and b, each of which is there. Fails with kInvalidValue.
+/// Parses four letters r, g and b, each of which must occur. Fails with kInvalidValue.
 [[nodiscard]] Result<ColourFilter> colour_filter_from_name(const std::string& name);
 
-/// The event images of every second pixel of every second row, those behind filter `place` (0 to 3) of each block.
-/// Sizes that are odd break the contract.
+/// Extracts the event images of the pixels behind filter `place` (0 to 3) of each 2x2 block, at half the width and
+/// height. An odd width or height breaks the contract.
 [[nodiscard]] EventImages behind_filter(const EventImages& images, size_t place);
 
 }  // namespace e2lf::capture

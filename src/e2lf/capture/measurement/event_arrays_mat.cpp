@@ -11,7 +11,7 @@
 namespace e2lf::capture {
 namespace {
 
-// What a compressed variable may unpack to.
+// Largest decompressed size of a variable.
 constexpr uint64_t kMostMatBytes = uint64_t{2} << 30;
 
 struct TypePair {
@@ -26,7 +26,7 @@ constexpr TypePair kTypes[] = {
     {"i4", 4, MatClass::kInt32, MatStorage::kInt32},   {"u4", 4, MatClass::kUint32, MatStorage::kUint32},
     {"f4", 4, MatClass::kSingle, MatStorage::kSingle}, {"f8", 8, MatClass::kDouble, MatStorage::kDouble}};
 
-/// Images [..., y, x] from [..., x, y], or back: `rows` and `columns` are those of the result.
+/// Transposes images [..., x, y] to [..., y, x], or back; `rows` and `columns` are those of the result.
 std::vector<uint8_t> transposed(std::span<const uint8_t> bytes, size_t rows, size_t columns, size_t each) {
   std::vector<uint8_t> out(bytes.size());
   const size_t image = rows * columns * each;
@@ -40,7 +40,7 @@ std::vector<uint8_t> transposed(std::span<const uint8_t> bytes, size_t rows, siz
   return out;
 }
 
-/// Whether `count` is the product of the extents, which may overflow.
+/// Returns whether `count` is the product of the extents, which may overflow.
 bool fills(size_t count, const std::vector<size_t>& extents) {
   for (const size_t extent : extents) {
     if (extent == 0 || count % extent != 0) return false;
@@ -56,7 +56,8 @@ Result<NpyArray> to_numpy(const MatArray& array, const std::string& location) {
   const bool is_numeric = array.array_class >= static_cast<uint8_t>(MatClass::kDouble) &&
                           array.array_class <= static_cast<uint8_t>(MatClass::kUint32);
   if (!is_numeric || array.complex || type == std::end(kTypes)) {
-    return Error{ErrorCode::kUnsupported, "not real numbers of 8 to 32 bits, single or double; convert it", location};
+    return Error{ErrorCode::kUnsupported,
+                 "the array does not contain real numbers of 8 to 32 bits, single or double; convert it", location};
   }
   const std::vector<size_t>& extents = array.extents;
   if (extents.size() < 2 || array.data.size() % type->bytes != 0 || !fills(array.data.size() / type->bytes, extents)) {
@@ -66,11 +67,11 @@ Result<NpyArray> to_numpy(const MatArray& array, const std::string& location) {
   NpyArray numbers;
   numbers.type = type->numpy;
   numbers.item_size = type->bytes;
-  // MATLAB's first axis is the fastest one, numpy's the slowest.
+  // The first axis is the fastest one in MATLAB and the slowest in numpy.
   numbers.shape.assign(extents.rbegin(), extents.rend());
   std::swap(numbers.shape[extents.size() - 1], numbers.shape[extents.size() - 2]);
   numbers.bytes = transposed(array.data, extents[0], extents[1], type->bytes);
-  // Signed numbers are stored unsigned where none is negative, which says nothing of a lost sign.
+  // MATLAB stores signed numbers without a sign if none is negative, so this does not indicate a lost sign.
   const auto array_class = static_cast<MatClass>(array.array_class);
   const bool is_unsigned =
       array_class == MatClass::kUint8 || array_class == MatClass::kUint16 || array_class == MatClass::kUint32;
@@ -91,7 +92,7 @@ Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
     if (!found) return found.error();
     E2LF_ASSIGN_OR_RETURN(arrays[name], to_numpy(*found, location));
   }
-  // MATLAB drops axes of size 1 at the end, and has two at least.
+  // MATLAB drops trailing axes of size 1, but keeps at least two.
   if (const auto events = arrays.find("events"); events != arrays.end() && events->second.shape.size() == 2) {
     events->second.shape.insert(events->second.shape.begin(), 1);
   }

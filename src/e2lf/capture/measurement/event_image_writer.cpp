@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <map>
 #include <string>
 #include <vector>
 #include <zlib.h>
@@ -18,28 +17,29 @@ namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kEvents[] = "events.npy", kCodes[] = "codes.npy", kCamera[] = "camera.npy", kViews[] = "views.npy";
-constexpr size_t kHeaderSize = 128;  ///< of the .npy part: its shape is known last, its size first
+constexpr char kEvents[] = "events.npy";
+constexpr size_t kHeaderSize = 128;  ///< of the .npy member: its size is known first, its shape last
 
 template <typename T>
 void put(std::vector<uint8_t>& bytes, T value) {
   for (size_t i = 0; i < sizeof(T); ++i) bytes.push_back(static_cast<uint8_t>(value >> (8 * i)));
 }
 
-/// What the archive's directory says of a member.
+/// A member as the directory of the archive describes it.
 struct Member {
   std::string name = kEvents;
   uint16_t method = zip::kDeflated;
   uint32_t crc = 0;
   uint64_t packed = 0, size = 0;
-  uint64_t offset = 0;  ///< of its local header
+  uint64_t offset = 0;  ///< position of its local header
 };
 
 void put_name(std::vector<uint8_t>& bytes, const Member& member) {
   bytes.insert(bytes.end(), member.name.begin(), member.name.end());
 }
 
-/// The fields that local header and directory entry share, from "version needed" to the name's length.
+/// Appends the fields that the local header and the directory entry share, from "version needed" to the length of the
+/// name.
 void put_common(std::vector<uint8_t>& bytes, const Member& member) {
   put<uint16_t>(bytes, zip::kVersion64);
   put<uint16_t>(bytes, zip::kUtf8Names);
@@ -83,7 +83,7 @@ void put_directory_entry(std::vector<uint8_t>& bytes, const Member& member) {
   put_extra(bytes, member, /*with_offset=*/true);
 }
 
-/// The directory, which begins at `offset`, and its two ends (zip64 and plain).
+/// Returns the directory, which begins at `offset`, and its two end records (zip64 and plain).
 std::vector<uint8_t> directory(const std::vector<Member>& members, uint64_t offset) {
   std::vector<uint8_t> bytes;
   for (const Member& member : members) put_directory_entry(bytes, member);
@@ -113,7 +113,7 @@ std::vector<uint8_t> directory(const std::vector<Member>& members, uint64_t offs
   return bytes;
 }
 
-/// The .npy header with its text padded to the fixed size, as numpy's own padding does.
+/// Returns the .npy header with its text padded to a fixed size, as numpy also pads it.
 std::vector<uint8_t> npy_header(uint64_t cycles, const EventImages& shape) {
   NpyArray array;
   array.type = "i2";
@@ -129,7 +129,7 @@ std::vector<uint8_t> npy_header(uint64_t cycles, const EventImages& shape) {
   return bytes;
 }
 
-/// The header as a deflate block of its own, not compressed, so that it can be written again when the shape is known.
+/// Returns the header as a separate uncompressed deflate block, so that it can be rewritten when the shape is known.
 std::vector<uint8_t> stored_block(const std::vector<uint8_t>& header) {
   std::vector<uint8_t> bytes = {0};  // not the last block, stored
   put<uint16_t>(bytes, static_cast<uint16_t>(header.size()));
@@ -144,9 +144,9 @@ class EventImageWriter::Impl {
  public:
   Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
 
-  void set(const char* member, const NpyArray& array) {
-    E2LF_REQUIRE(cycles_ == 0, "what is known of the events comes before the first cycle");
-    known_[member] = array;
+  void keep(const RecordedSetup& setup) {
+    E2LF_REQUIRE(cycles_ == 0, "what the events were made with comes before the first cycle");
+    setup_to_arrays(setup, known_);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -168,7 +168,7 @@ class EventImageWriter::Impl {
         "all cycles of a file have one shape");
     ++cycles_;
     const auto* bytes = reinterpret_cast<const uint8_t*>(images.counts.data());
-    // All of the cycle goes to the file, so that it can be recovered.
+    // The whole cycle is flushed to the file, so that it can be recovered.
     E2LF_RETURN_IF_ERROR(pack({bytes, images.counts.size() * sizeof(int16_t)}, Z_SYNC_FLUSH));
     return std::fflush(stream_) == 0 ? Result<void>() : io_error();
   }
@@ -201,16 +201,16 @@ class EventImageWriter::Impl {
 
  private:
   Result<void> begin() {
-    // Speed 1: event images are mostly small numbers, and recordings are long.
+    // The fastest level: event images consist mostly of small numbers, and recordings are long.
     const int status = deflateInit2(&deflate_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
     E2LF_REQUIRE(status == Z_OK, "zlib did not start");
-    // They come first, so that a file that is never finished has them.
-    for (const auto& [member, array] : known_) E2LF_RETURN_IF_ERROR(write_known(member, array));
+    // They are written first, so that an unfinished file contains them.
+    for (const auto& [name, array] : known_) E2LF_RETURN_IF_ERROR(write_known(name + ".npy", array));
     E2LF_RETURN_IF_ERROR(write(local_header({})));
     return write(stored_block(npy_header(0, shape_)));
   }
 
-  /// Writes what is known of the events, not compressed.
+  /// Writes codes, camera or views, uncompressed.
   Result<void> write_known(const std::string& name, const NpyArray& array) {
     const std::vector<uint8_t> bytes = encode_npy(array);
     const Member member{.name = name,
@@ -231,7 +231,7 @@ class EventImageWriter::Impl {
   }
 
   Result<void> pack(std::span<const uint8_t> bytes, int flush) {
-    // zlib takes no bytes at a null address for a request to begin anew.
+    // zlib would treat a null pointer as a request for the initial value.
     if (!bytes.empty()) data_crc_ = crc32_z(data_crc_, bytes.data(), bytes.size());
     data_size_ += bytes.size();
     std::vector<uint8_t> packed(size_t{1} << 18);
@@ -268,8 +268,8 @@ class EventImageWriter::Impl {
   EventImages shape_;  ///< without counts
   uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
   uLong data_crc_ = 0;
-  std::map<std::string, NpyArray> known_;  ///< by the names of the members
-  std::vector<Member> members_;            ///< those that are whole
+  NpzArrays known_;              ///< the setup
+  std::vector<Member> members_;  ///< the complete ones
 };
 
 EventImageWriter::EventImageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -286,14 +286,8 @@ Result<EventImageWriter> EventImageWriter::create(const fs::path& path) {
   return EventImageWriter(std::make_unique<Impl>(std::move(file), stream));
 }
 
-void EventImageWriter::set_codes(const NpyArray& codes) {
-  impl_->set(kCodes, codes);
-}
-void EventImageWriter::set_camera(const NpyArray& camera) {
-  impl_->set(kCamera, camera);
-}
-void EventImageWriter::set_views(const NpyArray& views) {
-  impl_->set(kViews, views);
+void EventImageWriter::keep(const RecordedSetup& setup) {
+  impl_->keep(setup);
 }
 Result<void> EventImageWriter::add(const EventImages& images) {
   return impl_->add(images);

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/rng.h"
-#include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 
 namespace e2lf::capture {
 namespace {
@@ -19,6 +19,20 @@ EventImages random_images(uint64_t seed) {
     images.counts[i] = static_cast<int16_t>(static_cast<int>(rng.below(i, 4001)) - 2000);
   }
   return images;
+}
+
+RecordedSetup test_setup() {
+  RecordedSetup setup{Codes(4, 1, 2), SensorProfile(), kTurned};
+  setup.codes->values = {0.0F, 0.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F, 1.0F};
+  setup.camera->name = "mine";
+  return setup;
+}
+
+void expect_test_setup(const RecordedSetup& found) {
+  EXPECT_EQ(found.codes, test_setup().codes);
+  ASSERT_TRUE(found.camera);
+  EXPECT_EQ(found.camera->name, "mine");
+  EXPECT_EQ(found.views, kTurned);
 }
 
 fs::path test_path(const std::string& name) {
@@ -43,22 +57,15 @@ TEST(EventImageWriter, WritesWhatReadEventImagesReads) {
 
 TEST(EventImageWriter, KeepsThePatternsBesideTheEvents) {
   const fs::path path = test_path("event_image_writer_codes.npz");
-  const std::vector<float> values = {0.0F, 0.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F, 1.0F};
   auto writer = EventImageWriter::create(path);
   ASSERT_TRUE(writer) << writer.error().text();
-  writer->set_codes(make_npy<float>({4, 1, 2}, values));
-  const std::vector<uint8_t> text = {'{', '}'};
-  writer->set_camera(make_npy<uint8_t>({2}, text));
+  writer->keep(test_setup());
   ASSERT_TRUE(writer->add(random_images(1)));
   ASSERT_TRUE(writer->finish());
   const auto file = read_event_images(path);
   ASSERT_TRUE(file) << file.error().text();
   EXPECT_EQ(file->cycles.at(0), random_images(1));
-  ASSERT_TRUE(file->codes);
-  EXPECT_EQ(file->codes->shape, (std::vector<size_t>{4, 1, 2}));
-  EXPECT_EQ(file->codes->to_float("").value(), values);
-  ASSERT_TRUE(file->camera);
-  EXPECT_EQ(file->camera->bytes, text);
+  expect_test_setup(file->setup);
   fs::remove(path);
 }
 
@@ -78,15 +85,11 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
   fs::remove_all(folder);
   auto writer = EventImageWriter::create(folder / "a.npz");
   ASSERT_TRUE(writer);
-  const std::vector<float> values = {0.0F, 0.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F, 1.0F};
-  writer->set_codes(make_npy<float>({4, 1, 2}, values));
-  const std::vector<uint8_t> text = {'{', '}'};
-  writer->set_camera(make_npy<uint8_t>({2}, text));
-  writer->set_views(views_to_npy(kTurned));
+  writer->keep(test_setup());
   for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
   const fs::path partial = fs::directory_iterator(folder)->path();
   const auto all = fs::file_size(partial);
-  for (const auto size : {all, all - 100, all / 2, uintmax_t{800}, uintmax_t{0}}) {
+  for (const auto size : {all, all - 100, all / 2, uintmax_t{1600}, uintmax_t{0}}) {
     fs::copy_file(partial, folder / "cut", fs::copy_options::overwrite_existing);
     fs::resize_file(folder / "cut", size);
     const auto cycles = recover_event_images(folder / "cut", folder / "found.npz");
@@ -101,12 +104,7 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
     ASSERT_TRUE(file) << file.error().text();
     ASSERT_EQ(file->cycles.size(), *cycles);
     EXPECT_EQ(file->cycles.back(), random_images(*cycles - 1));
-    ASSERT_TRUE(file->codes);
-    EXPECT_EQ(file->codes->to_float("").value(), values);
-    ASSERT_TRUE(file->camera);
-    EXPECT_EQ(file->camera->bytes, text);
-    ASSERT_TRUE(file->views);
-    EXPECT_EQ(views_from_npy(*file->views, "").value(), kTurned);
+    expect_test_setup(file->setup);
   }
   fs::remove_all(folder);
 }

@@ -11,39 +11,39 @@
 
 namespace e2lf::capture {
 
-/// What a camera measures of a light field. Intensity images are in the units of coded intensities: 1 is white through
-/// an open aperture.
+/// What a camera measures of a light field. Intensity images have the units of coded intensities: 1 is white through an
+/// open aperture.
 enum class MeasurementKind {
   kEventImages,  ///< the N - 1 event images of an event camera
-  kCodedImages,  ///< an intensity image of each of N patterns (Eq. 1)
+  kCodedImages,  ///< one intensity image for each of the N patterns (Eq. 1)
   kHybrid,       ///< event images, and one intensity image that is the sum over all patterns
-  kLensArray,    ///< one intensity image behind a lens array: lens (i, j) covers the pixels (8 i .., 8 j ..), and the
-                 ///< pixel (view_y, view_x) under it is the mean of that view over the area of the lens
+  kLensArray,  ///< one intensity image behind a lens array: lens (i, j) covers the 8x8 pixels from (8 i, 8 j), and the
+               ///< pixel (view_y, view_x) below it is the mean of that view over the area of the lens
 };
 
-/// "event-images", "coded-images", "hybrid", "lens-array".
+/// Returns or parses "event-images", "coded-images", "hybrid" and "lens-array". Parsing fails with kInvalidValue.
 [[nodiscard]] const char* measurement_name(MeasurementKind kind);
 [[nodiscard]] Result<MeasurementKind> measurement_from_name(const std::string& name);
 
 [[nodiscard]] bool has_events(MeasurementKind kind);
-/// How many intensity images there are for N patterns; 0: none.
+/// Returns the number of intensity images for N patterns, or 0 for a kind without any.
 [[nodiscard]] size_t num_images(MeasurementKind kind, size_t num_patterns);
 
-/// What was measured of one light field.
+/// The measurement of one light field.
 struct Measurement {
   Measurement() = default;
-  /// Event images are the usual measurement.
+  /// Event images convert implicitly, since they are the usual measurement.
   Measurement(EventImages events_) : events(std::move(events_)) {}  // NOLINT(google-explicit-constructor)
 
   MeasurementKind kind = MeasurementKind::kEventImages;
-  EventImages events;       ///< without transitions where the kind has none
+  EventImages events;       ///< empty if the kind has none
   CodedIntensities images;  ///< num_images() of them
 
   [[nodiscard]] size_t height() const { return has_events(kind) ? events.height : images.height; }
   [[nodiscard]] size_t width() const { return has_events(kind) ? events.width : images.width; }
 };
 
-/// The pixels that a lens covers along each axis: one for each view.
+/// The number of pixels that a lens covers along each axis: one for each view.
 inline constexpr size_t kLensPixels = 8;
 
 }  // namespace e2lf::capture

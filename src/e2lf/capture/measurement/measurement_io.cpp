@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kImages = "images";
 constexpr const char* kLensArray = "lens_array";
 
-/// The images of each cycle, from an array [cycles, image, y, x].
+/// Returns the images of each cycle from an array [cycles, image, y, x].
 Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
   if (shape.size() != 4 || array.num_elements() == 0) {
@@ -34,10 +34,10 @@ Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, c
 }
 
 Result<void> check_hybrid(const EventImages& events, const CodedIntensities& images, const std::string& location) {
-  if (images.num_patterns == 1 && images.height == events.height && images.width == events.width) return {};
+  if (images.count == 1 && images.height == events.height && images.width == events.width) return {};
   return Error{
       ErrorCode::kShape,
-      cat("the intensity images of a cycle have shape ", shape_text({images.num_patterns, images.height, images.width}),
+      cat("the intensity images of a cycle have shape ", shape_text({images.count, images.height, images.width}),
           ", the event images ", shape_text({events.transitions, events.height, events.width}),
           "; beside events there is one image of their size"),
       location};
@@ -60,8 +60,8 @@ Result<MeasurementFile> measurement_of_arrays(NpzArrays arrays, const fs::path& 
     E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));
     if (events.cycles.size() != file.cycles.size()) {
       return Error{ErrorCode::kShape,
-                   cat(file.cycles.size(), " cycles of images beside ", events.cycles.size(),
-                       " of events; give both of each cycle"),
+                   cat(file.cycles.size(), " cycles of images with ", events.cycles.size(),
+                       " of events; give both for each cycle"),
                    location};
     }
     for (size_t i = 0; i < file.cycles.size(); ++i) {
@@ -70,9 +70,7 @@ Result<MeasurementFile> measurement_of_arrays(NpzArrays arrays, const fs::path& 
       file.cycles[i].events = std::move(events.cycles[i]);
     }
   }
-  if (const auto codes = arrays.find("codes"); codes != arrays.end()) file.codes = std::move(codes->second);
-  if (const auto camera = arrays.find("camera"); camera != arrays.end()) file.camera = std::move(camera->second);
-  if (const auto views = arrays.find("views"); views != arrays.end()) file.views = std::move(views->second);
+  E2LF_ASSIGN_OR_RETURN(file.setup, setup_from_arrays(arrays, path.string()));
   return file;
 }
 
@@ -91,7 +89,7 @@ Result<MeasurementFile> read_measurements(const fs::path& path) {
     }
   }
   E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));
-  MeasurementFile file{{}, std::move(events.codes), std::move(events.camera), std::move(events.views)};
+  MeasurementFile file{{}, std::move(events.setup)};
   for (EventImages& cycle : events.cycles) file.cycles.emplace_back(std::move(cycle));
   return file;
 }
@@ -120,12 +118,10 @@ Result<void> write_measurements(const fs::path& path, const MeasurementFile& fil
     arrays[kLensArray] =
         make_npy(std::vector<size_t>{cycles, images.height, images.width}, std::span<const float>(values));
   } else if (first.kind != MeasurementKind::kEventImages) {
-    arrays[kImages] = make_npy(std::vector<size_t>{cycles, images.num_patterns, images.height, images.width},
+    arrays[kImages] = make_npy(std::vector<size_t>{cycles, images.count, images.height, images.width},
                                std::span<const float>(values));
   }
-  if (file.codes) arrays["codes"] = *file.codes;
-  if (file.camera) arrays["camera"] = *file.camera;
-  if (file.views) arrays["views"] = *file.views;
+  setup_to_arrays(file.setup, arrays);
   return write_npz(path, arrays);
 }
 

@@ -10,7 +10,6 @@
 namespace e2lf::capture {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// Two cycles of a kind with N = 3 patterns of 8x16 px, every number different.
@@ -34,8 +33,7 @@ TEST(MeasurementFile, EveryKindComesBackAsItWasWritten) {
   for (const auto kind : {MeasurementKind::kEventImages, MeasurementKind::kCodedImages, MeasurementKind::kHybrid,
                           MeasurementKind::kLensArray}) {
     MeasurementFile file = two_cycles(kind);
-    const std::vector<float> open(3 * 64, 1.0F);
-    file.codes = make_npy(std::vector<size_t>{3, 8, 8}, std::span<const float>(open));
+    file.setup.codes = complement(Codes(3, 8, 8));
     ASSERT_TRUE(write_measurements(folder / "m.npz", file));
     const auto read = read_measurements(folder / "m.npz");
     ASSERT_TRUE(read) << read.error().text();
@@ -47,8 +45,7 @@ TEST(MeasurementFile, EveryKindComesBackAsItWasWritten) {
       EXPECT_EQ(read->cycles[i].height(), 8U);
       EXPECT_EQ(read->cycles[i].width(), 16U);
     }
-    ASSERT_TRUE(read->codes);
-    EXPECT_THAT(read->codes->shape, ElementsAre(3, 8, 8));
+    EXPECT_EQ(read->setup.codes, file.setup.codes);
   }
 }
 
@@ -79,7 +76,7 @@ TEST(MeasurementFile, RefusesArraysThatDoNotFit) {
   EXPECT_THAT(error_of({{"images", images},
                         {"events", make_npy(std::vector<size_t>{2, 1, 8, 4}, std::span<const int16_t>(counts))}})
                   .message,
-              HasSubstr("beside 2 of events"));
+              HasSubstr("with 2 of events"));
   std::vector<float> bad = values;
   bad[3] = std::numeric_limits<float>::infinity();
   EXPECT_THAT(error_of({{"lens_array", make_npy(std::vector<size_t>{1, 8, 8}, std::span<const float>(bad))}}).message,

@@ -9,16 +9,16 @@
 namespace e2lf::capture {
 namespace {
 
-/// What the counts of one event image are.
+/// Statistics of the counts of one event image.
 struct Counts {
   uint64_t on = 0, off = 0;  ///< sums of the counts above and below 0
-  size_t beyond = 0;         ///< pixels with a count that no change of a pattern makes
+  size_t beyond = 0;         ///< number of pixels with a count that no change of a pattern causes
 
   [[nodiscard]] uint64_t all() const { return on + off; }
 };
 
 Counts counts_of(std::span<const int16_t> image) {
-  // The largest change is that from light to the dark level, some 40 of the most sensitive pixels' thresholds.
+  // The largest change is that from light to the dark level, about 40 thresholds of the most sensitive pixels.
   constexpr int kMostEvents = 100;
   Counts counts;
   for (const int count : image) {
@@ -29,7 +29,7 @@ Counts counts_of(std::span<const int16_t> image) {
   return counts;
 }
 
-/// 1 where the change from one pattern to the next opens cells alone, -1 where it closes cells alone, 0 otherwise.
+/// Returns 1 if the change from one pattern to the next only opens cells, -1 if it only closes cells, and 0 otherwise.
 int sign_of_change(const Codes& codes, size_t transition) {
   bool opens = false, closes = false;
   for (size_t cell = 0; cell < codes.pattern_size(); ++cell) {
@@ -73,27 +73,26 @@ std::vector<std::string> event_doubts(const EventImages& images, const Codes* co
     sum.on += counts.on;
     sum.off += counts.off;
   }
-  if (sum.all() == 0) return {"there are no events: the result says nothing of the scene"};
+  if (sum.all() == 0) return {"there are no events: the result contains no information about the scene"};
   if (!empty.empty()) {
     doubts.push_back(cat(empty.size() == 1 ? "event image " : "event images ", join(empty),
                          empty.size() == 1 ? " holds" : " hold", " no events: was the pattern shown?"));
   }
   if (static_cast<double>(sum.all()) < kFewPerPixel * static_cast<double>(images.image_size())) {
     doubts.push_back(cat("there are only ", sum.all(), " events on ", images.width, "x", images.height,
-                         " px: the result says next to nothing of the scene"));
+                         " px: the result contains hardly any information about the scene"));
   }
   if (!beyond.empty()) {
-    doubts.push_back(
-        cat("most pixels of event image", beyond.size() == 1 ? " " : "s ", join(beyond),
-            " count 100 events or more, which no change of a pattern makes: are these counts of events, or "
-            "did they saturate?"));
+    doubts.push_back(cat("most pixels of event image", beyond.size() == 1 ? " " : "s ", join(beyond),
+                         " count 100 events or more, which no change of a pattern causes: are these counts of events, "
+                         "or are they saturated?"));
   }
   if (codes != nullptr && is_polarity_inverted(images, *codes)) {
     doubts.emplace_back(
-        "the polarity is inverted: a pattern that opens cells, as the first one after black, makes OFF events; give "
+        "the polarity is inverted: patterns that open cells, such as the first one after black, cause OFF events; give "
         "--invert-polarity, or leave it out if it was given");
   }
-  // The change from black to the first pattern alone makes ON events only.
+  // The change from black to the first pattern alone only causes ON events.
   if (images.transitions > 1 && sum.all() >= kEnough && (sum.on == 0 || sum.off == 0)) {
     doubts.push_back(cat("there are ", sum.all(), sum.on == 0 ? " OFF events and no ON" : " ON events and no OFF",
                          " events: was the sign lost, as in unsigned numbers?"));

@@ -9,18 +9,19 @@
 
 namespace e2lf::capture {
 
-/// Whether no pixel has an event.
+/// Returns whether no pixel has an event.
 [[nodiscard]] bool is_without_events(const EventImages& images);
 
-/// Why the event images of a cycle are hardly those of a scene, each reason a sentence that says what was found; none
-/// where they may well be. Looked for are images without events, fewer events than one in fifty pixels, counts beyond
-/// 100 in half of an image, counts of one sign alone and, where `codes` names the patterns, counts of the wrong sign
-/// where a pattern opens or closes cells and does nothing else, as after black. Name the patterns for pixels that follow
-/// a change at once only: slow ones still make OFF events of the change to black.
+/// Returns the reasons why the event images of a cycle are unlikely to show a scene, one sentence each; none if they
+/// are plausible. The function looks for images without events, fewer events than one per fifty pixels, counts of 100
+/// or more in over half of an image, and counts of a single sign. If `codes` contains the patterns, it also looks for
+/// counts of the wrong sign in transitions that only open or only close cells, such as the one after black. Pass the
+/// patterns only for pixels that respond at once: slow pixels still send OFF events of the change to black.
 [[nodiscard]] std::vector<std::string> event_doubts(const EventImages& images, const Codes* codes = nullptr);
 
-/// Whether the counts have the opposite sign of what the patterns say: at least kClearlyWrong of the events of the
-/// transitions that open cells alone, or close cells alone. False where there are fewer than 1000 such events.
+/// Returns whether the counts have the opposite sign of what the patterns imply: at least a fraction kClearlyWrong of
+/// the events in transitions that only open or only close cells. Returns false if there are fewer than 1000 such
+/// events.
 [[nodiscard]] bool is_polarity_inverted(const EventImages& images, const Codes& codes);
 inline constexpr double kClearlyWrong = 0.8;
 

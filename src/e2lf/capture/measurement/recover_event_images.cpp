@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
-#include <optional>
 #include <string>
 #include <vector>
 #include <zlib.h>
@@ -17,9 +16,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr uint64_t kMostKnownBytes = uint64_t{1} << 24;
-constexpr uint64_t kMostCycleBytes = uint64_t{1} << 32;  ///< of a cycle; more is damage
+constexpr uint64_t kMostCycleBytes = uint64_t{1} << 32;  ///< of a cycle; a larger value is damage
 
-/// Reads a file of event images from its front, without its directory.
+/// Reads a file of event images from its start, without its directory.
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const fs::path& path) : file_(path, std::ios::binary) {}
@@ -27,15 +26,15 @@ class UnfinishedFile {
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
   ~UnfinishedFile() { inflateEnd(&inflate_); }
 
-  /// Reads what is known of the events, where there is something, and the shape of the events. False when the file does
-  /// not come that far.
+  /// Reads codes, camera and views, if there are any, and the shape of the events. Returns false if the file ends
+  /// before.
   bool open() {
     Member member = begin_member();
     for (; is_known(member.name); member = begin_member()) {
       if (!read_known(member)) return false;
     }
     if (member.name != "events.npy" || inflateInit2(&inflate_, -MAX_WBITS) != Z_OK) return false;
-    // The header's own length tells how long it is.
+    // The header contains its length.
     std::vector<uint8_t> head(10);
     if (!unpack(head)) return false;
     std::vector<uint8_t> rest(load_le<uint16_t>(&head[8]));
@@ -52,11 +51,9 @@ class UnfinishedFile {
     return true;
   }
 
-  [[nodiscard]] const std::optional<NpyArray>& codes() const { return codes_; }
-  [[nodiscard]] const std::optional<NpyArray>& camera() const { return camera_; }
-  [[nodiscard]] const std::optional<NpyArray>& views() const { return views_; }
+  [[nodiscard]] const NpzArrays& known() const { return known_; }
 
-  /// The next whole cycle, or null.
+  /// Returns the next complete cycle, or null.
   const EventImages* next() {
     std::vector<uint8_t> bytes(images_.counts.size() * sizeof(int16_t));
     if (!unpack(bytes)) return nullptr;
@@ -66,8 +63,8 @@ class UnfinishedFile {
 
  private:
   struct Member {
-    std::string name;   ///< empty = none begins here
-    uint64_t size = 0;  ///< 0 = not known yet
+    std::string name;   ///< empty = no member begins here
+    uint64_t size = 0;  ///< 0 = unknown
   };
 
   static bool is_known(const std::string& name) {
@@ -79,7 +76,7 @@ class UnfinishedFile {
     if (!read(bytes)) return false;
     auto array = decode_npy(bytes, member.name);
     if (!array) return false;
-    (member.name == "codes.npy" ? codes_ : member.name == "camera.npy" ? camera_ : views_) = *std::move(array);
+    known_[fs::path(member.name).stem().string()] = *std::move(array);
     return true;
   }
 
@@ -88,7 +85,7 @@ class UnfinishedFile {
         file_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())));
   }
 
-  /// The member that begins here.
+  /// Reads the header of the member that begins here.
   Member begin_member() {
     std::vector<uint8_t> head(zip::kLocalHeaderSize);
     if (!read(head) || load_le<uint32_t>(head.data()) != zip::kLocalHeader) return {};
@@ -98,7 +95,7 @@ class UnfinishedFile {
     return {{name.begin(), name.end()}, has_size ? load_le<uint64_t>(&extra[4]) : 0};
   }
 
-  /// Fills `bytes` with what comes next in the packed member; false when it ends before.
+  /// Fills `bytes` from the compressed member; returns false if it ends before.
   bool unpack(std::vector<uint8_t>& bytes) {
     inflate_.next_out = bytes.data();
     inflate_.avail_out = static_cast<uInt>(bytes.size());
@@ -120,7 +117,7 @@ class UnfinishedFile {
   std::ifstream file_;
   z_stream inflate_{};
   std::vector<uint8_t> input_;
-  std::optional<NpyArray> codes_, camera_, views_;
+  NpzArrays known_;
   EventImages images_;
 };
 
@@ -129,12 +126,12 @@ class UnfinishedFile {
 Result<uint64_t> recover_event_images(const fs::path& unfinished, const fs::path& path) {
   UnfinishedFile file(unfinished);
   if (!file.open()) {
-    return Error{ErrorCode::kFormat, "holds no cycles of event images; nothing can be recovered", unfinished.string()};
+    return Error{ErrorCode::kFormat, "the file contains no cycles of event images; nothing can be recovered",
+                 unfinished.string()};
   }
   E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
-  if (file.codes()) writer.set_codes(*file.codes());
-  if (file.camera()) writer.set_camera(*file.camera());
-  if (file.views()) writer.set_views(*file.views());
+  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, setup_from_arrays(file.known(), unfinished.string()));
+  writer.keep(setup);
   while (const EventImages* images = file.next()) E2LF_RETURN_IF_ERROR(writer.add(*images));
   const uint64_t cycles = writer.cycles();
   if (cycles > 0) E2LF_RETURN_IF_ERROR(writer.finish());

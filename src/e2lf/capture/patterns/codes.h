@@ -10,7 +10,8 @@
 
 namespace e2lf::capture {
 
-/// Aperture patterns in the order they are shown: float32 [N, view_y, view_x], row-major, transmittances in [0, 1].
+/// Aperture patterns in the order in which they are shown: float32 [N, view_y, view_x], row-major, transmittances in
+/// [0, 1].
 struct Codes {
   size_t num_patterns = 0, views_y = 0, views_x = 0;
   std::vector<float> values;
@@ -32,28 +33,32 @@ struct Codes {
   bool operator==(const Codes&) const = default;
 };
 
-/// Success when there is at least one pattern and every transmittance is in [0, 1]. Fails with kShape (no patterns, or
-/// `values` of another size) and kInvalidValue (NaN, out of range), naming pattern and cell; `location` is the file.
+/// Checks that there is at least one pattern and that all transmittances are in [0, 1]. Fails with kShape (no patterns,
+/// or a wrong number of `values`) and kInvalidValue (NaN or out of range), naming the pattern and the cell. `location`
+/// is the file in the errors.
 [[nodiscard]] Result<void> validate(const Codes& codes, const std::string& location);
 
-/// The first pattern lets no light through, so that the first events measure absolute intensity.
+/// Returns whether all cells of the first pattern are closed, so that the first events measure absolute intensity.
 [[nodiscard]] bool is_black_first(const Codes& codes);
 
-/// Every transmittance is 0 or 1, as an aperture with shutters needs.
+/// Returns whether every transmittance is 0 or 1, as an aperture with shutters requires.
 [[nodiscard]] bool is_binary(const Codes& codes);
 
-/// The mean transmittance of each pattern, in [0, 1]: the share of the open aperture's light that reaches the sensor.
+/// Computes the mean transmittance of each pattern, in [0, 1]: the fraction of the light of the open aperture that
+/// reaches the sensor.
 [[nodiscard]] std::vector<float> light_efficiency(const Codes& codes);
 
-/// 1 - transmittance: a pattern and its complement add up to the open aperture.
+/// Computes the inverse patterns, 1 - transmittance: a pattern and its inverse add up to the open aperture.
 [[nodiscard]] Codes complement(const Codes& codes);
 
-/// Pattern n of the result is pattern order[n]. `order` holds each of 0 .. N - 1 once; else the contract is broken.
+/// Reorders the patterns: pattern n of the result is pattern order[n] of `codes`. `order` must contain each of 0 .. N -
+/// 1 once, or the contract is broken.
 [[nodiscard]] Codes permuted(const Codes& codes, std::span<const size_t> order);
 
-/// Four binary black-first patterns of 8x8 for demos and tests: black, then a round blob of 12 cells in the lower left,
-/// lower right and upper right quarter. Equal blobs let just parallax change between them, along x in one transition
-/// and along y in the next, over a base line of four views; compact ones keep each coded image sharp.
+/// Returns four binary patterns of 8x8 cells for demos and tests. The first is black; the others are discs of 12 cells
+/// in the lower left, lower right and upper right quarter. Discs of equal size make parallax the only change between
+/// them, along x in one transition and along y in the next, over a baseline of four views. Compact discs keep each
+/// coded image sharp.
 [[nodiscard]] Codes default_codes();
 
 }  // namespace e2lf::capture

@@ -29,7 +29,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-/// A row as codes_from_json() takes it.
+/// Returns a row in the form that codes_from_json() reads.
 Result<Json> row_from(const std::string& text, const std::string& location) {
   if (text.find_first_not_of("01") == std::string::npos) return Json(text);
   Json row = Json::array();
@@ -38,7 +38,7 @@ Result<Json> row_from(const std::string& text, const std::string& location) {
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size()) {
       return Error{ErrorCode::kFormat,
-                   cat("\"", part, "\" is no transmittance; repair the header, or name the patterns"), location};
+                   cat("\"", part, "\" is not a transmittance; repair the header, or name the patterns"), location};
     }
     row.push_back(value);
   }

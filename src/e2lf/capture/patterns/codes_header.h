@@ -10,15 +10,16 @@
 
 namespace e2lf::capture {
 
-/// Lines of a recording's header, key and value.
+/// Lines of a recording's header, each a key and its value.
 using HeaderLines = std::vector<std::pair<std::string, std::string>>;
 
-/// The patterns as header lines "e2lf_pattern_1 00000000/00111000/...", one each, counted from 1: rows parted by "/",
-/// of digits 0 and 1 where the row has no other values, otherwise of numbers parted by ",".
+/// Formats the patterns as header lines "e2lf_pattern_1 00000000/00111000/...", one per pattern, numbered from 1. Rows
+/// are separated by "/". A row of a binary pattern consists of digits 0 and 1, a row of any other pattern of numbers
+/// separated by ",".
 [[nodiscard]] HeaderLines codes_to_header(const Codes& codes);
 
-/// The patterns that a header holds, in any order and among other lines; nothing when it holds none. Fails with kFormat
-/// (a pattern is missing, a row is none) and as codes_from_json() does.
+/// Reads the patterns from the lines of a header, which may be in any order and among other lines. Returns nothing if
+/// there are none. Fails with kFormat (a missing pattern, or a malformed row) and as codes_from_json() does.
 [[nodiscard]] Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const std::string& location);
 
 }  // namespace e2lf::capture

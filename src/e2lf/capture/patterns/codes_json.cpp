@@ -17,7 +17,8 @@ Result<std::vector<float>> read_row(const Json& row, const std::string& location
     }
     return values;
   }
-  if (!row.is_array()) return Error{ErrorCode::kFormat, "a row is a list of numbers or a text of 0 and 1", location};
+  if (!row.is_array())
+    return Error{ErrorCode::kFormat, "a row must be a list of numbers or a string of digits 0 and 1", location};
   for (const Json& value : row) {
     if (!value.is_number()) {
       return Error{ErrorCode::kFormat, cat("a ", value.type_name(), " in a row; give numbers in [0, 1]"), location};
@@ -29,7 +30,7 @@ Result<std::vector<float>> read_row(const Json& row, const std::string& location
 
 /// Appends one pattern; the first row of the first pattern sets the sizes.
 Result<void> read_pattern(const Json& pattern, const std::string& location, Codes& codes) {
-  if (!pattern.is_array()) return Error{ErrorCode::kFormat, "a pattern is a list of rows", location};
+  if (!pattern.is_array()) return Error{ErrorCode::kFormat, "a pattern must be a list of rows", location};
   if (codes.num_patterns == 0) codes.views_y = pattern.size();
   if (pattern.size() != codes.views_y) {
     return Error{ErrorCode::kShape,

@@ -12,13 +12,13 @@ namespace {
 constexpr size_t kPatternsPerLine = 4;
 constexpr size_t kGap = 3;  // spaces between patterns
 
-/// Appends `text` and fills up to `width`.
+/// Appends `text` and pads it to `width`.
 void append_padded(std::string& line, std::string text, size_t width) {
   text.resize(std::max(width, text.size()), ' ');
   line += text;
 }
 
-/// One row of cells with a space between, which makes them about square.
+/// Returns a row of cells separated by spaces, which makes them approximately square.
 std::string row_text(std::span<const float> row) {
   constexpr std::string_view kLevels = ".:-=+*#";
   std::string text;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kMostDisplayPixels = size_t{1} << 28;
 
-/// Patterns as they lie on the display, flipped and turned.
+/// A pattern as it is oriented on the display, flipped and rotated.
 struct Turned {
   size_t rows = 0, columns = 0;
   std::vector<float> values;
@@ -42,7 +42,7 @@ Turned turned_clockwise(const Turned& source) {
   return result;
 }
 
-/// The first pixel of an aperture of `length` px; nothing when it does not lie on the display.
+/// Returns the first pixel of an aperture of `length` px. Fails if it does not fit on the display.
 Result<size_t> begin_of(size_t display, size_t length, int64_t offset, const char* axis) {
   const auto room = static_cast<int64_t>(display) - static_cast<int64_t>(length);
   const int64_t begin = room / 2 + offset;
@@ -61,7 +61,7 @@ Result<void> check(const DisplayLayout& layout) {
   if (sane) return {};
   return Error{ErrorCode::kInvalidValue,
                cat("a display of ", layout.width_px, "x", layout.height_px, " px with cells of ", layout.cell_px,
-                   " px cannot be; correct the sizes and offsets"),
+                   " px is not possible; correct the sizes and offsets"),
                ""};
 }
 

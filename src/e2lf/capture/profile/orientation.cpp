@@ -15,7 +15,8 @@ Result<Orientation> orientation_from_name(const std::string& name, const std::st
     if (name == orientation_name(known)) return known;
   }
   return Error{ErrorCode::kInvalidValue,
-               cat("\"", name, "\" is no orientation of views; use upright, turned, flipped-x or flipped-y"), location};
+               cat("\"", name, "\" is not an orientation of views; use upright, turned, flipped-x or flipped-y"),
+               location};
 }
 
 }  // namespace e2lf::capture

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char *kCameraKey = "e2lf_camera", *kViewsKey = "e2lf_views";
 
-/// The value of the first line with this key, or null.
+/// Returns the value of the first line with this key, or null.
 const std::string* find_line(const HeaderLines& header, const char* key) {
   const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
   return line == header.end() ? nullptr : &line->second;
@@ -23,7 +23,7 @@ NpyArray text_to_npy(const std::string& text) {
 
 Result<std::string> text_from_npy(const NpyArray& array, const char* what, const std::string& location) {
   if (array.shape.size() == 1 && array.item_size == 1) return std::string(array.bytes.begin(), array.bytes.end());
-  return Error{ErrorCode::kShape, cat(what, " is no text; write it as an array of bytes, or leave it out"), location};
+  return Error{ErrorCode::kShape, cat(what, " is not text; write it as an array of bytes, or leave it out"), location};
 }
 
 Result<SensorProfile> camera_from_text(const std::string& text, const std::string& location) {

@@ -10,20 +10,24 @@
 
 namespace e2lf::capture {
 
-/// The camera as a line of a recording's header, "e2lf_camera" and a camera file in one line of JSON.
+/// Formats the sensor profile as a header line of a recording: the key "e2lf_camera", and the camera file as one line
+/// of JSON.
 [[nodiscard]] HeaderLines camera_to_header(const SensorProfile& camera);
 
-/// The camera that a header names; nothing when it names none. Fails with kFormat and as camera_from_json() does.
+/// Reads the sensor profile from the lines of a header. Returns nothing if there is none. Fails with kFormat and as
+/// camera_from_json() does.
 [[nodiscard]] Result<std::optional<SensorProfile>> camera_from_header(const HeaderLines& header,
                                                                       const std::string& location);
 
-/// The same JSON as an array of bytes, uint8 [length], as event images hold it.
+/// Returns the same JSON as an array of bytes, uint8 [length], which files of event images contain.
 [[nodiscard]] NpyArray camera_to_npy(const SensorProfile& camera);
 
-/// Fails with kShape (no list of bytes), kFormat and as camera_from_json() does.
+/// Reads a sensor profile from such an array. Fails with kShape (not a list of bytes), kFormat and as
+/// camera_from_json() does.
 [[nodiscard]] Result<SensorProfile> camera_from_npy(const NpyArray& array, const std::string& location);
 
-/// The same of how the views lie: a line "e2lf_views turned", the name as an array of bytes.
+/// The same functions for the orientation of the views: a header line "e2lf_views turned", and the name as an array of
+/// bytes.
 [[nodiscard]] HeaderLines views_to_header(const Orientation& views);
 [[nodiscard]] Result<std::optional<Orientation>> views_from_header(const HeaderLines& header,
                                                                    const std::string& location);

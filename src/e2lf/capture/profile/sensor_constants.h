@@ -3,22 +3,22 @@
 
 namespace e2lf::capture {
 
-/// The constants of the paper's event sensor (Eq. 3, 8), those of a Prophesee EVK4 by default. Intensities are
+/// The constants of the paper's event sensor (Eq. 3 and 8). The defaults are those of a Prophesee EVK4. Intensities are
 /// normalised by the number of views.
 struct SensorConstants {
   float eps = 0.01F;       ///< dark level added to the intensity
   float tau = 0.30F;       ///< contrast threshold, natural logarithm
   float sigma_w = 0.175F;  ///< standard deviation of the log-intensity noise
   float sigma_z = 0.04F;   ///< standard deviation of the threshold
-  float sigma_i = 0.005F;  ///< standard deviation of the noise of intensity images, where they are measured
+  float sigma_i = 0.005F;  ///< standard deviation of the noise of intensity images, if they are measured
 
   bool operator==(const SensorConstants&) const = default;
 };
 
-/// What the events of the paper's sensor are counted from.
+/// The paper's models of how a pixel generates events.
 enum class EventModel {
-  kQuantised,       ///< Eq. 8: events count from the coded intensity before the transition
-  kReferenceAware,  ///< Eq. 9, 10: each pixel remembers the log intensity of its last event
+  kQuantised,       ///< Eq. 8: events are counted from the coded intensity before the transition
+  kReferenceAware,  ///< Eq. 9 and 10: each pixel stores the log intensity of its last event as its reference
 };
 
 }  // namespace e2lf::capture

@@ -15,7 +15,7 @@ using enum PixelConstant;
 
 struct KeyRange {
   const char* key;
-  float low, high;  // what a value may be
+  float low, high;  // range of the value
 };
 
 /// In the order of PixelConstant.
@@ -29,7 +29,7 @@ constexpr KeyRange kPixelKeys[] = {
 };
 static_assert(std::size(kPixelKeys) == kNumPixelConstants);
 
-constexpr float kMostSlope = 2.0F;  // of the logarithm of a transmission, from the middle to the edge
+constexpr float kMostSlope = 2.0F;  // slope of the logarithm of a transmission, from the centre to the edge
 
 constexpr const char* kEventModels[] = {"reference-aware", "quantised", "pixel"};
 
@@ -49,7 +49,8 @@ Result<ValueWithUncertainty> read_constant(const Json& json, const std::string& 
                  cat(result.value, " is out of range; give a value from ", range.low, " to ", range.high), location};
   }
   if (!(result.uncertainty >= 0.0F && result.uncertainty < 1.0F)) {
-    return Error{ErrorCode::kInvalidValue, cat(result.uncertainty, " is no relative uncertainty; use 0 to below 1"),
+    return Error{ErrorCode::kInvalidValue,
+                 cat(result.uncertainty, " is not a relative uncertainty; use a number of at least 0 and below 1"),
                  location};
   }
   return result;
@@ -68,7 +69,7 @@ Result<void> read_pixel(OptionReader constants, SensorProfile& camera) {
   return constants.finish();
 }
 
-/// The fields of the paper's constants with their keys.
+/// The paper's constants with their keys.
 constexpr std::pair<KeyRange, float SensorConstants::*> kPaperKeys[] = {
     {{"eps", 1e-6F, 1e3F}, &SensorConstants::eps},
     {{"tau", 0.01F, 10.0F}, &SensorConstants::tau},
@@ -95,7 +96,7 @@ Result<void> read_transmission(const Json& json, const std::string& location, Se
   E2LF_RETURN_IF_ERROR(reader.finish());
   for (const float share : camera.transmission) {
     if (share > 0.0F && share <= 100.0F) continue;
-    return Error{ErrorCode::kInvalidValue, cat(share, " is no transmission; use numbers near 1"), location};
+    return Error{ErrorCode::kInvalidValue, cat(share, " is not a transmission; use numbers near 1"), location};
   }
   for (const auto* slopes : {&camera.transmission_slope_x, &camera.transmission_slope_y}) {
     if (slopes->size() > camera.transmission.size()) {
@@ -103,7 +104,7 @@ Result<void> read_transmission(const Json& json, const std::string& location, Se
     }
     for (const float slope : *slopes) {
       if (std::abs(slope) <= kMostSlope) continue;
-      return Error{ErrorCode::kInvalidValue, cat(slope, " is no slope of a transmission; use numbers near 0"),
+      return Error{ErrorCode::kInvalidValue, cat(slope, " is not a slope of a transmission; use numbers near 0"),
                    location};
     }
   }
@@ -116,7 +117,7 @@ Json json_numbers(const std::vector<float>& values) {
   return json;
 }
 
-/// 0 for a part that follows at once, 1 for one that never does.
+/// Returns 0 for a part that follows at once, and 1 for one that never does.
 float lag(float rate_hz) {
   constexpr float kUsualRate = 30.0F;
   return kUsualRate / (kUsualRate + rate_hz);
@@ -196,7 +197,7 @@ SensorProfile without_noise(SensorProfile camera) {
 
 std::vector<float> conditioning_vector(const ConditioningSource& source, size_t num_patterns) {
   E2LF_REQUIRE(num_patterns >= 2, "at least two patterns make an event image");
-  E2LF_REQUIRE(source.cycles >= 1, "counts are of one cycle at least");
+  E2LF_REQUIRE(source.cycles >= 1, "counts are averaged over at least one cycle");
   const auto threshold = [](float tau) { return 4.0F * (tau / 0.3F - 1.0F); };
   const PixelConstants& pixel = source.values;
   std::vector<float> conditioning;
@@ -235,7 +236,7 @@ std::vector<float> conditioning_vector(const ConditioningSource& source, size_t 
                     0.0F};
   }
   conditioning.push_back(0.25F * std::log2(static_cast<float>(source.cycles)));
-  E2LF_REQUIRE(conditioning.size() == kNumFixedConditions, "every trait has its place");
+  E2LF_REQUIRE(conditioning.size() == kNumFixedConditions, "the conditioning vector has a fixed length");
   const auto transmission = [&](size_t k) { return k < source.transmission.size() ? source.transmission[k] : 1.0F; };
   for (size_t k = 1; k + 1 < num_patterns; ++k)
     conditioning.push_back(5.0F * (transmission(k) / transmission(0) - 1.0F));

@@ -10,14 +10,15 @@
 
 namespace e2lf::cli {
 
-/// Where a camera is: a file, or a bundled one by its name. Fails with kNotFound.
+/// Returns the path of a camera file that is given by its path or by the name of a bundled camera. Fails with
+/// kNotFound.
 [[nodiscard]] Result<std::filesystem::path> find_camera(const std::string& name);
 
-/// Declares --camera: a camera file, or the name of a bundled one, before which a file of exactly this name goes.
+/// Declares --camera: a camera file or the name of a bundled camera. A file with exactly this name takes precedence.
 void add_camera_option(CLI::App& app, std::string& camera, const std::string& help);
 
-/// Reads what --camera names, and keeps it in the record. Fails with kNotFound, naming the bundled ones, and as
-/// capture::read_camera().
+/// Reads the camera that --camera names and adds it to the record. Fails with kNotFound, listing the bundled cameras,
+/// and as capture::read_camera() does.
 [[nodiscard]] Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& record);
 
 }  // namespace e2lf::cli

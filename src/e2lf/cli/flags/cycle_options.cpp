@@ -9,9 +9,8 @@
 #include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/flags/option_types.h"
-#include "e2lf/cli/flags/recorded_setup.h"
-#include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
@@ -31,7 +30,7 @@ bool uses_all_transitions(const CycleFlags& flags, const cycles::Schedule& sched
 Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& input,
                                      const recordings::RecordingInfo& info) {
   constexpr size_t kFewest = 2;
-  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup(input, info));
+  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup setup, pipeline::recorded_setup(input, info));
   const auto of_whole = setup.codes ? capture::codes_of_whole_cycle(*setup.codes) : std::nullopt;
   const auto& shown = of_whole ? of_whole : setup.codes;
   cycles::Schedule schedule;
@@ -134,14 +133,6 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   options.on_batch = observer.on_batch;
   options.on_mark = observer.on_mark;
   return cycles::CycleReader::open(std::move(reader), options);
-}
-
-Result<RecordedSetup> setup_of_cycles(const fs::path& input, const cycles::CycleReader& reader) {
-  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.recording().info()));
-  if (reader.schedule().views) setup.views = reader.schedule().views;
-  if (!setup.codes) return setup;
-  if (auto codes = cycles::codes_of_images(*setup.codes, reader.schedule())) setup.codes = std::move(codes);
-  return setup;
 }
 
 const char* source_name(cycles::CycleSource source) {

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/options.h"
@@ -51,12 +50,6 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 /// "auto" takes triggers when the recording begins with some, else bursts.
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
-
-/// What the recording was made with, as recorded_setup() finds it; its patterns are those between which the event
-/// images of the reader lie, where they are the schedule's, which may
-/// also tell how the views come out.
-[[nodiscard]] Result<RecordedSetup> setup_of_cycles(const std::filesystem::path& input,
-                                                    const cycles::CycleReader& reader);
 
 /// Watches whether the events confirm what was claimed of the cycles.
 class ConfidenceWatch {

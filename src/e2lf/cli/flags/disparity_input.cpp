@@ -30,10 +30,10 @@ Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
   if (path.extension() == ".npy") {
     E2LF_ASSIGN_OR_RETURN(image, read_array(path));
   } else if (path.extension() == ".pfm") {
-    E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
-    E2LF_ASSIGN_OR_RETURN(image, depth::decode_pfm(bytes, path.string()));
+    const auto decode = [&](const std::vector<uint8_t>& bytes) { return depth::decode_pfm(bytes, path.string()); };
+    E2LF_ASSIGN_OR_RETURN(image, read_file(path).and_then(decode));
   } else {
-    return Error{ErrorCode::kUnsupported, "no disparity map; give .npy, .pfm or a folder of `e2lf depth`",
+    return Error{ErrorCode::kUnsupported, "this is not a disparity map; give .npy, .pfm or a folder of `e2lf depth`",
                  path.string()};
   }
   if (image.width == shape.width && image.height == shape.height) return image;
@@ -43,7 +43,7 @@ Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
                path.string()};
 }
 
-/// The files of the maps in `path`, in the order of the cycles.
+/// Returns the files of the maps in `path`, in the order of the cycles.
 std::vector<fs::path> files_of(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
@@ -53,7 +53,7 @@ std::vector<fs::path> files_of(const fs::path& path) {
   return files;
 }
 
-/// What the record of `e2lf depth` says; a map of another program has none.
+/// Returns the view that the record of `e2lf depth` states; maps of other programs have no record.
 depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
   std::error_code error;
   const auto record = read_json(fs::is_directory(path, error) ? path / "run.json" : record_path_beside(path));

@@ -11,16 +11,16 @@
 
 namespace e2lf::cli {
 
-/// Disparity maps to look at: one, or one for each cycle, px per view step of the pixels of one view.
+/// Disparity maps of one view, px per view step: one, or one for each cycle.
 struct DisparityMaps {
   std::vector<lightfield::Image> maps;
   depth::ViewIndex view;
 };
 
-/// Reads the maps of a light field of that shape with so many cycles: float32 [y, x] as .npy, .pfm, or a folder as
-/// `e2lf depth` writes it (disparity.npy, or the same in cycle_00000 ...). The record beside it says which view they
-/// are of; without one it is depth::middle_view(). Fails with kNotFound, kFormat, and kShape where size or number do
-/// not fit.
+/// Reads the disparity maps of a light field with the given shape and number of cycles: float32 [y, x] as .npy or .pfm,
+/// or a folder that `e2lf depth` wrote (disparity.npy, or one in each of cycle_00000 ...). The record beside the maps
+/// states to which view they belong; without a record it is depth::middle_view(). Fails with kNotFound, kFormat, and
+/// kShape (the size or number of the maps does not match).
 [[nodiscard]] Result<DisparityMaps> read_disparity(const std::filesystem::path& path, const lightfield::Shape& shape,
                                                    size_t cycles);
 

@@ -18,7 +18,7 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// Fails where a file or folder is not there or may not be looked into.
+/// Fails if a file or folder does not exist or may not be read.
 Result<void> check_readable(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error) && !error) {
@@ -26,11 +26,10 @@ Result<void> check_readable(const fs::path& path) {
   }
   if (!error && fs::is_directory(path, error)) fs::directory_iterator(path, error);
   if (!error) return {};
-  return Error{ErrorCode::kIo, cat("cannot be looked into (", error.message(), "); check its permissions"),
-               path.string()};
+  return Error{ErrorCode::kIo, cat("cannot be opened (", error.message(), "); check its permissions"), path.string()};
 }
 
-/// The verb that wrote a run.json; empty where it is not of our writing.
+/// Returns the verb that wrote a run.json, or an empty string if e2lf did not write it.
 std::string verb_of(const fs::path& record) {
   const auto json = read_json(record);
   const Json::json_pointer verb("/verb");
@@ -58,12 +57,12 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
   return Error{ErrorCode::kFormat,
-               "the folder holds neither event images (event_image_00000.npy ...) nor views of a light field; name "
-               "what is in it",
+               "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; name "
+               "a file or folder in it",
                path.string()};
 }
 
-/// Events one by one: records, or rows of t, x, y, p in some order.
+/// Returns whether an array is a list of events: records, or rows of t, x, y, p in some order.
 bool is_event_list(const NpyArray& array) {
   return !array.fields.empty() || (array.shape.size() == 2 && array.shape[1] == 4);
 }
@@ -84,13 +83,13 @@ Result<FileKind> archive_kind(const fs::path& path) {
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
 }
 
-/// A MATLAB file before version 7.3; later ones are HDF5 files.
+/// Returns whether a MATLAB file contains event images. Files since version 7.3 are HDF5 files and contain none.
 bool holds_event_images(const fs::path& path) {
   const auto names = mat_variables(path);
   return names && std::find(names->begin(), names->end(), "events") != names->end();
 }
 
-/// What can be done with a thing where something else is wanted.
+/// Returns what can be done with an input where another kind is required.
 std::string use_of(FileKind kind, const fs::path& path) {
   switch (kind) {
     case FileKind::kRecording:
@@ -103,13 +102,13 @@ std::string use_of(FileKind kind, const fs::path& path) {
     case FileKind::kCycles:
       return cat(": name one of them, as ", (path / "cycle_00000").string());
     case FileKind::kTrainingRun:
-      return ": its model is a .safetensors in the folder, `e2lf resume` goes on with it";
+      return ": its model is a .safetensors in the folder, `e2lf resume` continues it";
     case FileKind::kDisplay:
       return ": its codes.json is for --codes, its schedule.json for --schedule";
     case FileKind::kModel:
-      return ": a model is for -m";
+      return ": models are given with -m";
     case FileKind::kResults:
-      return ": `e2lf info` says what made it";
+      return ": `e2lf info` states what made it";
   }
   return "";
 }
@@ -133,7 +132,7 @@ const char* kind_text(FileKind kind) {
     case FileKind::kTrainingRun:
       return "a training run";
     case FileKind::kDisplay:
-      return "the pictures that an aperture display shows";
+      return "the images for an aperture display";
     case FileKind::kResults:
       return "a folder of results";
   }

@@ -2,17 +2,17 @@
 #include "e2lf/cli/flags/inputs.h"
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/flags/option_types.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
+using pipeline::KnownCodes;
 
 void add_codes_options(CLI::App& app, CodesSource& source) {
   add_model_option(app, "-m,--model", source.model,
@@ -23,13 +23,6 @@ void add_codes_options(CLI::App& app, CodesSource& source) {
       "model's, those of e2lf-n4");
 }
 
-Result<capture::Codes> read_patterns(const fs::path& path) {
-  if (path.extension() != kBundledModels.extension) return capture::read_codes(path);
-  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(path));
-  if (model.codes) return std::move(*model.codes);
-  return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; name a file that does", path.string()};
-}
-
 Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record) {
   if (source.model.empty()) return std::optional<model::Model>();
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(source.model));
@@ -38,33 +31,28 @@ Result<std::optional<model::Model>> read_named_model(const CodesSource& source, 
   return std::optional(std::move(model));
 }
 
+Result<std::optional<capture::Codes>> read_named_codes(const CodesSource& source) {
+  std::optional<capture::Codes> codes;
+  if (!source.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(codes, pipeline::read_patterns(source.codes));
+  }
+  return codes;
+}
+
+void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
+                      const std::optional<capture::Codes>& of_events, RunRecord& record) {
+  if (!codes) return;
+  record.add_input(source.codes);
+  if (!of_events || *codes == *of_events) return;
+  log_warning(cat("the patterns of ", source.codes.string(), " are not those that the file of the events holds; ",
+                  "taking them as told"));
+}
+
 Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<model::Model>& model,
                                              const std::optional<capture::Codes>& of_events, RunRecord& record) {
-  KnownCodes known;
-  std::optional<capture::Codes> codes;
-  if (model) {
-    known.constants = model->constants;
-    known.event_model = model->event_model;
-    known.measurement = model->measurement();
-    codes = model->codes;
-    known.origin = CodesOrigin::kModel;
-  }
-  if (of_events) {
-    codes = of_events;
-    known.origin = CodesOrigin::kEvents;
-  }
-  if (!source.codes.empty()) {
-    record.add_input(source.codes);
-    E2LF_ASSIGN_OR_RETURN(codes, read_patterns(source.codes));
-    known.origin = CodesOrigin::kGiven;
-    if (of_events && *codes != *of_events) {
-      log_warning(cat("the patterns of ", source.codes.string(), " are not those that the file of the events holds; ",
-                      "taking them as told"));
-    }
-  }
-  if (!codes) return std::optional<KnownCodes>();
-  known.codes = std::move(*codes);
-  return std::optional(std::move(known));
+  E2LF_ASSIGN_OR_RETURN(const std::optional<capture::Codes> named, read_named_codes(source));
+  note_named_codes(source, named, of_events, record);
+  return pipeline::known_codes(named, of_events, model ? &*model : nullptr);
 }
 
 Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
@@ -76,13 +64,11 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
                  source.model.string()};
   }
   known.emplace();
+  E2LF_ASSIGN_OR_RETURN(known->codes, pipeline::usual_patterns());
   if (const auto path = bundled_model()) {
-    E2LF_ASSIGN_OR_RETURN(known->codes, read_patterns(*path));
     record.add_input(*path);
     record.resolve("codes", path->stem().string());
     log_info(cat("no patterns named: taking those of ", path->stem().string()));
-  } else {
-    known->codes = capture::default_codes();
   }
   return std::move(*known);
 }

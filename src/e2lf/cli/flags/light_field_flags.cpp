@@ -11,31 +11,32 @@ void add_orientation_options(CLI::App& app, OrientationFlags& flags) {
     app.add_flag(name, value, help)->group(kOrientationOptions);
   };
   flag("--turn-views", flags.turn_views,
-       "turn the grid of views by 180 degrees, beyond what files say: every disparity changes its sign");
-  flag("--flip-x", flags.flip_x, "let left and right views change places: disparities from left to right change sign");
-  flag("--flip-y", flags.flip_y, "let upper and lower views change places: disparities from top to bottom change sign");
+       "turn the grid of views by 180 degrees in addition to what files state, which changes the sign of every "
+       "disparity");
+  flag("--flip-x", flags.flip_x, "exchange left and right views, which changes the sign of horizontal disparities");
+  flag("--flip-y", flags.flip_y, "exchange upper and lower views, which changes the sign of vertical disparities");
 }
 
 void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views) {
   const char* const group = kLightFieldOptions;
   if (has_views) {
-    app.add_option("--views", flags.views, "take so many views per axis, the central ones; 0 = all")
+    app.add_option("--views", flags.views, "number of central views to read per axis; 0 = all")
         ->check(whole_number(0, 65535))
         ->group(group);
   }
-  app.add_option("--step", flags.step, "take every so many views, which makes the disparity so many times larger")
+  app.add_option("--step", flags.step, "read every N-th view, which multiplies the disparity by N")
       ->check(whole_number(1, 65535))
       ->group(group);
-  app.add_option("--white", flags.white, "the stored number that is white, as 255; default: the largest of the type")
+  app.add_option("--white", flags.white, "stored value that is white, e.g. 255; default: the largest of the type")
       ->check(positive_number())
       ->group(group);
-  app.add_option(
-         "--view-columns", flags.view_columns,
-         "views in a row of the grid whose views are numbered one by one (input_Cam000.png ...); default: found")
+  app.add_option("--view-columns", flags.view_columns,
+                 "number of views in a row of the grid, if views are numbered consecutively (input_Cam000.png ...); "
+                 "default: detected")
       ->check(whole_number(1, 10000))
       ->group(group);
   app.add_option("--lenslet-views", flags.lenslet_views,
-                 "views per axis under a microlens of a mosaic that does not say")
+                 "number of views per axis below a microlens, for mosaics that do not state it")
       ->check(whole_number(1, 1000))
       ->group(group);
 }

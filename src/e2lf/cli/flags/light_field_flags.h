@@ -12,15 +12,15 @@ namespace e2lf::cli {
 /// The help group of the options of light fields.
 inline constexpr const char* kLightFieldOptions = "Light fields";
 
-/// The flags that let views change places.
+/// The flags that change the orientation of the views.
 struct OrientationFlags {
   bool turn_views = false, flip_x = false, flip_y = false;
 
-  /// All that are given, one after the other.
+  /// Returns the combination of all flags that are set.
   [[nodiscard]] capture::Orientation value() const {
     return capture::Orientation{flip_x, flip_y} + (turn_views ? capture::kTurned : capture::Orientation{});
   }
-  /// How views come out that `recorded` tells of, or nothing; nothing where neither tells.
+  /// Returns the orientation that results from `recorded` and the flags, or nothing if neither is set.
   [[nodiscard]] std::optional<capture::Orientation> after(const std::optional<capture::Orientation>& recorded) const {
     if (value().is_upright()) return recorded;
     return recorded.value_or(capture::Orientation{}) + value();
@@ -35,14 +35,15 @@ void add_orientation_options(CLI::App& app, OrientationFlags& flags);
 
 /// The flags of verbs that read a light field.
 struct LightFieldFlags {
-  size_t views = 8, step = 1;  ///< per axis; views 0 = all
-  float white = 0.0F;          ///< the stored number that is 1; 0 = as the type says
-  size_t view_columns = 0;     ///< of views that are numbered one by one; 0 = found
-  size_t lenslet_views = 0;    ///< per axis of a lenslet mosaic; 0 = as it says
+  size_t views = 8, step = 1;  ///< number of views per axis (0 = all), and the step between them
+  float white = 0.0F;          ///< stored value that corresponds to 1; 0 = the largest of the type
+  size_t view_columns = 0;     ///< number of columns of the grid if views are numbered consecutively; 0 = detected
+  size_t lenslet_views = 0;    ///< views per axis of a lenslet mosaic; 0 = as its name states
   OrientationFlags orientation = {};
 };
 
-/// Declares --step, --white, --view-columns and --lenslet-views, and --views where the verb can use any number of them.
+/// Declares --step, --white, --view-columns and --lenslet-views, and also --views if the verb can use any number of
+/// views.
 void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views);
 
 [[nodiscard]] lightfield::ReadOptions read_options(const LightFieldFlags& flags);

@@ -9,7 +9,7 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// Throws what the parser throws of files that are missing.
+/// Throws the parser's exception for missing files.
 fs::path find(const BundledKind& kind, const std::string& name) {
   auto path = find_file_or_bundled(kind, name);
   if (!path) throw CLI::FileError(path.error().text());

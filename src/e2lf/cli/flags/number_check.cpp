@@ -26,13 +26,13 @@ void strip_zeros(std::string& digits) {
 }
 
 std::string check_unsigned(std::string& text) {
-  if (!is_number<uint64_t>(text)) return cat("\"", text, "\" is no whole number from 0 to ", UINT64_MAX);
+  if (!is_number<uint64_t>(text)) return cat("\"", text, "\" is not a whole number from 0 to ", UINT64_MAX);
   strip_zeros(text);
   return {};
 }
 
 std::string check_signed(std::string& text) {
-  if (!is_number<int64_t>(text)) return cat("\"", text, "\" is no whole number of 64 bits");
+  if (!is_number<int64_t>(text)) return cat("\"", text, "\" is not a whole number of 64 bits");
   strip_zeros(text);
   return {};
 }
@@ -41,7 +41,7 @@ std::string check_float(std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   const bool is_whole_text = !text.empty() && *end == '\0';
-  return is_whole_text && std::isfinite(value) ? std::string() : cat("\"", text, "\" is no number");
+  return is_whole_text && std::isfinite(value) ? std::string() : cat("\"", text, "\" is not a number");
 }
 
 CLI::Validator quiet_validator(std::string (*check)(std::string&)) {
@@ -53,7 +53,7 @@ CLI::Validator quiet_validator(std::string (*check)(std::string&)) {
 void check_numbers(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     const std::string type = option->get_type_name();
-    // The type's name is followed by those of its other checks. What is checked first is what transforms.
+    // The name of the type is followed by those of its other checks. A transformation runs before the checks.
     if (type.starts_with("UINT")) option->transform(quiet_validator(check_unsigned));
     if (type.starts_with("INT")) option->transform(quiet_validator(check_signed));
     if (type.starts_with("FLOAT")) option->transform(quiet_validator(check_float));
@@ -66,7 +66,7 @@ CLI::Validator whole_number(int64_t least, int64_t most) {
     int64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     const bool is_inside = error == std::errc() && value >= least && value <= most;
-    return is_inside ? std::string() : cat(text, " is outside of the range; give ", range);
+    return is_inside ? std::string() : cat(text, " is out of range; give ", range);
   };
   return {check, range};
 }

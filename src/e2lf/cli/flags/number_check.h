@@ -6,14 +6,14 @@
 
 namespace e2lf::cli {
 
-/// Makes every option that holds a number refuse what is none: a sign where the number has none, digits beyond its
-/// range, NaN and infinity, other than decimal digits. The library behind the options wraps and clips them silently.
+/// Makes every option with a numeric value reject malformed numbers: a sign if the type has none, values beyond its
+/// range, NaN and infinity, and numbers that are not decimal. CLI11 would wrap or clip them silently.
 void check_numbers(CLI::App& app);
 
-/// Refuses whole numbers outside [least, most], in words.
+/// Returns a validator that rejects integers outside [least, most], with a message in words.
 [[nodiscard]] CLI::Validator whole_number(int64_t least, int64_t most = INT64_MAX);
 
-/// Refuses 0 and what is below.
+/// Returns a validator that rejects numbers that are not greater than 0.
 [[nodiscard]] CLI::Validator positive_number();
 
 }  // namespace e2lf::cli

@@ -11,7 +11,7 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// A recording that is played at its own speed is a file behind this.
+/// The prefix of a recording that is replayed at its own speed; a file name follows.
 constexpr std::string_view kReplay = "replay:";
 
 struct Place {
@@ -19,7 +19,7 @@ struct Place {
   bool is_found = true;
 };
 
-/// Where a path of a run that was started in `folder` leads now.
+/// Returns the current location of a path of a run that was started in `folder`.
 Place place_of(const std::string& recorded, const fs::path& folder) {
   if (recorded.starts_with(kReplay)) {
     Place place = place_of(recorded.substr(kReplay.size()), folder);
@@ -35,7 +35,8 @@ Place place_of(const std::string& recorded, const fs::path& folder) {
   return {there.lexically_normal().string(), false};
 }
 
-/// Whether an option's value is a path: always, or where it may be the name of a bundled file, when a file has it.
+/// Returns whether the value of an option is a path: always for paths, and only if a file has this name for options
+/// that also accept bundled names.
 bool holds_path(const CLI::Option* option, const std::string& value, const fs::path& folder) {
   if (option == nullptr) return false;
   const std::string type = option->get_type_name();
@@ -49,7 +50,7 @@ Error missing(const std::string& recorded, const std::string& flag, const fs::pa
   std::error_code error;
   const bool is_absolute = fs::path(recorded).is_absolute();
   const std::string tried = is_absolute
-                                ? "there is no such file or folder any more"
+                                ? "the file or folder no longer exists"
                                 : cat("it is neither in ", folder.string(), ", where the run was started, nor in ",
                                       fs::current_path(error).string(), ", the current folder");
   return {ErrorCode::kNotFound, cat("an input of the earlier run is missing: ", tried, "; name it with ", flag),
@@ -60,7 +61,7 @@ Error missing(const std::string& recorded, const std::string& flag, const fs::pa
 
 std::vector<MissingInput> find_recorded_paths(Json& record, const CLI::App& app) {
   std::error_code error;
-  // Records of older versions do not say where their run was started.
+  // Records of older versions do not contain the folder in which their run was started.
   const fs::path start = record.value("folder", fs::current_path(error).string());
   const fs::path folder = fs::is_directory(start, error) ? start : fs::current_path(error);
   std::vector<std::string> inputs;

@@ -10,16 +10,16 @@
 
 namespace e2lf::cli {
 
-/// An input of an earlier run that is not found any more, and the flag that would name another one.
+/// An input of an earlier run that no longer exists, and the flag that can name another one.
 struct MissingInput {
-  std::string flag, placed;  ///< what the flag holds while nobody names another one
+  std::string flag, placed;  ///< the flag, and its value unless the user sets another
   Error error;
 };
 
-/// Makes paths of a run's record mean what they meant in that run, from whatever folder it is made again: a relative
-/// one is taken from the folder where the run was started ("folder" of the record), and where nothing of this name is
-/// there any more, from the current one. Changes the options of `record` that are paths by what `app` declares or by
-/// what the record lists as inputs, and those inputs. Returns the inputs that are in neither folder.
+/// Resolves the paths of a run's record, so that the run can be repeated from any folder. A relative path is resolved
+/// against the folder in which the run was started ("folder" of the record), or against the current folder if it does
+/// not exist there. Changes the options in `record` that `app` declares as paths or that the record lists as inputs,
+/// and the list of inputs. Returns the inputs that exist in neither folder.
 [[nodiscard]] std::vector<MissingInput> find_recorded_paths(Json& record, const CLI::App& app);
 
 }  // namespace e2lf::cli

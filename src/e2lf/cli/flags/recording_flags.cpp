@@ -13,31 +13,29 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   const auto add = [&](const char* name, auto& value, const char* text) {
     app.add_option(name, value, text)->group(group);
   };
-  add("--event-format", flags.format, "format of the recording, where the file does not tell");
-  add("--sensor-width", flags.width, "px, where the recording does not tell");
-  add("--sensor-height", flags.height, "px, where the recording does not tell");
-  add("--stream", flags.stream, "number or name of a stream of events, where the recording holds several");
-  add("--columns", flags.columns,
-      "order of the columns of a table of events, as txyp; - is a column to be passed over");
+  add("--event-format", flags.format, "format of the recording, if it cannot be detected");
+  add("--sensor-width", flags.width, "px, if the recording does not state it");
+  add("--sensor-height", flags.height, "px, if the recording does not state it");
+  add("--stream", flags.stream, "number or name of a stream of events, if the recording contains several");
+  add("--columns", flags.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
   app.add_option("--time-unit", flags.time_unit,
-                 "of the times of text, numpy and HDF5 tables: s, ms, us, ns; auto = as names say, else us of whole "
-                 "numbers and s of others")
+                 "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise "
+                 "us for integers and s for other numbers")
       ->check(CLI::IsMember({"auto", "s", "ms", "us", "ns"}))
       ->group(group);
-  app.add_option(
-         "--restart", flags.restart,
-         "where the clock starts again (a restarted camera, joined files): continue moves the later part behind "
-         "the earlier one, split keeps them apart (info, convert), refuse fails")
+  app.add_option("--restart", flags.restart,
+                 "if the clock starts again (a restarted camera, joined files): continue moves the later part behind "
+                 "the earlier one, split keeps the parts separate (info, convert), refuse fails")
       ->check(CLI::IsMember({"continue", "split", "refuse"}))
       ->group(group);
-  add("--from-us", flags.from_us, "recordings: leave out what is before this time of the recording's own clock");
-  add("--to-us", flags.to_us, "recordings: leave out what is at or after this time of the recording's own clock");
+  add("--from-us", flags.from_us, "recordings: leave out what is before this time on the recording's clock");
+  add("--to-us", flags.to_us, "recordings: leave out what is at or after this time on the recording's clock");
   app.add_flag("--relative", flags.is_relative,
-               "recordings: --from-us and --to-us count from the first event or trigger")
+               "recordings: --from-us and --to-us are relative to the first event or trigger")
       ->group(group);
-  app.add_flag(
-      "--strict", flags.is_strict,
-      "fail and write nothing where events would be left out (damage, outside the sensor, no room for a count)");
+  add_camera_options(app, flags.camera);
+  app.add_flag("--strict", flags.is_strict,
+               "fail and write nothing if events would be left out (damage, outside the sensor, count too large)");
 }
 
 namespace {
@@ -69,11 +67,10 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   recordings::OpenOptions open;
   open.restart = restart_policy_of(flags.restart);
   if (open.restart == recordings::RestartPolicy::kSplit && !reads_parts) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        "split is for `e2lf info`, which lists the parts, and `e2lf convert`, which writes each to a file of its "
-        "own; convert the recording first, or take continue",
-        "--restart"};
+    return Error{ErrorCode::kInvalidValue,
+                 "split is only for `e2lf info`, which lists the parts, and `e2lf convert`, which writes each to a "
+                 "separate file; convert the recording first, or use continue",
+                 "--restart"};
   }
   open.format = flags.format;
   open.width = flags.width;
@@ -85,7 +82,8 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   open.to_us = flags.to_us;
   open.range = flags.is_relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   open.threads = 0;
-  // Who waits for a camera hears of damage at once; of a file, the account at the end says it all.
+  E2LF_ASSIGN_OR_RETURN(open.camera, camera_setup(flags.camera));
+  // With a camera, damage is reported at once; for a file, the summary at the end is sufficient.
   open.policy = flags.is_strict  ? recordings::DecodePolicy::kStrict
                 : is_live(input) ? recordings::DecodePolicy::kReport
                                  : recordings::DecodePolicy::kSkip;
@@ -99,15 +97,27 @@ void say_assumptions(const recordings::RecordingReader& reader) {
 }
 
 std::string assumption_text(const recordings::Assumption& assumption) {
-  if (assumption.setting == Setting::kColumns) return assumption.text + "; --columns and --time-unit say otherwise";
-  if (assumption.setting == Setting::kStream) return assumption.text + "; --stream chooses another";
-  if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; --time-unit says otherwise";
+  if (assumption.setting == Setting::kColumns)
+    return assumption.text + "; use --columns and --time-unit to change this";
+  if (assumption.setting == Setting::kStream) return assumption.text + "; use --stream to select another";
+  if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; use --time-unit to change this";
   return assumption.text;
 }
 
 Json reading_json(const recordings::RecordingInfo& info) {
   if (!info.table) return nullptr;
   return {{"columns", info.table->columns}, {"time_unit", info.table->time_unit}, {"polarity", info.table->polarity}};
+}
+
+Json header_json(const recordings::RecordingInfo& info) {
+  Json header = Json::object();
+  for (const auto& [key, value] : info.header) header[key] = value;
+  return header;
+}
+
+Json sensor_json(const recordings::DecodeSummary& summary) {
+  if (recordings::sensor_text(summary).empty()) return nullptr;
+  return {{"events_in", summary.sensor_events_in}, {"events_sent", summary.sensor_events_sent}};
 }
 
 Json losses_json(const recordings::DecodeSummary& summary) {
@@ -123,7 +133,9 @@ Json live_json(const recordings::DecodeSummary& summary) {
   if (live == recordings::LiveBacklog()) return nullptr;
   return {{"most_behind_s", static_cast<double>(live.most_behind_us) * 1e-6},
           {"pauses", live.pauses},
-          {"may_have_lost_events", live.loses_events}};
+          {"may_have_lost_events", live.loses_events},
+          {"dropped_bytes", live.dropped_bytes},
+          {"failure", live.failure}};
 }
 
 void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summary) {
@@ -133,12 +145,12 @@ void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summ
   if (const std::string restarts = recordings::restart_text(summary); !restarts.empty()) {
     const bool is_moved = summary.restarts.front().shift_us != 0;
     log_warning(cat(input.string(), ": ", restarts,
-                    is_moved ? " (--restart continue; split keeps the parts apart, refuse fails there)" : ""));
+                    is_moved ? " (--restart continue; split keeps the parts separate, refuse fails there)" : ""));
   }
   const std::vector<recordings::Loss> losses = recordings::losses(summary);
   if (losses.empty()) return;
   const bool is_outside = summary.of(recordings::Violation::kOutOfRange).count > 0;
-  const char* const advice = is_outside ? "; --sensor-width and --sensor-height give the sensor's size" : "";
+  const char* const advice = is_outside ? "; give the sensor size with --sensor-width and --sensor-height" : "";
   log_warning(cat(input.string(), ": left out ", recordings::loss_text(losses), advice));
 }
 

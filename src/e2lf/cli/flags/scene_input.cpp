@@ -10,7 +10,7 @@ namespace e2lf::cli {
 Result<lightfield::LightField> load_scene(const std::filesystem::path& path, const SceneOptions& options,
                                           bool is_quiet) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
-  // What is nothing else passes for a recording: reading it tells more.
+  // A file of no other kind is taken for a recording; reading it gives a better error.
   if (kind != FileKind::kLightField && kind != FileKind::kRecording) {
     return other_kind_error(path, kind, "a light field");
   }
@@ -21,7 +21,8 @@ Result<lightfield::LightField> load_scene(const std::filesystem::path& path, con
   E2LF_ASSIGN_OR_RETURN(lightfield::LightField scene, read_with_progress(path, read, is_quiet));
   if (!options.filter) return scene;
   if (scene.shape().channels == 1) {
-    return Error{ErrorCode::kInvalidValue, "the light field is grey; colour filters need one in colour", path.string()};
+    return Error{ErrorCode::kInvalidValue, "the light field is grey; colour filters require one in colour",
+                 path.string()};
   }
   return sensor::light_behind(*options.filter, scene);
 }

@@ -12,16 +12,16 @@
 
 namespace e2lf::cli {
 
-/// What is wanted of a scene beside the flags for its file: as many views as patterns have cells, and its colours.
+/// How to read a scene: with as many views as the patterns have cells, and with or without colour.
 struct SceneOptions {
-  LightFieldFlags flags = {};                        ///< their number of views counts for nothing
-  size_t views_y = 8, views_x = 8;                   ///< the middle ones
-  bool colour = false;                               ///< keep it; otherwise grey
-  std::optional<capture::ColourFilter> filter = {};  ///< the light is what a sensor with these filters sees
+  LightFieldFlags flags = {};                        ///< the number of views in it is ignored
+  size_t views_y = 8, views_x = 8;                   ///< number of central views
+  bool colour = false;                               ///< whether to keep the colour; otherwise grey
+  std::optional<capture::ColourFilter> filter = {};  ///< if set, the scene as a sensor with these filters receives it
 };
 
-/// Reads a light field of any supported format in [0, 1]. Fails as read_light_field() does, and with kInvalidValue
-/// where filters need colour that is not there.
+/// Reads a light field of any supported format, with values in [0, 1]. Fails as read_light_field() does, and with
+/// kInvalidValue if filters require colour and the light field has none.
 [[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path, const SceneOptions& options,
                                                         bool is_quiet);
 

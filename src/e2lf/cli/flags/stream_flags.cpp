@@ -25,7 +25,7 @@ Result<StreamScene> still_scene(const fs::path& input, const SceneOptions& optio
   return result;
 }
 
-/// One light field after the other; the last one stays.
+/// Returns a scene that shows one light field after another; the last one remains.
 Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const SceneOptions& options, bool is_quiet) {
   std::vector<fs::path> fields;
   std::error_code error;
@@ -34,7 +34,7 @@ Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const Scen
   }
   std::sort(fields.begin(), fields.end());
   if (fields.empty()) {
-    return Error{ErrorCode::kNotFound, "there is no folder of light fields; --field-us needs one, a field each",
+    return Error{ErrorCode::kNotFound, "this is not a folder of light fields, which --field-us requires; give one",
                  input.string()};
   }
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField first, load_scene(fields.front(), options, is_quiet));
@@ -69,23 +69,23 @@ void add_stream_options(CLI::App& app, StreamFlags& flags) {
     app.add_option(name, value, help)->check(CLI::NonNegativeNumber)->capture_default_str()->group(group);
   };
   app.add_flag("--stream", flags.stream,
-               "simulate event by event, references carried from cycle to cycle; always so for recordings of physical "
-               "pixels, for esim, v2e, and with the flags below")
+               "simulate event by event, with references that are carried from cycle to cycle; implied by recordings "
+               "of physical pixels, by esim and v2e, and by the flags below")
       ->group(group);
-  app.add_option("--schedule", flags.schedule, "what is shown for how long (JSON); default: the paper's eight patterns")
+  app.add_option("--schedule", flags.schedule, "schedule of the patterns (JSON); default: the paper's eight patterns")
       ->check(CLI::ExistingFile)
       ->group(group);
-  number("--rise-us", flags.rise_us, "time in which the display goes over from pattern to pattern");
-  number("--field-us", flags.field_us, "the input is a folder of light fields, one for each so many microseconds");
+  number("--rise-us", flags.rise_us, "rise time of the display from one pattern to the next");
+  number("--field-us", flags.field_us, "the input is a folder of light fields at this interval, us");
   app.add_option("--turntable", flags.turntable_rpm,
-                 "no input: a still life on a table that makes so many turns a minute (the paper's: 1.75)")
+                 "simulate a still life on a turntable instead of an input; revolutions per minute (1.75 in the paper)")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->group(group);
-  app.add_option("--width", flags.width, "of the turntable's views, px")
+  app.add_option("--width", flags.width, "size of the turntable's views, px")
       ->check(CLI::Range(16, 8192))
       ->capture_default_str()
       ->group(group);
-  app.add_option("--height", flags.height, "of the turntable's views, px")
+  app.add_option("--height", flags.height, "size of the turntable's views, px")
       ->check(CLI::Range(16, 8192))
       ->capture_default_str()
       ->group(group);
@@ -93,12 +93,13 @@ void add_stream_options(CLI::App& app, StreamFlags& flags) {
       ->check(CLI::IsMember({"default", "noisy", "clean"}))
       ->capture_default_str()
       ->group(group);
-  number("--refractory-us", flags.refractory_us, "physical pixels, esim: a pixel is blind for so long after an event");
-  number("--leak-rate-hz", flags.leak_rate_hz, "physical pixels: ON events of each in constant light");
-  number("--shot-rate-hz", flags.shot_rate_hz, "physical pixels: events by chance in the dark");
-  number("--hot-pixels", flags.hot_share, "physical pixels: share of those that fire all the time, 0 to 1");
+  number("--refractory-us", flags.refractory_us, "physical pixels, esim: refractory period after an event");
+  number("--leak-rate-hz", flags.leak_rate_hz, "physical pixels: rate of ON events of each pixel in constant light");
+  number("--shot-rate-hz", flags.shot_rate_hz, "physical pixels: rate of random events of each pixel in the dark");
+  number("--hot-pixels", flags.hot_share, "physical pixels: fraction of hot pixels, 0 to 1");
   number("--readout-limit", flags.readout_limit,
-         "events that the sensor can hand out per second, 1.066e9 for an EVK4; more wait or are lost; 0 = all");
+         "largest number of events that the sensor reads out per second, 1.066e9 for an EVK4; further events wait or "
+         "are lost; 0 = no limit");
 }
 
 bool need_stream(const StreamFlags& flags) {
@@ -117,13 +118,14 @@ Result<streams::StreamOptions> stream_options(const StreamFlags& flags, const st
     options.constants = constants;
   }
   if (options.model == streams::StreamModel::kPixel && !is_pixel) {
-    return Error{ErrorCode::kInvalidValue, "the event model pixel needs a camera; give --camera, as evk4-lcos", ""};
+    return Error{ErrorCode::kInvalidValue, "the event model pixel requires a camera; give --camera, e.g. evk4-lcos",
+                 ""};
   }
   const bool is_esim = options.model == streams::StreamModel::kEsim;
   if ((flags.refractory_us > 0 && !is_pixel && !is_esim) ||
       (!is_pixel && (flags.leak_rate_hz > 0 || flags.shot_rate_hz > 0 || flags.hot_share > 0))) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("the event model ", streams::stream_model_name(options.model), " has no use for --refractory-us, ",
+                 cat("the event model ", streams::stream_model_name(options.model), " does not use --refractory-us, ",
                      "--leak-rate-hz, --shot-rate-hz or --hot-pixels; leave them out, or give --camera evk4-lcos"),
                  ""};
   }

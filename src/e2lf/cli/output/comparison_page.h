@@ -8,8 +8,8 @@
 
 namespace e2lf::cli {
 
-/// Writes the viewer as one HTML file that shows a light field, called `truth_name`, beside its reconstruction. Fails
-/// with kIo, with kUnsupported where a browser lacks the memory for the views, and with kMissingDependency where
+/// Writes a self-contained HTML file in which the viewer shows a light field beside its reconstruction. Fails with kIo,
+/// with kUnsupported (a browser would not have enough memory for the views), and with kMissingDependency if
 /// has_viewer() is false.
 [[nodiscard]] Result<void> write_comparison_page(const std::filesystem::path& path, const lightfield::LightField& truth,
                                                  const lightfield::LightField& reconstruction);

@@ -17,7 +17,7 @@ using lightfield::LightField;
 
 namespace {
 
-/// A finite number, or nothing where the text is none.
+/// Returns a finite number, or nothing if the text is none.
 std::optional<float> finite_number(const std::string& text) {
   char* end = nullptr;
   const float value = std::strtof(text.c_str(), &end);
@@ -31,7 +31,8 @@ Result<std::optional<float>> parse_gain(const std::string& gain) {
   if (gain == "auto") return std::optional<float>();
   const auto value = finite_number(gain);
   if (!value || *value <= 0) {
-    return Error{ErrorCode::kInvalidValue, cat("\"", gain, "\" is no gain; give auto or a positive number"), "--gain"};
+    return Error{ErrorCode::kInvalidValue, cat("\"", gain, "\" is not a gain; give auto or a positive number"),
+                 "--gain"};
   }
   return value;
 }
@@ -40,8 +41,8 @@ Result<std::optional<float>> parse_black(const std::string& black) {
   if (black == "auto") return std::optional<float>();
   const auto value = finite_number(black);
   if (!value || *value < 0) {
-    return Error{ErrorCode::kInvalidValue, cat("\"", black, "\" is no brightness; give auto, 0 or a positive number"),
-                 "--black"};
+    return Error{ErrorCode::kInvalidValue,
+                 cat("\"", black, "\" is not a brightness; give auto, 0 or a positive number"), "--black"};
   }
   return value;
 }

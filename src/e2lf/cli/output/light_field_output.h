@@ -12,19 +12,20 @@
 
 namespace e2lf::cli {
 
-/// The brightness that --gain asks for; nothing for "auto". Fails with kInvalidValue.
+/// Parses --gain: a positive number, or nothing for "auto". Fails with kInvalidValue.
 [[nodiscard]] Result<std::optional<float>> parse_gain(const std::string& gain);
-/// The same of --black: a number that is finite and at least 0.
+/// Parses --black: a finite number of at least 0, or nothing for "auto". Fails with kInvalidValue.
 [[nodiscard]] Result<std::optional<float>> parse_black(const std::string& black);
 
-/// Writes a reconstructed light field into an existing folder: its views in `format` ("png", "png16": VV_UU.png; "npy":
-/// lightfield.npy, not clamped), contact_sheet.png and epi.png. All pictures are upright, where the views come out as
-/// `views` says, and so is `light_field` afterwards; lightfield.npy keeps their order, which is that of the patterns.
+/// Writes a reconstructed light field to an existing folder: its views in `format` ("png" and "png16": VV_UU.png;
+/// "npy": lightfield.npy, not clamped), contact_sheet.png and epi.png. `views` is the orientation of the views; all
+/// images are written upright, and `light_field` is upright afterwards. Only lightfield.npy keeps the order of the
+/// views, which is that of the patterns.
 [[nodiscard]] Result<void> write_reconstruction(const std::filesystem::path& folder,
                                                 lightfield::LightField& light_field, const std::string& format,
                                                 const capture::Orientation& views, const ProgressFn& progress);
 
-/// How the views in the files of write_reconstruction() still lie.
+/// Returns the orientation of the views in the files of write_reconstruction().
 [[nodiscard]] capture::Orientation stored_views(const std::string& format, const capture::Orientation& views);
 
 }  // namespace e2lf::cli

@@ -19,11 +19,6 @@ std::string ms_text(double seconds) {
 
 }  // namespace
 
-double behind_s(const cycles::Cycle& cycle) {
-  if (!cycle.arrival) return 0;
-  return static_cast<double>(std::max<int64_t>(0, cycle.known_us - cycle.slices.back().end_us)) * 1e-6;
-}
-
 void LiveLog::add(uint64_t cycle, uint64_t events, double latency_s) {
   ++cycles_;
   events_ += events;

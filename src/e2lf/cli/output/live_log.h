@@ -7,16 +7,13 @@
 
 namespace e2lf::cli {
 
-/// From the end of the last pattern of a cycle until the bytes that completed it arrived; 0 for what is not live.
-[[nodiscard]] double behind_s(const cycles::Cycle& cycle);
-
-/// Tells of live input while it comes, since its end is not known: on stderr a line for each cycle that is done, and
-/// totals at the end. Terminal or not; nothing with --quiet.
+/// Logs the progress of live input, whose end is not known: one line for each completed cycle, and totals at the end.
+/// Independent of whether stderr is a terminal; silent with --quiet.
 class LiveLog {
  public:
-  /// A cycle of live input is done; `latency_s` after the end of its last pattern.
+  /// Logs a completed cycle; `latency_s` is the time since the end of its last pattern.
   void add(uint64_t cycle, uint64_t events, double latency_s);
-  /// The input has ended. Says nothing where add() was never called.
+  /// Logs the totals at the end of the input. Does nothing if add() was never called.
   void finish(const cycles::CycleReport& report) const;
 
  private:

@@ -25,7 +25,7 @@ namespace {
 
 using SideFile = fs::path (*)(const fs::path&);
 
-constexpr char kLive[] = "e2lf.live";  ///< in a workspace: what is made there cannot be made again
+constexpr char kLive[] = "e2lf.live";  ///< marks a workspace whose content cannot be created again
 
 Error exists(const fs::path& path, const std::string& what) {
   return {ErrorCode::kExists, what, path.string()};
@@ -40,7 +40,7 @@ bool is_standard_output(const fs::path& path) {
   return path == "-" || path == "/dev/stdout" || path == "/dev/fd/1" || path == "/proc/self/fd/1";
 }
 
-/// The file or folder behind the name of an input; empty when there is none (a socket, a camera).
+/// Returns the file or folder behind the name of an input, or an empty path if there is none (a socket, a camera).
 fs::path file_of_input(const fs::path& named) {
   constexpr std::string_view kReplay = "replay:";
   std::string name = named.string();
@@ -52,7 +52,7 @@ fs::path file_of_input(const fs::path& named) {
   return is_file ? path : fs::path();
 }
 
-/// Whether `inner` is `outer` or lies in it, by what the names stand for and not by how they are spelled.
+/// Returns whether `inner` is `outer` or lies in it, comparing files rather than the spelling of names.
 bool is_within(fs::path inner, const fs::path& outer) {
   for (;;) {
     std::error_code error;
@@ -63,11 +63,11 @@ bool is_within(fs::path inner, const fs::path& outer) {
   }
 }
 
-/// The name with links resolved. A link to nothing is refused: what would be written is not where it points.
+/// Resolves the links in a name. A link to nothing is refused, because the output would not be written to its target.
 Result<fs::path> resolve(const fs::path& named) {
   const fs::path path = named.has_filename() ? named : named.parent_path();
   std::error_code error;
-  if (path.empty()) return Error{ErrorCode::kInvalidValue, "the output has no name; give it one", "--output"};
+  if (path.empty()) return Error{ErrorCode::kInvalidValue, "the output has no name; give one", "--output"};
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
     return exists(path, "the output is a link to nothing; remove it or name another output");
   }
@@ -75,7 +75,7 @@ Result<fs::path> resolve(const fs::path& named) {
   return error ? path : resolved;
 }
 
-/// Another recording in the folder whose triggers are in that file too; empty when there is none.
+/// Returns another recording in the folder whose triggers are also in this file, or an empty path.
 fs::path other_owner(const fs::path& triggers, const fs::path& target) {
   std::error_code error;
   for (fs::directory_iterator entry(target.parent_path(), error), end; !error && entry != end; entry.increment(error)) {
@@ -87,7 +87,7 @@ fs::path other_owner(const fs::path& triggers, const fs::path& target) {
   return {};
 }
 
-/// Whether a file of triggers is one that e2lf writes, by its first bytes.
+/// Returns whether e2lf wrote a file of triggers, judging by its first bytes.
 bool is_our_trigger_file(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
@@ -98,8 +98,7 @@ bool is_our_trigger_file(const fs::path& path) {
   return line == "p,id,t";
 }
 
-/// Fails where a name is that of the record or the triggers of another file that is there: what is written to it would
-/// be read as theirs.
+/// Fails if a name is that of the record or the triggers of another existing file, as which the output would be read.
 Result<void> check_not_a_side_file(const fs::path& path) {
   const std::string name = path.filename().string(), record_end = record_path_beside("").string();
   const auto belongs = [&path](const char* what, const fs::path& owner) {
@@ -117,7 +116,7 @@ Result<void> check_not_a_side_file(const fs::path& path) {
   return owner.empty() ? Result<void>() : belongs("triggers", owner);
 }
 
-/// What a verb reads beside an input: its record and its triggers.
+/// Appends the files that a verb reads beside an input: its record and its triggers.
 void append_side_files(const fs::path& input, std::vector<fs::path>& files) {
   constexpr std::string_view kReplay = "replay:";
   std::string name = input.string();
@@ -138,11 +137,11 @@ bool is_same_content(const fs::path& a, const fs::path& b) {
 
 Error foreign_side(const fs::path& side, const fs::path& target, bool is_ours) {
   const std::string name = target.filename().string();
-  return exists(side,
-                !is_ours ? cat("this file would belong to ", name,
-                               ", but e2lf did not write it, so it is not replaced; move it away or name "
-                               "another output")
-                         : cat("this file would belong to ", name, "; move it away, give --overwrite or another name"));
+  return exists(side, !is_ours ? cat("this file would belong to ", name,
+                                     ", but e2lf did not write it, so it is not replaced; move it away or name "
+                                     "another output")
+                               : cat("this file would belong to ", name,
+                                     "; move it away, give --overwrite or name another output"));
 }
 
 Error shared_triggers(const fs::path& triggers, const fs::path& target, const fs::path& owner) {
@@ -151,7 +150,7 @@ Error shared_triggers(const fs::path& triggers, const fs::path& target, const fs
                     target.filename().string(), " too; name another output"));
 }
 
-/// "events-interrupted-1.npz", or the next one that is free, with its triggers' name.
+/// Returns "events-interrupted-1.npz" or the next unused name, including that of the triggers.
 fs::path free_name(const fs::path& target, SideFile side_file) {
   for (int number = 1;; ++number) {
     fs::path name = target;
@@ -160,7 +159,7 @@ fs::path free_name(const fs::path& target, SideFile side_file) {
   }
 }
 
-/// What a workspace holds of the file that would have had a name; empty when there is nothing.
+/// Returns the unfinished file in a workspace that would have had this name, or an empty path.
 fs::path part_of(const fs::path& workspace, const std::string& name) {
   std::error_code error;
   for (fs::directory_iterator entry(workspace, error), end; !error && entry != end; entry.increment(error)) {
@@ -171,7 +170,8 @@ fs::path part_of(const fs::path& workspace, const std::string& name) {
   return {};
 }
 
-/// Keeps what a killed run had finished of a target and of its triggers, where it cannot be made again.
+/// Returns a function that saves the finished part of a target and its triggers after a killed run, if it cannot be
+/// created again.
 Workspace::OnDead keeper(const fs::path& target, SideFile side_file, const Recover& recover) {
   if (!recover) return {};
   return [target, side_file, recover](const fs::path& workspace) {
@@ -195,11 +195,11 @@ Workspace::OnDead keeper(const fs::path& target, SideFile side_file, const Recov
 Result<void> move_into_place(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) == 0) return {};
   return Error{ErrorCode::kIo,
-               cat("cannot put the file in place (", std::strerror(errno), "); check the disk and the path"),
+               cat("cannot move the file to its place (", std::strerror(errno), "); check the disk and the path"),
                to.string()};
 }
 
-/// Fails where a folder would be made under a name that says it is a file: who gives it expects that file.
+/// Fails if a folder would be created under the name of a file, since the user expects this file.
 Result<void> check_folder_name(const fs::path& path) {
   constexpr std::string_view kFiles[] = {".avi",  ".csv",  ".dat",  ".gif",  ".h5",  ".hdf5",        ".html",
                                          ".jpeg", ".jpg",  ".json", ".mat",  ".mp4", ".npy",         ".npz",
@@ -307,13 +307,13 @@ fs::path OutputFile::record_path() const {
 Result<void> OutputFile::check_place() const {
   E2LF_RETURN_IF_ERROR(check_output(target_, overwrite_));
   const fs::path record = record_path_beside(target_);
-  // The record of a result that is gone is of no use to anyone.
+  // The record of a result that no longer exists is useless.
   if (is_there(record) && !(is_our_record(record) && (overwrite_ || !is_there(target_)))) {
     return foreign_side(record, target_, is_our_record(record));
   }
   if (triggers_.empty() || !is_there(triggers_)) return {};
   if (const fs::path owner = other_owner(triggers_, target_); !owner.empty()) {
-    // The same triggers will do; a recording that cannot be made again is not put at that risk.
+    // The existing triggers are the same; but this risk is not taken for a recording that cannot be repeated.
     return is_live_ ? shared_triggers(triggers_, target_, owner) : Result<void>();
   }
   const bool is_ours = is_our_trigger_file(triggers_);
@@ -322,7 +322,7 @@ Result<void> OutputFile::check_place() const {
 
 Result<void> OutputFile::commit() {
   if (!workspace_) return {};
-  // What is there may have changed since create().
+  // The files may have changed since create().
   E2LF_RETURN_IF_ERROR(check_place());
   bool keeps_triggers = triggers_.empty();
   const fs::path new_triggers = workspace_->path() / triggers_.filename();
@@ -331,7 +331,8 @@ Result<void> OutputFile::commit() {
     keeps_triggers = is_there(new_triggers) && is_same_content(new_triggers, triggers_);
     if (!owner.empty() && !keeps_triggers) return shared_triggers(triggers_, target_, owner);
   }
-  // Old side files go first: a result without its triggers is poorer, one with those of another is wrong.
+  // Old side files are removed first: a result without its triggers is incomplete, but one with those of another is
+  // wrong.
   std::error_code error;
   fs::remove(record_path_beside(target_), error);
   if (!keeps_triggers) fs::remove(triggers_, error);
@@ -349,7 +350,7 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
   E2LF_ASSIGN_OR_RETURN(path_, resolve(named));
   std::error_code error;
   if (is_there(path_) && !fs::is_directory(path_, error)) {
-    return exists(path_, "the output is a folder, and a file has this name; name another");
+    return exists(path_, "the output is a folder, but a file with this name exists; name another output");
   }
   E2LF_RETURN_IF_ERROR(check_folder_name(path_));
   std::vector<std::string> listed;
@@ -357,7 +358,7 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
     const auto earlier = is_our_record(path_ / "run.json") ? read_json(path_ / "run.json") : Json::object();
     if (!earlier || earlier->value("verb", "") != verb_) {
       return exists(path_,
-                    cat("this folder is not one of e2lf ", verb_, " (it holds no run.json of it); name another"));
+                    cat("this folder was not written by e2lf ", verb_, " (it holds no run.json of it); name another"));
     }
     if (earlier->contains("files")) listed = earlier->value("files", std::vector<std::string>());
   }

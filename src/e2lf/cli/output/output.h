@@ -15,73 +15,74 @@
 
 namespace e2lf::cli {
 
-/// The one place that decides where a verb may write and what that may replace. Every output of every verb goes through
+/// These functions decide where a verb may write and what it may replace. Every output of every verb goes through
 /// OutputFile or open_output_folder().
 ///
-/// A run that was killed leaves its workspace. The next run to the same place removes it. What was made of live input,
-/// which does not come again, it keeps first:
+/// A run that was killed leaves its workspace, which the next run to the same place removes. Results of live input in
+/// it, which cannot be repeated, are saved first: a Recover function writes the finished part of `partial` to `kept`
+/// and returns what it is ("12 cycles"), or "" if there is nothing.
 using Recover = std::function<std::string(const std::filesystem::path& partial, const std::filesystem::path& kept)>;
-/// writes what is finished in `partial` to `kept` and returns what that is ("12 cycles"), or "" when it is nothing.
 
 struct OutputRules {
-  std::vector<std::filesystem::path> inputs = {};  ///< what the verb reads; "" and names that are no path are left out
+  std::vector<std::filesystem::path> inputs = {};  ///< the verb's inputs; names that are no paths are ignored
   bool overwrite = false;
-  std::string ending = {};  ///< what the name of a file ends in, where there is one format: ".png"
-  bool streams = false;     ///< the format is written front to back, so "-", devices and pipes will do
-  /// Where a recording's triggers go that its format has no place for; null = nowhere.
+  std::string ending = {};  ///< the required extension of the file if there is one format: ".png"
+  bool streams = false;  ///< whether the format is written front to back, so that "-", devices and pipes are possible
+  /// Returns the path of the file for the triggers of a recording whose format has no place for them; null = none.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
   Recover recover = {};
 };
 
-/// For event images, and for recordings.
+/// The recovery functions for event images and for recordings.
 [[nodiscard]] std::string recover_cycles(const std::filesystem::path& partial, const std::filesystem::path& kept);
 [[nodiscard]] Recover recover_recording(const recordings::RecordingPlace& place);
 
-/// A file of results with the files that belong to it: its record (<file>.run.json) and its triggers
-/// (<stem>_triggers.csv, <stem>_trigger.dat). They are checked together, appear together and are replaced together.
-/// A file of triggers that another recording has too (a.csv, a.npy) stays as it is, and must be what this one needs.
+/// A result file with the files that belong to it: its record (<file>.run.json) and its triggers (<stem>_triggers.csv,
+/// <stem>_trigger.dat). They are checked together, appear together and are replaced together. If a file of triggers
+/// also belongs to another recording (a.csv, a.npy), it is not changed and must have the content that this recording
+/// needs.
 class OutputFile {
  public:
-  /// Resolves links in `named` and checks it and its side files. Fails with kExists (something is there that may not be
-  /// replaced), kInvalidValue (the output is, contains or lies in an input, or its name says another format),
-  /// kUnsupported (a stream, where the format needs a file) and kIo.
+  /// Resolves links in `named`, and checks it and its side files. Fails with kExists (a file exists that may not be
+  /// replaced), kInvalidValue (the output is, contains or lies in an input, or its extension is that of another
+  /// format), kUnsupported (a stream, but the format requires a file) and kIo.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const OutputRules& rules);
 
-  /// Where to write: a name in a workspace, or the stream itself ("-" for standard output).
+  /// Returns where to write: a name in a workspace, or the stream itself ("-" for standard output).
   [[nodiscard]] const std::filesystem::path& path() const { return place_; }
-  /// Where to write the record.
+  /// Returns where to write the record.
   [[nodiscard]] std::filesystem::path record_path() const;
   [[nodiscard]] bool is_stream() const { return !workspace_.has_value(); }
 
-  /// Where what is said to people goes: standard error when standard output holds data.
+  /// Returns the stream for text to the user: standard error if standard output receives the data.
   [[nodiscard]] std::FILE* text() const { return place_ == "-" ? stderr : stdout; }
 
-  /// Puts all that was written to path() and beside it in place, and removes side files of the result that was
-  /// replaced. Nothing to do for a stream. Fails with kExists and kIo.
+  /// Moves everything that was written to path() and beside it to its place, and removes side files of the result that
+  /// it replaces. Does nothing for a stream. Fails with kExists and kIo.
   [[nodiscard]] Result<void> commit();
 
  private:
   OutputFile() = default;
   [[nodiscard]] Result<void> check_place() const;
   std::filesystem::path target_, place_;
-  std::filesystem::path triggers_;  ///< where they go; empty = nowhere
+  std::filesystem::path triggers_;  ///< the file of the triggers; empty = none
   bool overwrite_ = false, is_live_ = false;
   std::optional<Workspace> workspace_;
 };
 
-/// A folder of results; see ResultFolder for what it replaces. Fails as OutputFile::create(), and for a new folder with
-/// the name of a file ("frames.mp4").
+/// Opens a folder for results; ResultFolder describes what it replaces. Fails as OutputFile::create() does, and for a
+/// new folder with the name of a file ("frames.mp4").
 [[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const OutputRules& rules);
 
-/// A folder of results that grows over several runs of one verb: runs add results with names that no one else uses, and
-/// replace `files`, which tell of all of them. A folder that is there must be empty or of the same verb. Files of those
+/// A result folder that grows over several runs of one verb. Each run adds results with unique names and replaces
+/// `files`, which describe all of them. An existing folder must be empty or belong to the same verb. Files with these
 /// names that its run.json does not list are not replaced.
 class GrowingFolder {
  public:
   GrowingFolder(std::string verb, std::vector<std::string> files) : verb_(std::move(verb)), files_(std::move(files)) {}
 
-  /// Makes the folder, clears what a killed run left half written there and in results/, and writes its run.json, so
-  /// that a run that is killed can go on. Fails as OutputFile::create().
+  /// Creates the folder, removes what a killed run left unfinished in it and in results/, and writes its run.json, so
+  /// that a killed run can continue. Fails as OutputFile::create() does.
   [[nodiscard]] Result<void> open(const std::filesystem::path& named, const OutputRules& rules, Json record);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] Result<void> write_record(Json record) const;
@@ -92,7 +93,7 @@ class GrowingFolder {
   std::filesystem::path path_;
 };
 
-/// Fails with kInvalidValue when an output is, contains or lies in one of the inputs, through links or not.
+/// Fails with kInvalidValue if an output is, contains or lies in one of the inputs, with links resolved.
 [[nodiscard]] Result<void> check_apart(const std::filesystem::path& output,
                                        const std::vector<std::filesystem::path>& inputs);
 

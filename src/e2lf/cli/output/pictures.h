@@ -6,8 +6,8 @@
 
 namespace e2lf::cli {
 
-/// The event images of a cycle side by side: grey = no event, towards red = ON events, towards blue = OFF events, full
-/// colour at the 99 % quantile of the counts.
+/// Draws the event images of a cycle side by side: grey for no event, towards red for ON events, towards blue for OFF
+/// events, with full colour at the 99 % quantile of the counts.
 [[nodiscard]] lightfield::Image event_picture(const capture::EventImages& images);
 
 }  // namespace e2lf::cli

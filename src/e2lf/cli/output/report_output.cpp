@@ -24,7 +24,7 @@ CLI::Validator report_name() {
   return {check, ""};
 }
 
-/// As it was typed, as far as one can tell.
+/// Returns the command line as it was typed, as far as possible.
 std::string command_line() {
   std::ifstream in("/proc/self/cmdline", std::ios::binary);
   std::vector<std::string> words;
@@ -37,8 +37,8 @@ std::string command_line() {
 
 void add_report_option(CLI::App& app, std::vector<fs::path>& names) {
   app.add_option("--report", names,
-                 "also write a page that tells of the run (.html), or its tables (.csv: the first; .tex); may be given "
-                 "several times")
+                 "also write a report of the run: a page (.html) or its tables (.tex; .csv for the first one); may be "
+                 "given several times")
       ->check(report_name())
       ->allow_extra_args(false);
 }
@@ -109,7 +109,7 @@ std::string transition_bars(const std::vector<double>& events_per_pixel) {
 Result<void> write_chart(const std::string& svg, const fs::path& name, const fs::path& place) {
   const std::string drawing = report::file_svg(svg);
   if (name.extension() != ".png") return write_file(place, drawing);
-  constexpr size_t kWidth = 1800;  // twice that of the drawing
+  constexpr size_t kWidth = 1800;  // twice the width of the drawing
   auto image = film::draw_svg(drawing, kWidth);
   if (!image) {
     Error error = image.error();
@@ -124,7 +124,7 @@ CLI::Validator chart_name() {
     const std::string extension = fs::path(text).extension().string();
     return extension == ".svg" || extension == ".png"
                ? std::string()
-               : cat("the picture is SVG or PNG; give it a name that ends in .svg or .png, not ", text);
+               : cat("the chart is an SVG or PNG image; give it a name that ends in .svg or .png, not ", text);
   };
   return {check, ""};
 }

@@ -14,17 +14,17 @@
 
 namespace e2lf::cli {
 
-/// Declares --report: files that tell of the run, a page (.html) or its tables (.csv, .tex).
+/// Declares --report: files that report on the run, a page (.html) or its tables (.csv, .tex).
 void add_report_option(CLI::App& app, std::vector<std::filesystem::path>& names);
 
 /// The files of --report.
 class ReportOutput {
  public:
-  /// Checks all places before any work. Fails as OutputFile::create() does.
+  /// Checks all files before any work. Fails as OutputFile::create() does.
   [[nodiscard]] static Result<ReportOutput> open(const std::vector<std::filesystem::path>& names,
                                                  const OutputRules& rules);
   [[nodiscard]] bool is_wanted() const { return !files_.empty(); }
-  /// Fails with kIo, and as OutputFile::commit().
+  /// Writes the report to all files. Fails with kIo, and as OutputFile::commit() does.
   [[nodiscard]] Result<void> write(const report::Page& page);
 
  private:
@@ -35,28 +35,29 @@ class ReportOutput {
   std::vector<File> files_;
 };
 
-/// A page for a verb: its title, and the command line.
+/// Creates the page of a verb with its title and the command line.
 [[nodiscard]] report::Page verb_page(const std::string& title);
 
-/// Pictures for a page, each with its caption; wide ones are shrunk to `most_width`. Fails as encode_png() does.
+/// Adds images to a page, each with its caption; images wider than `most_width` are reduced. Fails as encode_png()
+/// does.
 struct NamedImage {
   lightfield::Image image;
   std::string caption;
 };
 [[nodiscard]] Result<void> add_pictures(const std::vector<NamedImage>& images, size_t most_width, report::Page& page);
 
-/// Patterns side by side, numbered.
+/// Adds the patterns side by side, numbered.
 void add_patterns(const capture::Codes& codes, report::Page& page);
 
-/// Events per pixel of each transition as bars.
+/// Returns a bar chart of the events per pixel of each transition.
 [[nodiscard]] std::string transition_bars(const std::vector<double>& events_per_pixel);
 
-/// A chart as a file of its own; `name` says by its extension whether it is SVG or PNG, `place` is where it is written.
-/// Fails as film::draw_svg(), and with kIo.
+/// Writes a chart to the file `place`. The extension of `name` selects SVG or PNG. Fails with kIo, and as
+/// film::draw_svg() does.
 [[nodiscard]] Result<void> write_chart(const std::string& svg, const std::filesystem::path& name,
                                        const std::filesystem::path& place);
 
-/// Accepts names that end in .svg or .png.
+/// Returns a validator that accepts names ending in .svg or .png.
 [[nodiscard]] CLI::Validator chart_name();
 
 }  // namespace e2lf::cli

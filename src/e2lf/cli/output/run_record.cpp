@@ -13,6 +13,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -35,7 +36,7 @@ std::string sha256(const void* data, size_t size) {
   return hex({digest, length});
 }
 
-/// In constant memory: recordings are larger than that.
+/// Computed in constant memory, because recordings may be larger than memory.
 Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progress) {
   std::ifstream file(path, std::ios::binary);
   std::error_code ignored;
@@ -58,7 +59,7 @@ Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progr
   return hex({digest, length});
 }
 
-/// Says which inputs have changed since the run that is made again.
+/// Warns of inputs that have changed since the run that is repeated.
 void warn_of_other_inputs(const Json& inputs, const Json& earlier_run) {
   if (!earlier_run.is_object() || !earlier_run.contains("inputs")) return;
   const auto whole = [](const Json& input) { return fs::absolute(input.value("path", "")).lexically_normal(); };
@@ -67,7 +68,7 @@ void warn_of_other_inputs(const Json& inputs, const Json& earlier_run) {
       if (!earlier.is_object() || whole(earlier) != whole(input)) continue;
       if (earlier.value("sha256", "") == input["sha256"]) continue;
       log_warning(
-          cat(input["path"].get<std::string>(), " is not what it was in the earlier run: neither is the result"));
+          cat(input["path"].get<std::string>(), " has changed since the earlier run, so the result will differ"));
     }
   }
 }
@@ -108,12 +109,6 @@ void RunRecord::end_step(const std::string& name) {
   const double seconds = std::chrono::duration<double>(now - step_begin_).count();
   timings_s_[name] = std::round(seconds * 1e4) / 1e4;
   step_begin_ = now;
-}
-
-fs::path record_path_beside(const fs::path& output) {
-  fs::path path = output;
-  path += ".run.json";
-  return path;
 }
 
 Json RunRecord::json_so_far(const Verb& verb) const {

@@ -12,39 +12,41 @@
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/result_folder.h"
 
 namespace e2lf::cli {
 
-/// What a run was made of: verb, version, resolved options, seed, SHA-256 of every input, timings. Written as run.json
-/// beside the results, so that any result can be made again.
+/// The record of a run: verb, version, resolved options, seed, SHA-256 of every input, and timings. It is written as
+/// run.json beside the results, so that any result can be reproduced.
 class RunRecord {
  public:
   explicit RunRecord(std::string verb);
 
-  /// Adds an input file, or every file of an input folder. What is neither (a pipe, a camera) has no hash and is left
-  /// out.
+  /// Adds an input file, or every file of an input folder. Other inputs (a pipe, a camera) have no hash and are
+  /// omitted.
   void add_input(const std::filesystem::path& path);
 
-  /// Adds an input file by what was read of it, which is hashed at once.
+  /// Adds an input file whose content was already read, and hashes it at once.
   void add_input(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 
-  /// Ends the step that began at construction or at the last call.
+  /// Ends the step that began at construction or at the last call, for the timings.
   void end_step(const std::string& name);
 
-  /// A result or an estimate worth keeping, e.g. the gain that was chosen.
+  /// Stores a result or an estimate, e.g. the gain that was chosen.
   void note(const std::string& key, Json value) { notes_[key] = std::move(value); }
+  void note(const Json& notes) { notes_.update(notes); }
 
-  /// The value that an option which leaves it open (a default of the model's, "auto") came to, so that the run can be
-  /// made again from its record.
+  /// Stores the value that was chosen for an option whose setting leaves it open (a default of the model, "auto"), so
+  /// that the run can be repeated from its record.
   void resolve(const std::string& option, Json value) { resolved_[option] = std::move(value); }
 
   [[nodiscard]] const Json& timings_s() const { return timings_s_; }
 
-  /// The record; ResultFolder writes it as run.json. Reads the inputs, and warns of those that are not what they were
-  /// in the run that is made again.
+  /// Returns the record, which ResultFolder writes as run.json. Reads the inputs, and warns of those that have changed
+  /// since the run that is repeated.
   [[nodiscard]] Result<Json> json(const Verb& verb) const;
 
-  /// The record of a result of which parts are still being made: nothing of inputs and results yet.
+  /// Returns the record of a result that is not complete, without inputs and results.
   [[nodiscard]] Json json_so_far(const Verb& verb) const;
 
   /// Writes the record beside a single file, to OutputFile::record_path().
@@ -55,7 +57,7 @@ class RunRecord {
   std::string verb_;
   struct Input {
     std::filesystem::path path;
-    std::string sha256;  ///< empty: not read yet
+    std::string sha256;  ///< empty if it was not read yet
   };
   std::vector<Input> inputs_;
   Json timings_s_ = Json::object();
@@ -64,10 +66,8 @@ class RunRecord {
   Clock::time_point step_begin_ = Clock::now();
 };
 
-/// "<output>.run.json", where a verb that writes one file puts its record.
-[[nodiscard]] std::filesystem::path record_path_beside(const std::filesystem::path& output);
-
-/// The SHA-256 of a file in hex, as sha256sum prints it; for a folder, of its sorted "hash  name" lines.
+/// Computes the SHA-256 of a file in hexadecimal, as sha256sum prints it; for a folder, that of its sorted "hash  name"
+/// lines.
 [[nodiscard]] Result<std::string> sha256_of(const std::filesystem::path& path, const ProgressFn& progress = {});
 
 }  // namespace e2lf::cli

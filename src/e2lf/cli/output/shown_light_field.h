@@ -10,14 +10,15 @@
 
 namespace e2lf::cli {
 
-/// Reads one light field to make pictures of: all its views, in colour, values outside [0, 1] kept. Fails with
-/// kUnsupported where `path` is something else; of a folder of cycles it says to name one of them. `disparities` (px
-/// per view step) are what it shall be looked at with: kInvalidValue where one takes all of a view out of the picture.
+/// Reads one light field for rendering: all its views, in colour, without clamping values to [0, 1]. Fails with
+/// kUnsupported if `path` is something else; for a folder of cycles the error asks for one of them. Fails with
+/// kInvalidValue if one of `disparities` (px per view step), at which it will be rendered, shifts a view out of the
+/// image.
 [[nodiscard]] Result<lightfield::LightField> load_to_show(const std::filesystem::path& path,
                                                           const LightFieldFlags& flags, bool is_quiet,
                                                           const std::vector<float>& disparities = {});
 
-/// The error of a verb that takes light fields alone.
+/// Returns the error of a verb that accepts only light fields.
 [[nodiscard]] Error no_light_field_error(const std::filesystem::path& path);
 
 }  // namespace e2lf::cli

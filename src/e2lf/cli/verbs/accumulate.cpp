@@ -5,14 +5,12 @@
 
 #include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/output/live_log.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/pictures.h"
@@ -22,7 +20,9 @@
 #include "e2lf/cli/verbs/rate_plot.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/recordings/event_rate.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -73,14 +73,15 @@ CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
 
 /// Puts patterns and camera of the recording beside its event images; the patterns where they are those of the
 /// schedule.
-void keep_setup_of(const fs::path& input, RecordedSetup setup, size_t transitions, capture::EventImageWriter& writer) {
+void keep_setup_of(const fs::path& input, capture::RecordedSetup setup, size_t transitions,
+                   capture::EventImageWriter& writer) {
   if (setup.codes && setup.codes->num_patterns != transitions + 1) {
     log_warning(cat(input.string(), " holds ", setup.codes->num_patterns,
                     " patterns, which are not those of the schedule with ", transitions,
                     " event images: leaving them out"));
     setup.codes.reset();
   }
-  keep_setup(setup, writer);
+  writer.keep(setup);
 }
 
 /// A row for each cycle.
@@ -155,7 +156,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
-  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, setup_of_cycles(arguments.input, reader));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader));
   setup.views = arguments.orientation.after(setup.views);
   ConfidenceWatch confidence;
   LiveLog live_log;
@@ -169,7 +170,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
     if (cycle->arrival) {
-      const double latency_s = behind_s(*cycle) + seconds_since(*cycle->arrival);
+      const double latency_s = pipeline::behind_s(*cycle) + seconds_since(*cycle->arrival);
       cycles.back()["latency_s"] = latency_s;
       live_log.add(cycle->number, cycle->events, latency_s);
     }
@@ -181,6 +182,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   live_log.finish(report);
   const recordings::DecodeSummary summary = reader.summary();
   warn_of_losses(arguments.input, summary);
+  verb.note_failed_input(summary.live.failure);
   // Picture and report come first: they tell why, where no cycle was found.
   if (picture) {
     E2LF_RETURN_IF_ERROR(write_chart(plot.svg(), arguments.plot, picture->path()));
@@ -203,11 +205,12 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note("cycles", report_json(report));
   record.note("left_out", losses_json(summary));
   record.note("live", live_json(summary));
+  if (is_live(arguments.input)) record.note("header", header_json(reader.recording().info()));
   record.note("read_as", reading_json(reader.recording().info()));
   record.note("least_confidence", confidence.least());
   record.note("each", cycles);
   if (setup.views) record.note("views", capture::orientation_name(*setup.views));
-  note_colour_filter(record, recorded_colour_filter(arguments.input), output.path());
+  record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
   record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());

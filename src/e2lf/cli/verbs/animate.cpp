@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/output/output.h"
@@ -15,6 +14,7 @@
 #include "e2lf/film/film_file.h"
 #include "e2lf/film/parallax.h"
 #include "e2lf/lightfield/refocus.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -33,7 +33,7 @@ struct AnimateArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// The disparities that the scene has, for a sweep of the focus through it.
+/// Estimates the range of disparities in the scene, for a sweep of the focus.
 Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, const LightField& light_field,
                                           RunRecord& record) {
   if (arguments.has_focus_range) return depth::DisparityRange{arguments.from, arguments.to};
@@ -103,7 +103,7 @@ Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
   return {};
 }
 
-/// The name that displays read, made of the one that was given.
+/// Returns the given name with the suffix that displays read.
 fs::path quilt_name(const fs::path& named, const lightfield::Shape& shape, const film::Quilt& quilt) {
   const std::string stem = named.stem().string();
   if (stem.find("_qs") != std::string::npos) return named;
@@ -130,7 +130,7 @@ Result<void> make_quilt(const AnimateArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   if (!common.quiet) {
-    std::printf("%zux%zu pictures in %s\n", arguments.quilt.columns, arguments.quilt.rows, named.c_str());
+    std::printf("%zux%zu images in %s\n", arguments.quilt.columns, arguments.quilt.rows, named.c_str());
   }
   return {};
 }
@@ -143,7 +143,7 @@ Result<void> animate(AnimateArguments& arguments, Verb& verb) {
   arguments.has_focus_range = is_given("--from");
   if (arguments.output.extension() != ".png") return make_film(arguments, verb);
   if (is_given("--path") || is_given("--from")) {
-    return Error{ErrorCode::kInvalidValue, "a .png holds a quilt, which has no path; take .gif, .webm or .mp4",
+    return Error{ErrorCode::kInvalidValue, "a .png file contains a quilt, which has no path; use .gif, .webm or .mp4",
                  arguments.output.string()};
   }
   return make_quilt(arguments, verb);
@@ -153,28 +153,30 @@ Result<void> animate(AnimateArguments& arguments, Verb& verb) {
 
 int run_animate(const std::vector<std::string>& arguments) {
   Verb verb("animate",
-            "Make a film that moves around in a light field or through its focus; or a quilt, one picture of many "
-            "viewpoints, for displays that show parallax.",
+            "Render a film that moves the viewpoint or the focus through a light field, or a quilt, one image with "
+            "many viewpoints for displays that show parallax.",
             "e2lf animate out/demo/recon -o out/orbit.gif");
   AnimateArguments animation;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", animation.input, "light field")->required();
   app.add_option("-o,--output", animation.output,
-                 "film to write: .gif, .webm, .mp4; or .png: a quilt, its name gets the suffix that displays read")
+                 "film to write (.gif, .webm, .mp4), or a quilt (.png), whose name gets the suffix that displays read")
       ->required();
-  app.add_option("--path", animation.path, "orbit (around), sweep (from left to right) or focus (from near to far)")
+  app.add_option("--path", animation.path,
+                 "path: orbit (a circle), sweep (from left to right) or focus (from near to far)")
       ->check(CLI::IsMember({"orbit", "sweep", "focus"}))
       ->capture_default_str();
-  app.add_option("--frames", animation.frames, "of a film, which ends as it begins")
+  app.add_option("--frames", animation.frames, "duration of the film, which ends as it begins")
       ->check(whole_number(1, 10000))
       ->capture_default_str();
   app.add_option("--fps", animation.frames_per_s, "frames per second")
       ->check(whole_number(1, 100))
       ->capture_default_str();
-  app.add_option("--still", animation.still, "orbit, sweep, quilt: the disparity that stands still, px per view step")
+  app.add_option("--still", animation.still,
+                 "orbit, sweep, quilt: disparity of the points that do not move, px per view step")
       ->capture_default_str();
   app.add_option("--from", animation.from, "focus: first disparity, px per view step");
-  app.add_option("--to", animation.to, "focus: last disparity; default of both: nearest and farthest of the scene");
+  app.add_option("--to", animation.to, "focus: last disparity; default of both: the nearest and farthest in the scene");
   app.add_option("--columns", animation.quilt.columns, "of a quilt")
       ->check(whole_number(1, 100))
       ->capture_default_str();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf calibrate: event images of still scenes -> the constants of the camera
+// e2lf calibrate: event images of static scenes -> constants of the camera
 #include "e2lf/calibrate/calibrate.h"
 
 #include <algorithm>
@@ -8,15 +8,13 @@
 #include <optional>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/calibrate/count_distribution.h"
 #include "e2lf/calibrate/report.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/cycle_input.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/network_choice.h"
-#include "e2lf/cli/flags/recorded_setup.h"
+#include "e2lf/cli/output/method_notes.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -24,6 +22,7 @@
 #include "e2lf/model/model.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/reconstruct.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -46,41 +45,43 @@ struct Source {
 };
 
 Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const Verb& verb, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(CycleInput input, open_cycle_input(path, flags, 1, verb));
+  ConfidenceWatch confidence;
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, flags, 1, verb, confidence));
   if (input.measurement() != capture::MeasurementKind::kEventImages) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("constants come from event images; this is the measurement ",
+                 cat("a calibration uses event images, and this is the measurement ",
                      capture::measurement_name(input.measurement()), "; give a recording or event images"),
                  path.string()};
   }
   Source source;
-  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, input.setup(path));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
   source.codes = std::move(setup.codes);
   while (true) {
-    E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> cycle, input.next());
+    E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::CycleImages> cycle, input.next());
     if (!cycle) break;
     source.scene.cycles.push_back(std::move(cycle->images.events));
   }
-  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, input.report());
+  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, input.reader().report());
   record.add_input(path);
   return source;
 }
 
-/// The patterns of all inputs, which must be the same.
+/// Returns the patterns of the inputs, which must be the same for all.
 Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const std::vector<Source>& sources,
                                     RunRecord& record) {
   std::optional<capture::Codes> codes;
   for (size_t i = 0; i < sources.size(); ++i) {
     if (codes && sources[i].codes && *codes != *sources[i].codes) {
-      return Error{ErrorCode::kInvalidValue, "the inputs were made with different patterns; calibrate from each alone",
+      return Error{ErrorCode::kInvalidValue,
+                   "the inputs were recorded with different patterns; calibrate from each separately",
                    arguments.inputs[i].string()};
     }
     if (sources[i].codes) codes = sources[i].codes;
   }
   E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
-  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(arguments.codes, model, codes, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::KnownCodes> known, find_codes(arguments.codes, model, codes, record));
   if (!known) {
-    return Error{ErrorCode::kNotFound, "nothing tells the patterns of the events; give --codes FILE", ""};
+    return Error{ErrorCode::kNotFound, "the patterns of the events are not known; give --codes FILE", ""};
   }
   return std::move(known->codes);
 }
@@ -105,7 +106,7 @@ void keep_first_transitions(capture::Codes& codes, std::vector<calibrate::StillS
   }
 }
 
-/// Fails where two outputs, or an output and the record of the camera file, have one name.
+/// Fails if two outputs, or an output and the record of the camera file, have the same name.
 Result<void> check_distinct(const CalibrateArguments& arguments) {
   std::vector<fs::path> names;
   for (const fs::path& path :
@@ -114,7 +115,7 @@ Result<void> check_distinct(const CalibrateArguments& arguments) {
     std::error_code error;
     const fs::path name = fs::weakly_canonical(fs::absolute(path, error), error);
     if (std::find(names.begin(), names.end(), name) != names.end()) {
-      return Error{ErrorCode::kInvalidValue, "two outputs have this name; give each a name of its own", path.string()};
+      return Error{ErrorCode::kInvalidValue, "two outputs have this name; give each a different name", path.string()};
     }
     names.push_back(name);
   }
@@ -149,7 +150,8 @@ Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<Out
   return {};
 }
 
-/// How far the light field that a network makes of some events, told a camera, is from explaining them.
+/// Returns by how much the events that a network's light field implies differ from the actual ones, given a sensor
+/// profile.
 Result<double> error_told(model::Model model, const capture::SensorProfile& camera, const capture::Codes& codes,
                           const capture::EventImages& events) {
   model.camera = camera;
@@ -160,15 +162,19 @@ Result<double> error_told(model::Model model, const capture::SensorProfile& came
   return error.least;
 }
 
-/// Compares both cameras with the events of the first cycle, by the named network or a bundled one: {"start", "found",
-/// "better"}. Null where no network is told the camera and fits these patterns.
+/// Compares both cameras with the events of the first cycle, using the named or a bundled network: {"start", "found",
+/// "better"}. Returns null if no network conditioned on the sensor profile matches these patterns.
 Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture::Codes& codes,
                              const capture::SensorProfile& start, const capture::SensorProfile& found,
                              const capture::EventImages& events) {
   RunRecord unused("calibrate");
   E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, unused));
   if (!model) {
-    E2LF_ASSIGN_OR_RETURN(model, bundled_network(codes, start, unused));
+    E2LF_ASSIGN_OR_RETURN(auto network, pipeline::bundled_network(codes, start));
+    if (network) {
+      say_bundled_network(*network);
+      model = std::move(network->model);
+    }
   }
   if (!model || !model::is_told_the_camera(*model) || model->num_patterns != codes.num_patterns ||
       model->measurement() != capture::MeasurementKind::kEventImages || (model->codes && *model->codes != codes)) {
@@ -176,7 +182,7 @@ Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture:
   }
   E2LF_ASSIGN_OR_RETURN(const double before, error_told(*model, start, codes, events));
   E2LF_ASSIGN_OR_RETURN(const double after, error_told(std::move(*model), found, codes, events));
-  constexpr double kAlike = 0.01;  // of the error: a smaller difference says nothing
+  constexpr double kAlike = 0.01;  // smaller differences of the error are not significant
   const char* better = after > (1.0 + kAlike) * before   ? "start"
                        : before > (1.0 + kAlike) * after ? "found"
                                                          : "neither";
@@ -254,28 +260,29 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
 
 int run_calibrate(const std::vector<std::string>& arguments) {
   Verb verb("calibrate",
-            "Find the constants of an event camera behind a coded aperture from event images or recordings of scenes "
-            "that stood still.",
+            "Estimate the constants of an event camera behind a coded aperture from event images or recordings of "
+            "static scenes.",
             "e2lf calibrate events.npz --codes codes.json -o camera.json");
   CalibrateArguments calibration;
   CLI::App& app = verb.app();
   app.add_option("inputs,-i,--input", calibration.inputs,
-                 "event images or recordings of still scenes; all cycles of each are of one scene")
+                 "event images or recordings of static scenes; all cycles of each show the same scene")
       ->required();
   app.add_option("-o,--output", calibration.output, "camera file to write (JSON)")->required();
   add_codes_options(app, calibration.codes);
-  add_camera_option(app, calibration.camera, "first guess, to which what the data do not determine is kept");
-  app.add_option("--name", calibration.name, "name of the camera; default: that of the file");
+  add_camera_option(app, calibration.camera,
+                    "camera to start from; constants that the data do not determine keep its values");
+  app.add_option("--name", calibration.name, "name of the camera; default: the name of the file");
   app.add_option("--hold", calibration.held,
-                 "constants that stay as in the first guess, e.g. receptor_rate_hz or transmission[1]")
+                 "constants that keep the value of the starting camera, e.g. receptor_rate_hz or transmission[1]")
       ->delimiter(',');
   app.add_flag("--even", calibration.is_even,
-               "the scenes are known to be even, e.g. a card that fills the picture: no search for flat areas");
+               "the scenes are known to be uniform, e.g. a card that fills the image: do not search for flat areas");
   app.add_flag("--keep-out", calibration.keep_out,
-               "fit every second square of 64 px of the picture, and compare on the others");
-  app.add_flag("--places", calibration.places, "also print the comparison by field position");
+               "fit to every second square of 64 px of the image, and compare on the others");
+  app.add_flag("--places", calibration.places, "also print the comparison by position in the image");
   app.add_option("--threshold-map", calibration.threshold_map,
-                 "write each flat pixel's factor on the thresholds (.npy, float32; NaN elsewhere)");
+                 "write the factor on the thresholds of each flat pixel (.npy, float32; NaN elsewhere)");
   app.add_option("--bad-pixels", calibration.bad_pixels, "write which pixels are hot (1) and dead (2) (.npy, uint8)");
   add_cycle_options(app, calibration.cycles);
   return verb.run(arguments, [&] { return calibrate_camera(calibration, verb); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf codes: show; render (codes_render.cpp)
+// e2lf codes: show; render (codes_render.cpp); play (codes_play.cpp)
 #include <cstdio>
 
 #include "e2lf/capture/patterns/codes_io.h"
@@ -40,7 +40,7 @@ int run_codes_show(const std::vector<std::string>& arguments) {
   verb.app().add_option("-o,--output", output, "also write the patterns to this file (.json, .npy, .npz), for --codes");
   return verb.run(arguments, [&]() -> Result<void> {
     RunRecord record("codes show");
-    E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(source, record));
+    E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(source, record));
     if (!output.empty()) {
       E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {source.model, source.codes},
                                                                          .overwrite = verb.common().overwrite}));
@@ -59,11 +59,11 @@ int run_codes_show(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int run_codes(const std::vector<std::string>& arguments) {
-  return run_subverb(
-      "codes",
-      {{"show", "print patterns, black-first check and light efficiency", run_codes_show},
-       {"render", "make the pictures and the schedule that an aperture display shows", run_codes_render}},
-      arguments);
+  return run_subverb("codes",
+                     {{"show", "print patterns, black-first check and light efficiency", run_codes_show},
+                      {"render", "make the images and the schedule for an aperture display", run_codes_render},
+                      {"play", "show the patterns on a display of this computer", run_codes_play}},
+                     arguments);
 }
 
 }  // namespace e2lf::cli

@@ -5,10 +5,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/patterns/display.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/display_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/schedule.h"
@@ -22,14 +19,10 @@ using lightfield::ByteImage;
 namespace {
 
 struct RenderArguments {
-  CodesSource codes;
+  DisplayFlags display;
   fs::path output;
-  capture::DisplayLayout layout;
-  unsigned rotation_deg = 0;
   std::string format = "png";
   unsigned bits = 8;
-  bool no_inverses = false;
-  int64_t duration_us = 10000;
 };
 
 /// One picture of a cycle, in the order of the schedule.
@@ -38,29 +31,13 @@ struct NamedFrame {
   ByteImage picture;
 };
 
-/// The schedule's patterns: their inverses first, as the paper's display needs it, unless there are to be none.
-struct Sequence {
-  cycles::Schedule schedule;
-  std::vector<capture::Codes> parts;  ///< one after another
-};
-
-Sequence sequence_of(const RenderArguments& arguments, const capture::Codes& codes) {
-  if (arguments.no_inverses) return {cycles::plain_schedule(codes.num_patterns, arguments.duration_us), {codes}};
-  return {cycles::paper_schedule(codes.num_patterns), {capture::complement(codes), codes}};
-}
-
-Result<std::vector<NamedFrame>> render_frames(const RenderArguments& arguments, const Sequence& sequence) {
+std::vector<NamedFrame> named_frames(const RenderArguments& arguments, DisplaySequence& sequence) {
   std::vector<NamedFrame> frames;
-  for (const capture::Codes& part : sequence.parts) {
-    for (size_t n = 0; n < part.num_patterns; ++n) {
-      E2LF_ASSIGN_OR_RETURN(capture::DisplayFrame frame, capture::render_pattern(part, n, arguments.layout));
-      std::string name = sequence.schedule.patterns[frames.size()].name;
-      std::replace(name.begin(), name.end(), ' ', '_');
-      ByteImage picture(frame.width_px, frame.height_px, 1);
-      picture.pixels = std::move(frame.pixels);
-      frames.push_back({cat("frame_", frames.size() < 10 ? "0" : "", frames.size(), "_", name, ".", arguments.format),
-                        std::move(picture)});
-    }
+  for (ByteImage& picture : sequence.frames) {
+    std::string name = sequence.schedule.patterns[frames.size()].name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    frames.push_back({cat("frame_", frames.size() < 10 ? "0" : "", frames.size(), "_", name, ".", arguments.format),
+                      std::move(picture)});
   }
   return frames;
 }
@@ -107,31 +84,30 @@ Result<void> write_frame(const fs::path& folder, const NamedFrame& frame, const 
 
 Result<void> check_depth(const RenderArguments& arguments, const capture::Codes& codes) {
   if (arguments.bits == 8 || capture::is_binary(codes)) return {};
-  return Error{ErrorCode::kInvalidValue, "the patterns hold values between 0 and 1, which one bit cannot show; use 8",
-               "--bits"};
+  return Error{ErrorCode::kInvalidValue,
+               "the patterns contain values between 0 and 1, which one bit cannot represent; use 8", "--bits"};
 }
 
 Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   RunRecord record("codes render");
-  E2LF_ASSIGN_OR_RETURN(KnownCodes known, load_codes(arguments.codes, record));
-  known.codes = capture::codes_of_whole_cycle(known.codes).value_or(known.codes);
-  E2LF_RETURN_IF_ERROR(check_depth(arguments, known.codes));
-  const Sequence sequence = sequence_of(arguments, known.codes);
-  E2LF_ASSIGN_OR_RETURN(const auto frames, render_frames(arguments, sequence));
+  E2LF_ASSIGN_OR_RETURN(DisplaySequence sequence, display_sequence(arguments.display, record));
+  E2LF_RETURN_IF_ERROR(check_depth(arguments, sequence.codes));
+  const std::vector<NamedFrame> frames = named_frames(arguments, sequence);
+  const CodesSource& source = arguments.display.codes;
   E2LF_ASSIGN_OR_RETURN(ResultFolder folder,
-                        open_output_folder(arguments.output, {.inputs = {arguments.codes.model, arguments.codes.codes},
+                        open_output_folder(arguments.output, {.inputs = {source.model, source.codes},
                                                               .overwrite = verb.common().overwrite}));
   for (const NamedFrame& frame : frames) E2LF_RETURN_IF_ERROR(write_frame(folder.path(), frame, arguments));
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", cycles::schedule_text(sequence.schedule)));
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.csv", csv_of(sequence.schedule, frames)));
-  E2LF_RETURN_IF_ERROR(capture::write_codes(folder.path() / "codes.json", known.codes));
+  E2LF_RETURN_IF_ERROR(capture::write_codes(folder.path() / "codes.json", sequence.codes));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder.path() / "contact_sheet.png", sheet_of(frames)));
   record.end_step("render");
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
   E2LF_RETURN_IF_ERROR(folder.commit(std::move(about)));
   if (!verb.common().quiet) {
     std::printf("%zu frames of %zux%zu px in %s: look at contact_sheet.png; schedule.json is for --schedule\n",
-                frames.size(), arguments.layout.width_px, arguments.layout.height_px, arguments.output.c_str());
+                frames.size(), frames.front().picture.width, frames.front().picture.height, arguments.output.c_str());
   }
   return {};
 }
@@ -139,38 +115,19 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_codes_render(const std::vector<std::string>& arguments) {
-  Verb verb("codes render", "Make the pictures that an aperture display shows, and their schedule.",
+  Verb verb("codes render", "Make the images that an aperture display shows, and their schedule.",
             "e2lf codes render -m e2lf-n4 -o out/display --flip-x --bits 1");
   RenderArguments render_arguments;
-  capture::DisplayLayout& layout = render_arguments.layout;
   CLI::App& app = verb.app();
-  add_codes_options(app, render_arguments.codes);
+  add_display_options(app, render_arguments.display);
   app.add_option("-o,--output", render_arguments.output, "folder to write")->required();
-  app.add_option("--width", layout.width_px, "of the display, px")->capture_default_str();
-  app.add_option("--height", layout.height_px, "of the display, px")->capture_default_str();
-  app.add_option("--cell", layout.cell_px, "side of an aperture cell, px")->capture_default_str();
-  app.add_option("--offset-x", layout.offset_x_px, "the aperture is so far right of the centre, px");
-  app.add_option("--offset-y", layout.offset_y_px, "the aperture is so far below the centre, px");
-  app.add_option("--rotate", render_arguments.rotation_deg, "turn the patterns clockwise, degrees")
-      ->check(CLI::IsMember({0, 90, 180, 270}))
-      ->capture_default_str();
-  app.add_flag("--flip-x", layout.flip_x, "left and right change places, before turning");
-  app.add_flag("--flip-y", layout.flip_y, "top and bottom change places, before turning");
   app.add_option("--format", render_arguments.format, "png or bmp")
       ->check(CLI::IsMember({"png", "bmp"}))
       ->capture_default_str();
   app.add_option("--bits", render_arguments.bits, "per pixel: 1 or 8")
       ->check(CLI::IsMember({1, 8}))
       ->capture_default_str();
-  app.add_flag("--no-inverses", render_arguments.no_inverses,
-               "leave out the inverse patterns that the paper's display needs");
-  app.add_option("--duration-us", render_arguments.duration_us, "--no-inverses: how long each pattern is shown")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  return verb.run(arguments, [&] {
-    layout.quarter_turns = render_arguments.rotation_deg / 90;
-    return render(render_arguments, verb);
-  });
+  return verb.run(arguments, [&] { return render(render_arguments, verb); });
 }
 
 }  // namespace e2lf::cli

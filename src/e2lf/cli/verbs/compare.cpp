@@ -7,7 +7,6 @@
 #include <set>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/camera_option.h"
@@ -22,6 +21,7 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/image.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace {
@@ -107,7 +107,7 @@ std::vector<size_t> open_jobs(const compare::Plan& plan, const compare::ResultSt
 class Runner {
  public:
   Runner(const compare::Plan& plan, const compare::ResultStore& store, bool is_quiet)
-      : plan_(plan), store_(store), bar_("compare", is_quiet) {}
+      : plan_(plan), store_(store), runner_(plan), bar_("compare", is_quiet) {}
 
   /// Until the end, or until a stop is asked for. Returns how many results were made.
   Result<size_t> run(const std::vector<size_t>& jobs) {
@@ -119,7 +119,7 @@ class Runner {
       const ProgressFn progress = [&](size_t part, size_t total) {
         if (total > 0) bar_.update(done * kParts + std::min(part, total) * kParts / total, jobs.size() * kParts);
       };
-      E2LF_ASSIGN_OR_RETURN(const compare::Outcome measurement, compare::measure(plan_, job, truth_, progress));
+      E2LF_ASSIGN_OR_RETURN(const compare::Outcome measurement, runner_.run(job, truth_, progress));
       std::vector<uint8_t> png;
       if (plan_.pictures && job.seed == plan_.jobs.front().seed) {
         E2LF_ASSIGN_OR_RETURN(png, picture(measurement.light_field, &truth_));
@@ -149,6 +149,7 @@ class Runner {
 
   const compare::Plan& plan_;
   const compare::ResultStore& store_;
+  compare::JobRunner runner_;
   ProgressBar bar_;
   LightField truth_;
   std::optional<size_t> loaded_;
@@ -193,6 +194,13 @@ void print(const compare::Plan& plan, const compare::Results& results) {
   }
 }
 
+/// Warns of sums over cycles that had no room for all events.
+void warn_of_saturation(const compare::Results& results) {
+  uint64_t events = 0;
+  for (const auto& result : results) events += result ? result->value("saturated_events", uint64_t{0}) : 0;
+  if (events > 0) log_warning(cat("sums over several cycles had no room for ", events, " events; take fewer cycles"));
+}
+
 /// Says what is there and how to go on.
 void tell(const CompareArguments& arguments, const compare::Plan& plan, const compare::Results& results,
           size_t new_results, const Verb& verb) {
@@ -208,6 +216,7 @@ void tell(const CompareArguments& arguments, const compare::Plan& plan, const co
     std::printf("%zu new results, %zu of %zu there. In %s: index.html, table.csv, table.json, table.tex, results/\n",
                 new_results, there, results.size(), arguments.output.c_str());
   }
+  warn_of_saturation(results);
   if (there < results.size() && (arguments.shard.empty() || stop_requested())) {
     log_warning(cat(results.size() - there, " of ", results.size(),
                     " results are missing; give the same command again to go on"));

@@ -6,21 +6,20 @@
 #include <cstdio>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/recording_place.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -34,7 +33,8 @@ struct ConvertArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// What --format says, else the extension. A folder of views is what has none: "x.mat" is meant to be something else.
+/// Returns the format of --format, or else of the extension. A name without an extension is a folder of views, while
+/// "x.mat" is not.
 Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& arguments) {
   if (!arguments.format.empty()) return lightfield::parse_format(arguments.format);
   const lightfield::LightFieldFormat format = lightfield::format_of_path(arguments.output);
@@ -42,8 +42,8 @@ Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& 
   const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
   if (format != lightfield::LightFieldFormat::kPng8 || !is_named) return format;
   return Error{ErrorCode::kUnsupported,
-               "no light-field format that is written has this extension; take .npy, .mat, .h5, .png (a lenslet "
-               "mosaic), a folder's name, or give --format",
+               "light fields are not written with this extension; use .npy, .mat, .h5, .png (a lenslet mosaic) or the "
+               "name of a folder, or give --format",
                arguments.output.string()};
 }
 
@@ -91,29 +91,31 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   return {};
 }
 
-/// Writes the record of a converted recording, with the patterns and the camera that the input says, and with its views
-/// as `given` says beyond that.
+/// Writes the record of a converted recording, with the patterns and the camera of the input, and with the orientation
+/// of the views changed by `given`.
 Result<void> write_record(RunRecord& record, const fs::path& input, const OrientationFlags& given,
                           const recordings::RecordingReader& reader, const OutputFile& output, const Verb& verb) {
   record.add_input(input);
   record.note("left_out", losses_json(reader.summary()));
   record.note("live", live_json(reader.summary()));
   record.note("read_as", reading_json(reader.info()));
-  E2LF_ASSIGN_OR_RETURN(RecordedSetup setup, recorded_setup(input, reader.info()));
+  record.note("sensor", sensor_json(reader.summary()));
+  if (is_live(input)) record.note("header", header_json(reader.info()));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::recorded_setup(input, reader.info()));
   setup.views = given.after(setup.views);
-  note_setup(record, setup, output.path());
-  note_colour_filter(record, recorded_colour_filter(input), output.path());
+  record.note(pipeline::setup_notes(setup, output.path()));
+  record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(input), output.path()));
   return record.write(output.record_path(), verb);
 }
 
 /// The part of a recording that is written to one file.
 struct ConvertedPart {
-  fs::path named;  ///< its place in the end
+  fs::path named;  ///< its final path
   OutputFile output;
   recordings::ConvertReport report;
 };
 
-/// NAME_2.raw for the second part of NAME.raw.
+/// Returns NAME_2.raw for the second part of NAME.raw.
 fs::path part_path(const fs::path& output, size_t number) {
   return number == 1 ? output
                      : output.parent_path() / cat(output.stem().string(), "_", number, output.extension().string());
@@ -128,13 +130,13 @@ Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recor
                                                                       .side_file = place.side_file,
                                                                       .recover = recover_recording(place)}));
   if (number > 1 && output.is_stream()) {
-    return Error{ErrorCode::kUnsupported, "a stream has room for one part of the recording; name a file",
+    return Error{ErrorCode::kUnsupported, "a stream can take only one part of the recording; name a file",
                  arguments.output.string()};
   }
   return ConvertedPart{named, std::move(output), {}};
 }
 
-/// Converts what the reader gives up to its end, or to where the clock starts again.
+/// Converts the recording up to its end, or up to where the clock starts again.
 Result<void> convert_part(const ConvertArguments& arguments, recordings::RecordingReader& reader, ConvertedPart& part,
                           const Verb& verb) {
   RunRecord record("convert");
@@ -179,15 +181,15 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place,
                         recordings::place_of_recording(arguments.output, arguments.format));
   E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording, true));
-  // Before a stream is opened, which does not come again.
+  // Before a stream is opened, because it cannot be repeated.
   std::vector<ConvertedPart> parts;
   E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, place, 1, common));
   parts.push_back(std::move(first));
-  // What is replayed can be replayed again.
+  // A replay can be repeated.
   if (place.is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
     log_warning(cat(arguments.output.string(),
-                    ": this format is written at the end of a recording, and a crash leaves ",
-                    "nothing of it; record to .raw to be safe"));
+                    ": this format is written at the end of a recording, so that nothing is left after a ",
+                    "crash; record to .raw to be safe"));
   }
   open.counts_reports = true;
   open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
@@ -204,6 +206,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   for (ConvertedPart& part : parts) {
     E2LF_RETURN_IF_ERROR(part.output.commit());
     warn_of_losses(arguments.input, part.report.summary);
+    verb.note_failed_input(part.report.summary.live.failure);
     if (!common.json && !common.quiet) say_part(part, part.output.text());
     json["parts"].push_back(part_json(part));
   }
@@ -213,16 +216,15 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   return {};
 }
 
-/// What --format says, else the extension; the name that the format is written under.
+/// Returns the extension of --format, or else that of the output, under which the format is written.
 Result<std::string> event_image_extension(const ConvertArguments& arguments) {
   const std::string extension =
       arguments.format.empty() ? arguments.output.extension().string() : cat(".", arguments.format);
   if (extension == ".npz" || extension == ".mat") return extension;
-  return Error{
-      ErrorCode::kUnsupported,
-      "this is event images, which are written as .npz or .mat; signed whole numbers of 8 or 16 bits are counts, "
-      "store a light field as uint16 or float32",
-      arguments.input.string()};
+  return Error{ErrorCode::kUnsupported,
+               "these are event images, which are written as .npz or .mat; signed integers of 8 or 16 bits are taken "
+               "for counts, so store a light field as uint16 or float32",
+               arguments.input.string()};
 }
 
 Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
@@ -234,9 +236,7 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
   record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
-    E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup,
-                          recorded_setup({{}, {}, file.camera, file.views}, arguments.input));
-    file.views = capture::views_to_npy(*given.after(setup.views));
+    file.setup.views = given.after(file.setup.views);
   }
   if (extension == ".mat") {
     E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(output.path(), file));
@@ -244,7 +244,7 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
     E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
   }
   record.end_step("convert");
-  note_colour_filter(record, recorded_colour_filter(arguments.input), output.path());
+  record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   const capture::EventImages& first = file.cycles.front();
@@ -295,22 +295,21 @@ Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_convert(const std::vector<std::string>& arguments) {
-  Verb verb("convert",
-            "Convert a recording to another event format, event images or a light field to another format of these.",
+  Verb verb("convert", "Convert a recording, event images or a light field to another format.",
             "e2lf convert recording.raw recording.hdf5");
   ConvertArguments conversion;
   CLI::App& app = verb.app();
   app.add_option(
          "input,-i,--input", conversion.input,
-         "recording (- for a pipe, tcp://127.0.0.1:PORT, camera://NAME, replay:FILE), event images or light field")
+         "recording (or - for a pipe, tcp://127.0.0.1:PORT, camera://NAME, replay:FILE), event images or light field")
       ->required();
-  app.add_option("output,-o,--output", conversion.output, "file or folder to write; its extension says the format")
+  app.add_option("output,-o,--output", conversion.output,
+                 "file or folder to write; its extension determines the format")
       ->required();
   app.add_option("--format", conversion.format,
-                 "of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz; of event images npz, mat; png, "
-                 "png16, hci, stanford, npy, "
-                 "lenslet, mat, h5");
-  app.add_flag("--shift-time", conversion.shift_time, "begin at 0 instead of the sensor's own time")
+                 "format of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz for recordings; npz, mat "
+                 "for event images; png, png16, hci, stanford, npy, lenslet, mat, h5 for light fields");
+  app.add_flag("--shift-time", conversion.shift_time, "let times begin at 0 instead of the time of the sensor")
       ->group(kRecordingOptions);
   app.add_flag("--colour", conversion.colour, "keep colour")->group(kLightFieldOptions);
   add_recording_options(app, conversion.recording, kRecordingOptions);

@@ -2,11 +2,8 @@
 // e2lf demo: the whole loop on a procedural scene
 #include <cstdio>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/output/comparison_page.h"
 #include "e2lf/cli/output/light_field_output.h"
@@ -22,10 +19,9 @@
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
-#include "e2lf/model/model.h"
-#include "e2lf/recon/linear_estimate.h"
-#include "e2lf/recon/reconstruct.h"
-#include "e2lf/sensor/event_model.h"
+#include "e2lf/pipeline/method.h"
+#include "e2lf/pipeline/simulated_cycles.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -37,36 +33,16 @@ struct DemoArguments {
   size_t width = 512, height = 384;
 };
 
-/// The camera of the demo: a model's patterns and network, the bundled one's, or built-in patterns and the closed form.
-struct Camera {
-  capture::Codes codes = capture::default_codes();
-  capture::SensorConstants constants;
-  sensor::EventModel event_model = sensor::EventModel::kReferenceAware;
-  std::optional<recon::Reconstructor> network;
-  std::string method = "closed-form inversion (no trained model is bundled)";
-};
-
-Result<Camera> make_camera(const std::optional<fs::path>& path, RunRecord& record) {
-  Camera camera;
-  if (!path) return camera;
+/// A model's patterns and network, the bundled one's, or built-in patterns and the closed form.
+Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, RunRecord& record) {
+  if (!path) return pipeline::open_method({.algorithm = "inversion", .codes = capture::default_codes()});
   record.add_input(*path);
-  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
-  if (!model.codes) {
-    return Error{ErrorCode::kNotFound,
-                 "the model holds no aperture patterns, which the demo's camera needs; name a model that has them",
-                 path->string()};
-  }
-  camera.codes = *model.codes;
-  camera.constants = model.constants;
-  E2LF_ASSIGN_OR_RETURN(camera.event_model, sensor::event_model_from_name(model.event_model));
-  camera.method = "network " + model.name;
-  E2LF_ASSIGN_OR_RETURN(camera.network, recon::Reconstructor::create(std::move(model)));
-  return camera;
-}
-
-Result<LightField> reconstruct(const Camera& camera, const capture::EventImages& images, const ProgressFn& progress) {
-  if (camera.network) return camera.network->reconstruct(images, progress);
-  return recon::reconstruct_by_inversion(images, camera.codes, camera.constants);
+  pipeline::MethodChoice choice;
+  E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(*path));
+  if (choice.model->codes) return pipeline::open_method(std::move(choice));
+  return Error{ErrorCode::kNotFound,
+               "the model holds no aperture patterns, which the demo's camera needs; name a model that has them",
+               path->string()};
 }
 
 /// Pictures focused on the front and on the back of the scene.
@@ -77,9 +53,11 @@ Result<void> write_refocused(const fs::path& folder, const LightField& light_fie
   return lightfield::write_png(folder / "refocus_far.png", lightfield::refocus(light_field, 1.2F, open));
 }
 
-void print_result(const DemoArguments& arguments, const Camera& camera, const eval::EvalRow& row) {
-  std::printf("method: %s\n%s\nin %s:\n", camera.method.c_str(),
-              report::table_text(eval::quality_table({&row, 1})).c_str(), arguments.output.c_str());
+void print_result(const DemoArguments& arguments, const pipeline::OpenedMethod& method, const eval::EvalRow& row) {
+  const std::string name = method.network ? "network " + method.network->model().name
+                                          : "closed-form inversion (no trained model is bundled)";
+  std::printf("method: %s\n%s\nin %s:\n", name.c_str(), report::table_text(eval::quality_table({&row, 1})).c_str(),
+              arguments.output.c_str());
   if (has_viewer()) {
     std::printf(
         "  index.html         open it in a browser: the scene beside its reconstruction, parallax, refocusing, EPI\n");
@@ -96,25 +74,26 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const OutputRules rules{.inputs = {model.value_or("")}, .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("demo");
-  E2LF_ASSIGN_OR_RETURN(const Camera camera, make_camera(model, record));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_method(model, record));
+  E2LF_ASSIGN_OR_RETURN(const recon::Method reconstruct, method.ready());
   const lightfield::Shape shape{8, 8, arguments.height, arguments.width, 1};
   const LightField scene = lightfield::render_light_field(lightfield::demo_scene(common.seed), shape);
   record.end_step("render");
 
-  sensor::EventModelOptions sensor;
-  sensor.model = camera.event_model;
-  sensor.constants = camera.constants;
-  sensor.seed = common.seed;
-  E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, sensor::simulate_events(camera.codes, scene, sensor));
+  pipeline::SimulatedCamera camera{.codes = method.codes->codes, .seed = common.seed};
+  camera.profile.event_model = method.codes->event_model;
+  camera.profile.constants = method.codes->constants;
+  E2LF_ASSIGN_OR_RETURN(const capture::Measurement measured, pipeline::simulate_cycle(camera, scene, 0));
+  const capture::EventImages& images = measured.events;
   record.end_step("simulate");
 
   LightField light_field;
   {
     ProgressBar bar("reconstruct", common.quiet);
-    E2LF_ASSIGN_OR_RETURN(light_field, reconstruct(camera, images, bar.callback()));
+    E2LF_ASSIGN_OR_RETURN(light_field, reconstruct(measured, bar.callback()));
   }
   record.end_step("reconstruct");
-  eval::EvalRow row{camera.network ? camera.network->model().name : "inversion", "demo scene", {}, {}};
+  eval::EvalRow row{method.network ? method.network->model().name : method.algorithm, "demo scene", {}, {}};
   E2LF_ASSIGN_OR_RETURN(row.quality, eval::compare(scene, light_field));
   row.events = eval::event_statistics(images);
   record.end_step("evaluate");
@@ -123,11 +102,8 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   std::error_code ignored;
   fs::create_directory(folder / "scene", ignored);
   E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
-  capture::SensorProfile recorded;
-  recorded.event_model = sensor::event_model_name(camera.event_model);
-  recorded.constants = camera.constants;
-  E2LF_RETURN_IF_ERROR(capture::write_event_images(
-      folder / "events.npz", {{images}, capture::codes_to_npy(camera.codes), capture::camera_to_npy(recorded)}));
+  E2LF_RETURN_IF_ERROR(
+      capture::write_event_images(folder / "events.npz", {{images}, {camera.codes, camera.profile, {}}}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
   fs::create_directory(folder / "recon", ignored);
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}, {}));
@@ -140,7 +116,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   if (common.json) {
     std::printf("%s", json_text(eval::to_json(row)).c_str());
   } else if (!common.quiet) {
-    print_result(arguments, camera, row);
+    print_result(arguments, method, row);
   }
   return {};
 }

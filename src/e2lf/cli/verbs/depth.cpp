@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/file_kind.h"
@@ -21,6 +20,7 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -37,26 +37,27 @@ struct DepthArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// A disparity map with what its files are made of.
+/// A disparity map with everything that its files contain.
 struct Estimate {
   depth::DisparityMap map;
-  Image picture;  ///< the view, in colour where there is some
+  Image picture;  ///< the view, in colour if available
   lightfield::Shape shape;
   depth::OcclusionSign sign;
 };
 
-/// What all cycles share: found at the first one, so that pictures and points of a sequence do not jump.
+/// Values that all cycles share: they are determined for the first one, so that images and points of a sequence do not
+/// jump.
 struct Shared {
   std::optional<depth::DisparityRange> shown;
   float infinity = 0;
 };
 
-/// A map that is inside out is no error: the user may want it, and occlusion may mislead.
+/// An inverted depth order is not an error: the user may want it, and occlusions may mislead.
 void warn_of_turned_views(const fs::path& path, const depth::OcclusionSign& sign) {
   if (sign.verdict != depth::OcclusionSign::Verdict::kTurned) return;
-  log_warning(cat(path.string(), ": occlusion says that the views are turned by 180 degrees (confidence ",
+  log_warning(cat(path.string(), ": occlusions indicate that the views are turned by 180 degrees (confidence ",
                   std::round(100 * sign.confidence()) / 100, ", ", sign.places,
-                  " places): near and far have changed places; give --turn-views"));
+                  " places), so that near and far are exchanged; give --turn-views"));
 }
 
 const char* verdict_name(depth::OcclusionSign::Verdict verdict) {
@@ -103,7 +104,7 @@ Result<void> write_points(const fs::path& path, const DepthArguments& arguments,
   return error;
 }
 
-/// One file, of the kind that its extension says.
+/// Writes one file in the format of its extension.
 Result<void> write_one(const fs::path& path, const std::string& extension, const DepthArguments& arguments,
                        const Estimate& estimate, const Shared& shared) {
   const Image& disparity = estimate.map.disparity;
@@ -170,7 +171,7 @@ Result<void> to_file(const DepthArguments& arguments, const std::string& extensi
   return {};
 }
 
-/// Each cycle's folder appears whole when it is done.
+/// Writes the folder of each cycle, which appears complete when it is done.
 Result<void> to_folder(const DepthArguments& arguments, const std::vector<fs::path>& cycles, const Verb& verb) {
   const OutputRules rules{.inputs = {arguments.input}, .overwrite = verb.common().overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
@@ -219,7 +220,7 @@ Result<void> to_folder(const DepthArguments& arguments, const Verb& verb) {
 Result<void> run(DepthArguments& arguments, Verb& verb) {
   const auto is_given = [&](const char* flag) { return verb.app().get_option(flag)->count() > 0; };
   if (is_given("--min-disparity") != is_given("--max-disparity")) {
-    return Error{ErrorCode::kInvalidValue, "a range has two ends; give --min-disparity and --max-disparity", ""};
+    return Error{ErrorCode::kInvalidValue, "a range has two limits; give --min-disparity and --max-disparity", ""};
   }
   if (is_given("--view-row") != is_given("--view-column")) {
     return Error{ErrorCode::kInvalidValue, "a view has a row and a column; give --view-row and --view-column", ""};
@@ -239,28 +240,30 @@ Result<void> run(DepthArguments& arguments, Verb& verb) {
 }  // namespace
 
 int run_depth(const std::vector<std::string>& arguments) {
-  Verb verb("depth", "Find the disparity of every pixel of a view, with a confidence, from all views of a light field.",
+  Verb verb("depth",
+            "Estimate the disparity of every pixel of a view, with a confidence, from all views of a light field.",
             "e2lf depth out/demo/recon -o out/depth");
   DepthArguments depth_arguments;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", depth_arguments.input, "light field, or folder of cycles")->required();
   app.add_option("-o,--output", depth_arguments.output,
-                 "folder to write; or one file: .npy, .pfm (float32), .png (16 bits, 32768 + 4096 px), .ply (points)")
+                 "folder to write, or a file: .npy or .pfm (float32), .png (16 bits, 32768 + 4096 * disparity) or .ply "
+                 "(points)")
       ->required();
-  app.add_option("--min-disparity", depth_arguments.least, "px per view step, the nearest to look for");
+  app.add_option("--min-disparity", depth_arguments.least, "disparity of the nearest points, px per view step");
   app.add_option("--max-disparity", depth_arguments.most,
-                 "px per view step, the farthest to look for; default of both: found, within 6 px");
+                 "disparity of the farthest points, px per view step; default of both: estimated, within 6 px");
   app.add_option("--view-row", depth_arguments.view_row,
-                 "whose pixels get a disparity; default: half the views, (4, 4)");
+                 "view for whose pixels the disparity is estimated; default: the middle one, (4, 4)");
   app.add_option("--view-column", depth_arguments.view_column, "the same");
   app.add_option("--infinity", depth_arguments.infinity,
-                 "points: disparity of what is infinitely far, px per view step; default: assumed, see run.json")
+                 "points: disparity at infinite distance, px per view step; default: assumed, see run.json")
       ->check(positive_number());
   app.add_option("--field-width", depth_arguments.field_width,
-                 "points: width of what a view shows at disparity 0, in units of its distance")
+                 "points: width of the field of view at disparity 0, in units of its distance")
       ->check(positive_number())
       ->capture_default_str();
-  app.add_option("--least-confidence", depth_arguments.least_confidence, "points: leave out those with less")
+  app.add_option("--least-confidence", depth_arguments.least_confidence, "points: smallest confidence of a point")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   add_light_field_options(app, depth_arguments.light_field, /*has_views=*/true);

@@ -5,10 +5,7 @@
 #include <memory>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/output/pictures.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/eval/event_statistics.h"
@@ -22,6 +19,7 @@
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/model/video/video_model.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/report/chart.h"
 
 namespace e2lf::cli {
@@ -32,7 +30,7 @@ std::string orientation_text(const std::optional<capture::Orientation>& views) {
   return views ? capture::orientation_name(*views) : "not told";
 }
 
-/// How many of the values lie in each of the bins of equal width.
+/// Returns a histogram of the values in bins of equal width.
 std::string histogram(const char* label, std::span<const float> values, float low, float high, size_t bins) {
   report::LineChart chart{label, "share, %", {{"", {}, /*is_filled=*/true}}};
   std::vector<double> counts(bins);
@@ -50,19 +48,18 @@ std::string histogram(const char* label, std::span<const float> values, float lo
   return report::chart_svg(chart);
 }
 
-Result<void> show(const capture::EventImageFile& file, const std::string& name, report::Page& page) {
+Result<void> show(const capture::EventImageFile& file, report::Page& page) {
   const capture::EventImages& first = file.cycles.front();
-  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
+  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, and grey is none.");
   E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(first), "event images"}}, 1600, page));
   page.drawing(transition_bars(eval::event_statistics(first).events_per_pixel));
   constexpr float kMost = 16.5F;
   const std::vector<float> counts(first.counts.begin(), first.counts.end());
-  page.drawing(histogram("events of a pixel in a transition, ON less OFF; those beyond 16 at the ends", counts, -kMost,
-                         kMost, 33));
-  if (!file.codes) return {};
-  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, capture::codes_from_npy(*file.codes, name));
+  page.drawing(histogram("ON minus OFF events of a pixel in a transition; values beyond 16 are counted at the ends",
+                         counts, -kMost, kMost, 33));
+  if (!file.setup.codes) return {};
   page.heading("Patterns");
-  add_patterns(codes, page);
+  add_patterns(*file.setup.codes, page);
   return {};
 }
 
@@ -71,10 +68,10 @@ Result<void> show(const lightfield::LightField& field, float low, float high, re
   E2LF_RETURN_IF_ERROR(
       add_pictures({{lightfield::contact_sheet(field), "all views, in the order of the aperture"}}, 1600, page));
   page.heading("Parallax");
-  E2LF_RETURN_IF_ERROR(
-      add_pictures({{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
-                     "the middle view; below and beside it the EPIs of the cuts in the colours of their frames"}},
-                   1200, page));
+  E2LF_RETURN_IF_ERROR(add_pictures(
+      {{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
+        "the middle view, with the EPIs of two cuts below and beside it, framed in the colours of the cuts"}},
+      1200, page));
   page.heading("Values").drawing(histogram("value", field.data(), std::min(low, 0.0F), std::max(high, 1.0F), 128));
   return {};
 }
@@ -100,7 +97,7 @@ Result<Description> describe_model(const fs::path& path) {
   return Description{model::summary_text(model), std::move(json), show_patterns};
 }
 
-/// Data to train on, as `e2lf pack` writes it.
+/// Describes training data that `e2lf pack` wrote.
 Result<Description> describe_packed_data(Safetensors file, const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const learn::PackedData data, learn::sort_packed_data(std::move(file), path.string()));
   Json light_fields = Json::array();
@@ -127,27 +124,26 @@ Result<Description> describe_event_images(const fs::path& path) {
   const auto kept = std::make_shared<const capture::EventImageFile>(std::move(read));
   const capture::EventImageFile& file = *kept;
   const capture::EventImages& first = file.cycles.front();
-  E2LF_ASSIGN_OR_RETURN(const RecordedSetup setup, recorded_setup({{}, {}, file.camera, file.views}, path));
+  const capture::RecordedSetup& setup = file.setup;
   const eval::EventStatistics statistics = eval::event_statistics(first);
   Json json = {{"kind", "event images"},
                {"cycles", file.cycles.size()},
                {"transitions", first.transitions},
                {"height", first.height},
                {"width", first.width},
-               {"codes", file.codes.has_value()},
+               {"codes", setup.codes.has_value()},
                {"orientation", orientation_text(setup.views)},
                {"first_cycle", eval::to_json(statistics)}};
   std::string text =
       cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ", first.transitions,
-          " transitions, ", first.width, "x", first.height, " px, codes ", file.codes ? "included" : "not included",
+          " transitions, ", first.width, "x", first.height, " px, codes ", setup.codes ? "included" : "not included",
           ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
   for (const double count : statistics.events_per_pixel) text += cat(" ", count);
   text += cat(", total ", statistics.total_events_per_pixel, "\n");
-  return Description{std::move(text), std::move(json),
-                     [kept, name = path.string()](report::Page& page) { return show(*kept, name, page); }};
+  return Description{std::move(text), std::move(json), [kept](report::Page& page) { return show(*kept, page); }};
 }
 
-/// A measurement with intensity images.
+/// Describes a measurement with intensity images.
 Result<Description> describe_images(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const capture::MeasurementFile file, capture::read_measurements(path));
   const capture::Measurement& first = file.cycles.front();
@@ -156,18 +152,18 @@ Result<Description> describe_images(const fs::path& path) {
                {"measurement", capture::measurement_name(first.kind)},
                {"cycles", file.cycles.size()},
                {"transitions", first.events.transitions},
-               {"images", first.images.num_patterns},
+               {"images", first.images.count},
                {"height", first.height()},
                {"width", first.width()},
-               {"codes", file.codes.has_value()},
+               {"codes", file.setup.codes.has_value()},
                {"min", *low},
                {"max", *high}};
   std::string text = cat("measurement (", capture::measurement_name(first.kind), "): ", file.cycles.size(), " cycle",
-                         file.cycles.size() == 1 ? "" : "s", " of ", first.images.num_patterns, " intensity image",
-                         first.images.num_patterns == 1 ? "" : "s");
+                         file.cycles.size() == 1 ? "" : "s", " of ", first.images.count, " intensity image",
+                         first.images.count == 1 ? "" : "s");
   if (first.events.transitions > 0) text += cat(" and ", first.events.transitions, " event images");
   text += cat(", ", first.width(), "x", first.height(), " px, intensities ", *low, "..", *high, ", codes ",
-              file.codes ? "included" : "not included", "\n");
+              file.setup.codes ? "included" : "not included", "\n");
   if (first.events.transitions > 0) {
     const eval::EventStatistics statistics = eval::event_statistics(first.events);
     json["first_cycle"] = eval::to_json(statistics);

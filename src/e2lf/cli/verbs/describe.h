@@ -15,33 +15,34 @@
 
 namespace e2lf::cli {
 
-/// What a file or folder is: text for people, JSON for scripts, and pictures of it for a page where it has any.
+/// The description of a file or folder: text for people, JSON for scripts, and images for a page, if there are any.
 struct Description {
   std::string text;
   Json json;
   std::function<Result<void>(report::Page&)> show = {};
+  std::string failure = {};  ///< what ended live input before its end
 };
 
 struct DescribeOptions {
   RecordingFlags recording;
   LightFieldFlags light_field{.views = 0};
-  ProgressFn progress = {};  ///< of a recording: events so far; the total is not known and 0
-  std::function<void(const recordings::EventBatch&)> on_batch = {};  ///< sees all of a recording
+  ProgressFn progress = {};  ///< for a recording: the number of events read so far; the total is unknown and given as 0
+  std::function<void(const recordings::EventBatch&)> on_batch = {};  ///< called with all events of a recording
 };
 
-/// Describes what file_kind() tells. Fails as reading that does.
+/// Describes an input of any kind that file_kind() distinguishes. Fails as reading it does.
 [[nodiscard]] Result<Description> describe(const std::filesystem::path& path, const DescribeOptions& options);
 [[nodiscard]] Result<Description> describe(FileKind kind, const std::filesystem::path& path,
                                            const DescribeOptions& options);
 
-/// Describes a folder that is made of several things: a training run, the pictures of a display, results of a verb.
+/// Describes a folder with several parts: a training run, the images for a display, or results of a verb.
 [[nodiscard]] Result<Description> describe_folder(FileKind kind, const std::filesystem::path& path);
 
-/// What a reader has met: counts, times and what was left out.
+/// Returns counts, times, and the data that were dropped.
 [[nodiscard]] Json summary_json(const recordings::DecodeSummary& summary);
 
-/// Reads a whole recording and says what it holds: format, sensor, events, triggers, duration, rate, and what was
-/// damaged. Constant memory.
+/// Reads a whole recording and describes it: format, sensor, events, triggers, duration, event rate and damage. Needs
+/// constant memory.
 [[nodiscard]] Result<Description> describe_recording(const std::filesystem::path& path, const DescribeOptions& options);
 
 }  // namespace e2lf::cli

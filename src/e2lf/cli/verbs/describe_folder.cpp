@@ -9,7 +9,7 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// The names in a folder, sorted.
+/// Returns the names in a folder, sorted.
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -20,7 +20,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-/// The number at the front of the last line; 0 where there is none.
+/// Returns the number at the start of the last line; 0 if there is none.
 uint64_t last_step(const fs::path& log) {
   std::ifstream in(log);
   uint64_t step = 0;
@@ -39,8 +39,8 @@ Result<Description> describe_training_run(const fs::path& path) {
   std::error_code error;
   const bool has_model = fs::exists(model, error);
   std::string text = cat("training run of ", name, ": ", done, " of ", steps, " steps are logged; `e2lf resume ",
-                         path.string(), "` goes on with it\n");
-  text += has_model ? cat("its model: `e2lf info ", model.string(), "`\n") : "there is no model of it yet\n";
+                         path.string(), "` continues it\n");
+  text += has_model ? cat("its model: `e2lf info ", model.string(), "`\n") : "it has no model yet\n";
   if (fs::exists(path / "curves.html", error)) text += cat("its curves: ", (path / "curves.html").string(), "\n");
   return Description{std::move(text),
                      {{"kind", "training run"},
@@ -56,8 +56,8 @@ Result<Description> describe_display(const fs::path& path) {
   const auto frames =
       std::count_if(names.begin(), names.end(), [](const std::string& name) { return name.starts_with("frame_"); });
   return Description{
-      cat("pictures that an aperture display shows: ", frames, " frames in the order of their numbers, see ",
-          "contact_sheet.png\nschedule.csv is for the program that shows them, schedule.json for --schedule, ",
+      cat("images for an aperture display: ", frames, " frames in the order of their numbers, see ",
+          "contact_sheet.png\nschedule.csv is for the program that shows them, schedule.json for --schedule, and ",
           "codes.json for --codes\n"),
       {{"kind", "display"}, {"frames", frames}},
       {}};
@@ -69,7 +69,7 @@ Result<Description> describe_results(const fs::path& path) {
   std::vector<std::string> names = names_in(path);
   std::erase(names, "run.json");
   return Description{cat("results of `e2lf ", verb, "`: ", join(names),
-                         "\nrun.json says what they were made of; name one ", "of them to know more\n"),
+                         "\nrun.json describes the run that made them; name one of them for more information\n"),
                      {{"kind", "results"}, {"verb", verb}, {"names", names}},
                      {}};
 }

@@ -30,9 +30,7 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
   json["read_as"] = reading_json(info);
   json["left_out"] = left_out;
   json["parts"] = std::move(parts);
-  Json header = Json::object();
-  for (const auto& [key, value] : info.header) header[key] = value;
-  json["header"] = std::move(header);
+  json["header"] = header_json(info);
   return json;
 }
 
@@ -68,7 +66,7 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
   }
   if (summary.out_of_order > 0) text += cat("sorted:    ", summary.out_of_order, " events were out of order\n");
   text += cat("left out:  ", losses.empty() ? "nothing" : recordings::loss_text(losses), "\n");
-  if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " stretches of time are incomplete\n");
+  if (summary.num_gaps > 0) text += cat("gaps:      ", summary.num_gaps, " time intervals are incomplete\n");
   if (info.table) {
     text +=
         cat("read as:   ", info.table->columns, "; times in ", info.table->time_unit, "; ", info.table->polarity, "\n");
@@ -80,7 +78,7 @@ std::string to_text(const recordings::RecordingInfo& info, const recordings::Dec
   return text;
 }
 
-/// One part of a recording whose clock starts again, kept apart.
+/// Describes one part of a recording whose clock starts again.
 std::string part_text(size_t number, const recordings::DecodeSummary& part) {
   return cat("part ", number, ":    ", part.events(), " events, ", part.triggers, " triggers, ", time_text(part), "\n");
 }
@@ -133,7 +131,8 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
   if (parts_json.size() == 1) parts.clear();
   return Description{printable(to_text(reader->info(), summary, statistics) + parts),
                      to_json(reader->info(), summary, statistics, std::move(parts_json)),
-                     {}};
+                     {},
+                     summary.live.failure};
 }
 
 }  // namespace e2lf::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf epi: light field -> picture of an epipolar plane image
+// e2lf epi: light field -> image of an epipolar plane
 #include "e2lf/lightfield/epi.h"
 
 #include <cstdio>
@@ -23,7 +23,7 @@ struct EpiArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// Each pixel repeated along the axis of the views.
+/// Repeats each pixel along the axis of the views.
 Image stretched(const Image& epi, size_t times_y, size_t times_x) {
   Image image(epi.width * times_x, epi.height * times_y, epi.channels);
   for (size_t y = 0; y < image.height; ++y) {
@@ -35,7 +35,7 @@ Image stretched(const Image& epi, size_t times_y, size_t times_x) {
   return image;
 }
 
-/// Fails where there are not so many.
+/// Fails if there are not that many.
 Result<void> check_place(const char* what, size_t place, size_t count, const fs::path& input) {
   if (place < count) return {};
   return Error{ErrorCode::kNotFound, cat("there is no ", what, " ", place, "; give 0 to ", count - 1), input.string()};
@@ -73,7 +73,7 @@ Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
   const auto is_given = [&](const char* flag) { return verb.resolved_options().contains(flag); };
   const bool has_row = is_given("row"), has_column = is_given("column"), has_view = is_given("view");
   if (has_view && has_row == has_column) {
-    return Error{ErrorCode::kInvalidValue, "--view says which views one cut goes through; give --row or --column", ""};
+    return Error{ErrorCode::kInvalidValue, "--view selects the views of a single cut; give --row or --column", ""};
   }
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
                                                                                  .overwrite = common.overwrite,
@@ -95,17 +95,18 @@ Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
 
 int run_epi(const std::vector<std::string>& arguments) {
   Verb verb("epi",
-            "Cut a light field along a row or column of pixels through all views of a row or column of views: an "
-            "epipolar plane image. With both cuts, or none, it stands beside the view it was cut from.",
+            "Make an epipolar plane image: a cut of a light field along a row or column of pixels through all views of "
+            "a row or column of views. With both cuts, or none, it is shown beside the view.",
             "e2lf epi out/demo/recon --row 200 -o out/epi.png");
   EpiArguments cutting;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", cutting.input, "light field")->required();
   app.add_option("-o,--output", cutting.output, "PNG file to write")->required();
-  app.add_option("--row", cutting.row, "row of pixels to cut along, from 0: views run down");
-  app.add_option("--column", cutting.column, "column of pixels to cut along, from 0: views run to the right");
-  app.add_option("--view", cutting.view, "the row (of --column: the column) of views; default: the one at half");
-  app.add_option("--px-per-view", cutting.px_per_view, "size of each view's line")
+  app.add_option("--row", cutting.row, "row of pixels to cut along, counted from 0; views are stacked downwards");
+  app.add_option("--column", cutting.column,
+                 "column of pixels to cut along, counted from 0; views are stacked to the right");
+  app.add_option("--view", cutting.view, "the row of views, or with --column the column; default: the middle one");
+  app.add_option("--px-per-view", cutting.px_per_view, "thickness of each view's line, px")
       ->check(whole_number(1, 100))
       ->capture_default_str();
   add_light_field_options(app, cutting.light_field, /*has_views=*/true);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// e2lf equivalence: how far the paper's findings on event images hold, over thresholds and noise
+// e2lf equivalence: validity of the paper's findings on event images for several thresholds and noise levels
 #include "e2lf/recon/equivalence.h"
 
 #include <algorithm>
 #include <cstdio>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/scene_input.h"
@@ -17,6 +16,7 @@
 #include "e2lf/files/json_text.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -31,14 +31,14 @@ struct EquivalenceArguments {
   LightFieldFlags light_field;
 };
 
-/// One setting and what was found there.
+/// One setting and its results.
 struct Row {
   std::string event_model;
-  float tau = 0, noise = 0;  ///< noise: share of the model's or the paper's
+  float tau = 0, noise = 0;  ///< noise as a fraction of that of the model or the paper
   recon::Equivalence found;
 };
 
-/// Black, which comes first in most sequences, at the end.
+/// Moves black, which is first in most sequences, to the end.
 std::vector<size_t> default_order(size_t num_patterns) {
   std::vector<size_t> order;
   for (size_t n = 1; n <= num_patterns; ++n) order.push_back(n % num_patterns);
@@ -52,14 +52,14 @@ Result<std::vector<size_t>> order_of(const EquivalenceArguments& arguments, size
   std::vector<size_t> expected;
   for (size_t n = 1; n <= num_patterns; ++n) expected.push_back(n);
   if (sorted != expected) {
-    return Error{ErrorCode::kInvalidValue, cat("an order has each of 1 to ", num_patterns, " once; e.g. 2,3,4,1"),
+    return Error{ErrorCode::kInvalidValue, cat("an order contains each of 1 to ", num_patterns, " once; e.g. 2,3,4,1"),
                  "--order"};
   }
   for (const size_t n : arguments.order) order.push_back(n - 1);
   return order;
 }
 
-Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const KnownCodes& known,
+Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const pipeline::KnownCodes& known,
                                  const std::vector<size_t>& order, const lightfield::LightField& scene,
                                  const CommonOptions& common) {
   ProgressBar bar("measure", common.quiet);
@@ -72,7 +72,7 @@ Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const Kn
         sensor::EventModelOptions options{.model = model, .constants = known.constants, .seed = common.seed};
         options.constants.tau = tau;
         options.constants.sigma_w *= noise;
-        // A share of the threshold: as wide as the smallest ones it would leave hardly any threshold at all.
+        // Scaled with the threshold, because with the same value, small thresholds would nearly vanish.
         options.constants.sigma_z *= noise * tau / known.constants.tau;
         Row row{sensor::event_model_name(model), tau, noise, {}};
         E2LF_ASSIGN_OR_RETURN(row.found, recon::measure_equivalence(known.codes, order, scene, options));
@@ -99,7 +99,7 @@ report::Table table_of(const std::vector<Row>& rows) {
   return table;
 }
 
-/// A line over tau for each event model and noise.
+/// Draws a line over tau for each event model and noise level.
 std::string chart(const std::vector<Row>& rows, const std::string& y_label, double recon::Equivalence::*figure) {
   report::LineChart chart{"contrast threshold tau", y_label, {}};
   for (const Row& row : rows) {
@@ -112,18 +112,18 @@ std::string chart(const std::vector<Row>& rows, const std::string& y_label, doub
 
 std::string page_of(const EquivalenceArguments& arguments, const std::vector<Row>& rows) {
   report::Page page("Events for intensities, and other orders of patterns");
-  page.paragraph(
-      cat("Scene: ", arguments.input.string(), ". Noise is a share of the sensor's: 1 is as stated, 0 none."));
+  page.paragraph(cat("Scene: ", arguments.input.string(),
+                     ". Noise is a fraction of that of the sensor: 1 is the stated noise, 0 is none."));
   page.heading("Equivalence (Eq. 7)")
       .paragraph(
-          "Coded intensities computed from event counts after black, against the true ones: root of the mean squared "
-          "error, relative to the root of their mean square.")
+          "Coded intensities that were computed from event counts after black, compared with the true ones: RMS error "
+          "relative to their RMS.")
       .drawing(chart(rows, "relative error", &recon::Equivalence::intensity_error));
   page.heading("Permutation invariance (Eq. 11)")
       .paragraph(
-          "Event images of the patterns in another order, computed from those of the first order, against simulated "
-          "ones: root of the mean squared difference, in events. The column \"repeated\" has the same between two "
-          "recordings of the other order, which differ by noise alone.")
+          "Event images of the patterns in another order that were computed from those of the first order, compared "
+          "with simulated ones: RMS difference in events. The column \"repeated\" contains the same difference between "
+          "two recordings of the other order, which differ only in their noise.")
       .drawing(chart(rows, "events", &recon::Equivalence::permuted_error));
   page.heading("Figures").table(table_of(rows));
   return page.html();
@@ -136,7 +136,7 @@ Result<void> run(const EquivalenceArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("equivalence");
   record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(const KnownCodes known, load_codes(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> order, order_of(arguments, known.codes.num_patterns));
   const SceneOptions options{arguments.light_field, known.codes.views_y, known.codes.views_x};
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, options, common.quiet));
@@ -161,8 +161,8 @@ Result<void> run(const EquivalenceArguments& arguments, const Verb& verb) {
 
 int run_equivalence(const std::vector<std::string>& arguments) {
   Verb verb("equivalence",
-            "Measure over thresholds and noise how well event images stand for intensity images (Eq. 7) and for event "
-            "images of the patterns in another order (Eq. 11).",
+            "Measure how well event images determine intensity images (Eq. 7) and the event images of the patterns in "
+            "another order (Eq. 11), for several thresholds and noise levels.",
             "e2lf equivalence out/demo/scene -o out/equivalence");
   EquivalenceArguments equivalence;
   CLI::App& app = verb.app();
@@ -170,10 +170,11 @@ int run_equivalence(const std::vector<std::string>& arguments) {
   app.add_option("-o,--output", equivalence.output, "folder to write")->required();
   add_codes_options(app, equivalence.codes);
   app.add_option("--taus", equivalence.taus, "contrast thresholds")->delimiter(',')->check(CLI::Range(0.001, 10.0));
-  app.add_option("--noises", equivalence.noises, "shares of the noise: 1 is the model's, or the paper's")
+  app.add_option("--noises", equivalence.noises,
+                 "noise levels as fractions: 1 is the noise of the model, or of the paper")
       ->delimiter(',')
       ->check(CLI::Range(0.0, 10.0));
-  app.add_option("--order", equivalence.order, "the other order of the patterns, e.g. 2,3,4,1, the default for four")
+  app.add_option("--order", equivalence.order, "the other order of the patterns; default for four: 2,3,4,1")
       ->delimiter(',');
   add_light_field_options(app, equivalence.light_field, /*has_views=*/false);
   return verb.run(arguments, [&] { return run(equivalence, verb); });

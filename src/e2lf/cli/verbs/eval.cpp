@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf eval: a reconstruction against the truth
+// e2lf eval: comparison of a reconstruction with the ground truth
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -7,7 +7,7 @@
 #include <span>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/scene_input.h"
 #include "e2lf/cli/output/output.h"
@@ -21,6 +21,7 @@
 #include "e2lf/files/json_text.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/report/chart.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -33,7 +34,7 @@ struct EvalArguments {
   std::vector<fs::path> reports;
 };
 
-/// A reconstruction to compare, and what it is called.
+/// A reconstruction to compare, and its name.
 struct Candidate {
   std::string name;
   fs::path path;
@@ -57,7 +58,7 @@ Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
                ""};
 }
 
-/// The gain that the record of `e2lf reconstruct` beside a reconstruction tells: that of the cycle, or of all.
+/// Returns the gain in the record of `e2lf reconstruct` beside a reconstruction: that of the cycle, or of all.
 std::optional<double> recorded_gain(const fs::path& path) {
   std::error_code error;
   const fs::path folder = fs::is_directory(path, error) ? path : path.parent_path();
@@ -70,7 +71,7 @@ std::optional<double> recorded_gain(const fs::path& path) {
   return std::nullopt;
 }
 
-/// A number of each view in the order of the aperture.
+/// Returns a grid with one number for each view, in the order of the aperture.
 std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metrics::*metric, int decimals) {
   report::CellGrid grid;
   grid.columns = 0;
@@ -89,7 +90,7 @@ std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metri
   return report::grid_svg(grid);
 }
 
-/// What was compared: the figures, and the reconstruction for pictures.
+/// The result of a comparison: the figures, and the reconstruction for images.
 struct Compared {
   eval::EvalRow row;
   lightfield::LightField field;
@@ -101,19 +102,20 @@ std::vector<eval::EvalRow> rows_of(const std::vector<Compared>& all) {
   return rows;
 }
 
-/// A line for each gain other than 1: such a reconstruction has another brightness than the method gave it.
+/// Returns a line for each gain other than 1, since such a reconstruction does not have the brightness that the method
+/// produced.
 std::string gain_text(const std::vector<eval::EvalRow>& rows) {
   std::string text;
   for (const eval::EvalRow& row : rows) {
     if (row.gain && *row.gain != 1.0) {
-      text += cat(row.method, ": a gain of ", *row.gain, " was applied when it was reconstructed (run.json)",
-                  row.fitted_gain ? ""
-                                  : "; --fit-gain compares with the best one, `e2lf reconstruct --gain 1` makes "
-                                    "it without",
-                  "\n");
+      text += cat(
+          row.method, ": a gain of ", *row.gain, " was applied when it was reconstructed (run.json)",
+          row.fitted_gain
+              ? ""
+              : "; --fit-gain compares with the best gain, and `e2lf reconstruct --gain 1` reconstructs without one",
+          "\n");
     }
-    if (row.fitted_gain)
-      text += cat(row.method, ": compared times ", *row.fitted_gain, ", the gain of least squares\n");
+    if (row.fitted_gain) text += cat(row.method, ": compared times ", *row.fitted_gain, ", the least-squares gain\n");
   }
   return text;
 }
@@ -128,7 +130,7 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfiel
                      shape.channels == 1 ? "grey" : "colour"));
   page.table(eval::quality_table(rows));
   if (const std::string gains = gain_text(rows); !gains.empty()) page.paragraph(gains);
-  page.heading("Views").paragraph("Each view in the order of the aperture.");
+  page.heading("Views").paragraph("The views in the order of the aperture.");
   for (const eval::EvalRow& row : rows) {
     page.begin_row();
     page.drawing(view_grid(row.quality, &eval::Metrics::psnr_db, 1), cat(row.method, ": PSNR, dB"));
@@ -137,9 +139,8 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfiel
   }
   page.heading("Pictures")
       .paragraph(
-          "The upper left view, its middle enlarged; below it the EPI of the middle row, which has straight lines "
-          "where "
-          "views agree. Beside a reconstruction its error: black is none, white 0.2 and more.");
+          "The upper left view and its enlarged centre, with the EPI of the middle row below, whose lines are straight "
+          "where views are consistent. Beside each reconstruction is its error: black is none, white is 0.2 and more.");
   std::vector<NamedImage> pictures = {{compare::look(truth, nullptr), cat("truth: ", rows.front().scene)}};
   for (const Compared& compared : all) {
     pictures.push_back({compare::look(compared.field, &truth), compared.row.method});
@@ -182,8 +183,8 @@ Result<eval::EventStatistics> read_events(const fs::path& path, const lightfield
   const capture::EventImages& images = file.cycles.front();
   if (images.width == shape.width && images.height == shape.height) return eval::event_statistics(images);
   return Error{ErrorCode::kShape,
-               cat("event images of ", images.width, "x", images.height, " px are not of a light field of ",
-                   shape.width, "x", shape.height, " px; give those it was made from"),
+               cat("event images of ", images.width, "x", images.height, " px do not belong to a light field of ",
+                   shape.width, "x", shape.height, " px; give the events from which it was reconstructed"),
                path.string()};
 }
 
@@ -231,7 +232,7 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(output, OutputFile::create(arguments.output, rules));
   }
   E2LF_ASSIGN_OR_RETURN(lightfield::LightField first, read_candidate(candidates.front(), quiet));
-  // Of the truth as many views, and its colours where the reconstruction has some.
+  // Reads as many views of the ground truth, in colour if the reconstruction is.
   const lightfield::Shape shape = first.shape();
   const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, same, quiet));
@@ -269,18 +270,19 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
 
 int run_eval(const std::vector<std::string>& arguments) {
   Verb verb("eval",
-            "Compare a reconstructed light field with the true one: PSNR and SSIM of each view and their means.",
+            "Compare a reconstructed light field with the true one: PSNR and SSIM of each view, and their means.",
             "e2lf eval scene/ out/recon --events events.npz --report quality.html");
   EvalArguments evaluation;
   CLI::App& app = verb.app();
   app.add_option("truth", evaluation.truth, "the true light field")->required();
   app.add_option("reconstruction", evaluation.reconstruction, "the reconstructed light field");
   app.add_option("--name", evaluation.named,
-                 "NAME=PATH: a reconstruction and what tables and pictures call it; may be given several times")
+                 "NAME=PATH: a reconstruction and its name in tables and images; may be given several times")
       ->allow_extra_args(false);
   app.add_flag("--fit-gain", evaluation.fit_gain,
-               "multiply each reconstruction with the gain of least squared error, which is reported");
-  app.add_option("--events", evaluation.events, "event images: adds event counts, measurement time and data rate");
+               "multiply each reconstruction by its least-squares gain, which is reported");
+  app.add_option("--events", evaluation.events,
+                 "event images, which add event counts, measurement time and data rate to the result");
   app.add_option("-o,--output", evaluation.output, "also write the result to this JSON file");
   add_report_option(app, evaluation.reports);
   app.add_flag("--csv", evaluation.csv, "print comma-separated values");

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// e2lf info: what a file or folder is
+// e2lf info: description of a file or folder
 #include <cstdio>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/flags/option_types.h"
 #include "e2lf/cli/output/output.h"
@@ -12,6 +11,7 @@
 #include "e2lf/cli/verbs/rate_plot.h"
 #include "e2lf/files/json_text.h"
 #include "e2lf/recordings/event_rate.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ namespace {
 
 struct InfoArguments {
   fs::path path;
-  fs::path plot;  ///< picture of the event rate; empty = none
+  fs::path plot;  ///< chart of the event rate; empty = none
   std::vector<fs::path> reports;
   DescribeOptions options;
 };
@@ -39,7 +39,8 @@ Result<void> write_report(const Description& found, const InfoArguments& argumen
   return reports.write(page);
 }
 
-Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, const CommonOptions& common) {
+Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, const Verb& verb) {
+  const CommonOptions& common = verb.common();
   constexpr size_t kPlotBins = 2000;
   std::optional<OutputFile> picture;
   recordings::EventRateCounter rate(kPlotBins);
@@ -54,6 +55,7 @@ Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, co
   arguments.options.progress = bar.callback();
   E2LF_ASSIGN_OR_RETURN(const Description found, describe_recording(arguments.path, arguments.options));
   hide_progress();
+  verb.note_failed_input(found.failure);
   print(found, common);
   const std::string svg = report::chart_svg(rate_chart(rate.rate()));
   if (picture) {
@@ -73,12 +75,12 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(
       ReportOutput reports,
       ReportOutput::open(arguments.reports, {.inputs = {path}, .overwrite = verb.common().overwrite}));
-  if (kind == FileKind::kRecording) return print_recording(arguments, reports, verb.common());
+  if (kind == FileKind::kRecording) return print_recording(arguments, reports, verb);
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(const Description found, describe(kind, path, arguments.options));
   if (!arguments.plot.empty()) {
-    return Error{ErrorCode::kInvalidValue, "this is no recording, there is no event rate to plot; leave --plot out",
-                 path.string()};
+    return Error{ErrorCode::kInvalidValue,
+                 "this is not a recording, so there is no event rate to plot; leave --plot out", path.string()};
   }
   print(found, verb.common());
   return write_report(found, arguments, {}, reports);
@@ -87,7 +89,7 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_info(const std::vector<std::string>& arguments) {
-  Verb verb("info", "Say what a file or folder is: a recording, event images, a light field or a model.",
+  Verb verb("info", "Describe a file or folder: a recording, event images, a light field or a model.",
             "e2lf info recording.raw --plot rate.svg");
   InfoArguments info;
   verb.app()
@@ -95,7 +97,7 @@ int run_info(const std::vector<std::string>& arguments) {
       ->required()
       ->type_name(kThingType);
   verb.app()
-      .add_option("--plot", info.plot, "recordings: write the event rate over time as a picture (.svg, .png)")
+      .add_option("--plot", info.plot, "recordings: write a chart of the event rate over time (.svg, .png)")
       ->check(chart_name());
   add_report_option(verb.app(), info.reports);
   add_recording_options(verb.app(), info.options.recording, kRecordingOptions);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
+#include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/server.h"
 
 namespace e2lf::cli {
@@ -42,7 +42,7 @@ class LiveView::Impl {
     show(/*is_growing=*/false);
     if (!stop_requested()) {
       hide_progress();
-      std::fprintf(stderr, "all is done and shown at %s; Ctrl-C ends\n", server_.url().c_str());
+      std::fprintf(stderr, "all cycles are done and shown at %s; press Ctrl-C to end\n", server_.url().c_str());
       thread_.join();
     }
     end();
@@ -81,7 +81,7 @@ Result<LiveView> LiveView::start(const std::string& name, const std::filesystem:
   view::Document nothing_yet;
   nothing_yet.set_growing();
   E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(std::move(nothing_yet), port));
-  std::fprintf(stderr, "open %s in a browser to see each cycle as it comes\n", server.url().c_str());
+  std::fprintf(stderr, "open %s in a browser to see each cycle when it is done\n", server.url().c_str());
   return LiveView(std::make_unique<Impl>(name, folder, std::move(server)));
 }
 

@@ -27,7 +27,7 @@ void print_model(const AnyModel& model, const Verb& verb) {
 }
 
 int run_model_info(const std::vector<std::string>& arguments) {
-  Verb verb("model info", "Say what a model file holds.", "e2lf model info e2lf-n4");
+  Verb verb("model info", "Describe a model file.", "e2lf model info e2lf-n4");
   fs::path path;
   add_model_option(verb.app(), "model,-m,--model", path, "model file (.safetensors), or a bundled model")->required();
   return verb.run(arguments, [&]() -> Result<void> {
@@ -62,7 +62,8 @@ Result<void> import_checkpoint(const fs::path& checkpoint, const std::string& as
 
 int run_model_import(const std::vector<std::string>& arguments) {
   Verb verb("model import",
-            "Turn the paper's released weights, or a published network that makes frames of events, into a model file.",
+            "Convert the paper's released weights, or a published network that reconstructs frames from events, to a "
+            "model file.",
             "e2lf model import --release DIR_WITH_RecNet_AND_AcqNet -o release.safetensors");
   fs::path release, checkpoint, output;
   std::string as;
@@ -73,7 +74,7 @@ int run_model_import(const std::vector<std::string>& arguments) {
                   cat("state dictionary of ", join(model::event_video_names()), ", as a .safetensors file"))
       ->excludes(of_release);
   verb.app()
-      .add_option("--as", as, "of a checkpoint: which of these networks it is; default: told by its tensors")
+      .add_option("--as", as, "network of a checkpoint; default: determined by its tensors")
       ->check(CLI::IsMember(model::event_video_names()))
       ->excludes(of_release);
   verb.app().add_option("-o,--output", output, "model file to write")->required();
@@ -82,7 +83,7 @@ int run_model_import(const std::vector<std::string>& arguments) {
     if (release.empty()) {
       return Error{ErrorCode::kInvalidValue, "nothing to import; give --release or --checkpoint", "--release"};
     }
-    // Beside the released weights is where many will put it: only they are the inputs, not their folder.
+    // Many users will put the output beside the released weights, so only these are the inputs, not their folder.
     E2LF_ASSIGN_OR_RETURN(
         OutputFile file,
         OutputFile::create(output, {.inputs = {release / "RecNet.safetensors", release / "AcqNet.safetensors"},
@@ -100,11 +101,11 @@ int run_model_import(const std::vector<std::string>& arguments) {
   });
 }
 
-/// Gives a network that is told the camera the one that --camera names; "" = leaves it as it is.
+/// Sets the camera of a network that is conditioned on the sensor profile to that of --camera; "" leaves it unchanged.
 Result<void> set_camera(const std::string& camera, model::Model& model, RunRecord& record) {
   if (camera.empty()) return {};
   if (!model::is_told_the_camera(model)) {
-    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave --camera out"),
+    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for a single camera; leave --camera out"),
                  "--camera"};
   }
   E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(camera, record));
@@ -112,8 +113,7 @@ Result<void> set_camera(const std::string& camera, model::Model& model, RunRecor
 }
 
 int run_model_store(const std::vector<std::string>& arguments) {
-  Verb verb("model store",
-            "Write a model again with its weights in 16 or 32 bits, or with another camera to begin from.",
+  Verb verb("model store", "Store a model with weights of 16 or 32 bits, or with another default camera.",
             "e2lf model store MODEL.safetensors -o SMALL.safetensors --weights bfloat16");
   fs::path input, output;
   std::string weights = "bfloat16", camera;
@@ -124,7 +124,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
       ->check(CLI::IsMember({"bfloat16", "float32"}))
       ->capture_default_str();
   add_camera_option(verb.app(), camera,
-                    "for networks that are told: the camera to take where `reconstruct` names none");
+                    "networks conditioned on the sensor profile: the camera to use if `reconstruct` names none");
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {input, camera},
                                                                        .overwrite = verb.common().overwrite,
@@ -142,7 +142,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
   });
 }
 
-/// What an exported file takes and says, for --json.
+/// Returns the inputs and outputs of an exported file, for --json.
 Json export_summary(const model::Model& model) {
   Json summary = Json::object();
   for (const auto& [key, value] : model::onnx_metadata(model)) {
@@ -172,7 +172,7 @@ Result<void> export_model(const fs::path& input, const fs::path& output, const s
   if (verb.common().json) {
     std::printf("%s", json_text(export_summary(model)).c_str());
   } else if (!verb.common().quiet) {
-    std::printf("%s takes events [batch, %zu, y, x]%s and gives views [batch, %zu, y, x]\n", output.c_str(),
+    std::printf("%s takes events [batch, %zu, y, x]%s and returns views [batch, %zu, y, x]\n", output.c_str(),
                 model.num_patterns - 1, model::is_told_the_camera(model) ? ", traits" : "",
                 model.views_y * model.views_x);
   }
@@ -180,13 +180,15 @@ Result<void> export_model(const fs::path& input, const fs::path& output, const s
 }
 
 int run_model_export(const std::vector<std::string>& arguments) {
-  Verb verb("model export", "Write a model as ONNX: event images in, views out, for other programs.",
+  Verb verb("model export",
+            "Export a model as ONNX for other programs, with event images as input and views as output.",
             "e2lf model export e2lf-n4 -o e2lf-n4.onnx");
   fs::path input, output;
   std::string camera;
   add_model_option(verb.app(), "model,-m,--model", input, "model file (.safetensors), or a bundled model")->required();
   verb.app().add_option("-o,--output", output, "file to write (.onnx)")->required();
-  add_camera_option(verb.app(), camera, "for networks that are told: the camera whose events will be given");
+  add_camera_option(verb.app(), camera,
+                    "networks conditioned on the sensor profile: the camera that records the events");
   return verb.run(arguments, [&] { return export_model(input, output, camera, verb); });
 }
 
@@ -194,10 +196,10 @@ int run_model_export(const std::vector<std::string>& arguments) {
 
 int run_model(const std::vector<std::string>& arguments) {
   return run_subverb("model",
-                     {{"info", "say what a model file holds", run_model_info},
-                      {"import", "turn released weights into a model file", run_model_import},
-                      {"store", "write a model again: weights in 16 or 32 bits, another camera", run_model_store},
-                      {"export", "write a model as ONNX, for other programs", run_model_export}},
+                     {{"info", "describe a model file", run_model_info},
+                      {"import", "convert released weights to a model file", run_model_import},
+                      {"store", "store a model with weights of 16 or 32 bits, or another camera", run_model_store},
+                      {"export", "export a model as ONNX, for other programs", run_model_export}},
                      arguments);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf pack: light fields and photographs -> one file to train on
+// e2lf pack: light fields and photographs -> one file for training
 #include "e2lf/learn/data/pack.h"
 
 #include <cstdio>
@@ -7,19 +7,20 @@
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 
 int run_pack(const std::vector<std::string>& arguments) {
-  Verb verb("pack", "Put light fields and photographs into one file to train on, 8-bit grey.",
+  Verb verb("pack", "Pack light fields and photographs into one file for training, 8-bit grey.",
             "e2lf pack scenes/* --textures photos/ -o packed.safetensors");
   learn::PackOptions options;
   fs::path output;
   CLI::App& app = verb.app();
   app.add_option("light-fields,-i,--input", options.light_fields, "light fields of any kind that e2lf reads")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--textures", options.textures, "photographs, or folders of them, for synthesised light fields")
+  app.add_option("--textures", options.textures, "photographs, or folders of photographs, for synthesised light fields")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("-o,--output", output, "file to write (.safetensors)")->required();
   return verb.run(arguments, [&]() -> Result<void> {

@@ -11,7 +11,7 @@ namespace {
 
 enum LineNumber : size_t { kOff, kOn };
 
-/// A step for each bin; `sign` is -1 for what lies below the axis.
+/// Returns a line with a step for each bin; `sign` is -1 below the axis.
 report::Line steps(const char* name, const recordings::EventRate& rate, const std::vector<uint64_t>& counts,
                    double sign) {
   report::Line line{name, {}, /*is_filled=*/true};
@@ -28,7 +28,7 @@ double after_ms(const recordings::EventRate& rate, int64_t t_us) {
   return static_cast<double>(t_us - rate.begin_us) / 1000.0;
 }
 
-/// The surer a cycle is, the darker.
+/// The higher the confidence of a cycle, the darker it is shaded.
 report::Bands shaded(const std::vector<FoundCycle>& cycles, const recordings::EventRate& rate) {
   report::Bands bands{"cycles: number, confidence", {}};
   for (size_t i = 0; i < std::min(cycles.size(), kMaxDrawn); ++i) {
@@ -43,7 +43,7 @@ report::Bands shaded(const std::vector<FoundCycle>& cycles, const recordings::Ev
   return bands;
 }
 
-/// Triggers and bursts by their sign.
+/// Returns triggers and bursts, separated by sign.
 std::vector<report::Marks> signed_marks(const std::vector<cycles::Mark>& marks, const recordings::EventRate& rate) {
   std::vector<report::Marks> kinds = {{"marks, OFF", {}, kOff}, {"marks, ON", {}, kOn}, {"marks", {}, {}}};
   for (size_t i = 0; i < std::min(marks.size(), kMaxDrawn); ++i) {
@@ -64,7 +64,7 @@ report::LineChart rate_chart(const recordings::EventRate& rate, const FoundCycle
       is_empty ? "no events"
                : cat("M events/s in bins of ", static_cast<double>(rate.bin_us) / 1000.0, " ms: ON above, OFF below");
   chart.lines = {steps("OFF", rate, rate.off, -1), steps("ON", rate, rate.on, 1)};
-  // The axis begins with the first trigger, which may come before the first event.
+  // The axis begins with the first trigger, which may precede the first event.
   if (!is_empty && !found.marks.empty() && found.marks.front().t_us < rate.begin_us) {
     for (report::Line& line : chart.lines) {
       line.points.insert(line.points.begin(), {after_ms(rate, found.marks.front().t_us), 0.0});

@@ -10,20 +10,20 @@
 
 namespace e2lf::cli {
 
-/// What was found in a recording, for its picture.
+/// The marks and cycles that were found in a recording, for its chart.
 struct FoundCycle {
   uint64_t number = 0;
   float confidence = 1.0F;
-  std::vector<cycles::TimeSlice> slices;  ///< of its event images
+  std::vector<cycles::TimeSlice> slices;  ///< time slices of its event images
 };
 struct FoundCycles {
   std::vector<cycles::Mark> marks;  ///< triggers or bursts
   std::vector<FoundCycle> cycles;
 };
 
-/// The event rate over time: ON above the axis, OFF below, in ms and M events/s; a tick at the foot for each mark, and
-/// each cycle's number, confidence and slices shaded. Of a long recording the first kMaxDrawn marks and cycles are
-/// drawn.
+/// Returns a chart of the event rate over time in ms and million events/s, ON above the axis and OFF below, with a tick
+/// for each mark, and with each cycle's number, confidence and shaded slices. Of a long recording, the first kMaxDrawn
+/// marks and cycles are drawn.
 [[nodiscard]] report::LineChart rate_chart(const recordings::EventRate& rate, const FoundCycles& found = {});
 inline constexpr size_t kMaxDrawn = 2000;
 

@@ -10,16 +10,16 @@
 
 namespace e2lf::cli {
 
-/// What the triggers of a recording look like, and how far its events reach. Constant memory.
+/// Statistics of the triggers of a recording, and the extent of its events. Needs constant memory.
 class RecordingStatistics {
  public:
   void add(const recordings::EventBatch& batch);
 
-  /// The size of the smallest sensor that holds the events; 0 without any.
+  /// Returns the size of the smallest sensor that contains the events; 0 if there are none.
   [[nodiscard]] size_t width() const { return width_; }
   [[nodiscard]] size_t height() const { return height_; }
 
-  /// For each trigger input: edges of both kinds and the mean time between the rising ones.
+  /// Returns, for each trigger input, the number of edges of both kinds and the mean time between rising ones.
   [[nodiscard]] Json triggers_json() const;
   [[nodiscard]] std::string triggers_text() const;
 

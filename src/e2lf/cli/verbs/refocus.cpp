@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf refocus: light field -> pictures of a camera with a wide aperture
+// e2lf refocus: light field -> images of a camera with a wide aperture
 #include "e2lf/lightfield/refocus.h"
 
 #include <cstdio>
@@ -25,7 +25,7 @@ struct RefocusArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// Pictures one beside the other, with a gap between them.
+/// Places images side by side, with a gap between them.
 Image side_by_side(const std::vector<Image>& pictures) {
   constexpr size_t kGapPx = 4;
   const Image& first = pictures.front();
@@ -47,7 +47,8 @@ Result<lightfield::Aperture> aperture_of(const RefocusArguments& arguments, cons
   for (float weight : aperture.weights) {
     if (weight > 0) return aperture;
   }
-  return Error{ErrorCode::kInvalidValue, "no view lies in this aperture; give a larger --aperture or a nearer centre",
+  return Error{ErrorCode::kInvalidValue,
+               "this aperture contains no view; give a larger --aperture or a centre that is nearer",
                arguments.input.string()};
 }
 
@@ -56,7 +57,7 @@ Result<void> refocus(RefocusArguments& arguments, Verb& verb) {
   arguments.is_round = verb.app().get_option("--aperture")->count() > 0;
   const auto is_moved = [&](const char* flag) { return verb.app().get_option(flag)->count() > 0; };
   if (!arguments.is_round && (is_moved("--centre-row") || is_moved("--centre-column"))) {
-    return Error{ErrorCode::kInvalidValue, "the whole aperture has no other centre; give --aperture, too", ""};
+    return Error{ErrorCode::kInvalidValue, "the centre of the whole aperture is fixed; also give --aperture", ""};
   }
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
                                                                                  .overwrite = common.overwrite,
@@ -75,7 +76,7 @@ Result<void> refocus(RefocusArguments& arguments, Verb& verb) {
   E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());
   if (!common.quiet) {
-    std::printf("%zu picture%s of %zux%zu px in %s\n", pictures.size(), pictures.size() == 1 ? "" : "s",
+    std::printf("%zu image%s of %zux%zu px in %s\n", pictures.size(), pictures.size() == 1 ? "" : "s",
                 pictures.front().width, pictures.front().height, arguments.output.c_str());
   }
   return {};
@@ -85,21 +86,24 @@ Result<void> refocus(RefocusArguments& arguments, Verb& verb) {
 
 int run_refocus(const std::vector<std::string>& arguments) {
   Verb verb("refocus",
-            "Make the picture of a camera with a wide aperture, focused where you like; several stand side by side.",
+            "Compute the image of a camera with a wide aperture that is focused at a given disparity, or several "
+            "images side by side.",
             "e2lf refocus out/demo/recon --disparity=-1,0,1.2 -o out/refocus.png");
   RefocusArguments refocusing;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", refocusing.input, "light field")->required();
   app.add_option("-o,--output", refocusing.output, "PNG file to write")->required();
   app.add_option("--disparity", refocusing.disparities,
-                 "what is sharp, px per view step: nearer is smaller; several with commas, as --disparity=-1,0")
+                 "disparity of the points in focus, px per view step, smaller for nearer points; several are separated "
+                 "by commas, e.g. --disparity=-1,0")
       ->required()
       ->delimiter(',')
       ->expected(1, 64);
   app.add_option("--aperture", refocusing.aperture.radius,
-                 "radius of a round aperture in view steps, 0.5 is one view; default: all views");
-  app.add_option("--centre-row", refocusing.aperture.centre_y, "moves the round aperture down, in view steps");
-  app.add_option("--centre-column", refocusing.aperture.centre_x, "moves it to the right, in view steps");
+                 "radius of a round aperture in view steps, where 0.5 is one view; default: all views");
+  app.add_option("--centre-row", refocusing.aperture.centre_y, "offset of the round aperture downwards, in view steps");
+  app.add_option("--centre-column", refocusing.aperture.centre_x,
+                 "offset of the round aperture to the right, in view steps");
   add_light_field_options(app, refocusing.light_field, /*has_views=*/true);
   add_orientation_options(app, refocusing.light_field.orientation);
   return verb.run(arguments, [&] { return refocus(refocusing, verb); });

@@ -5,18 +5,13 @@
 #include <optional>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
-#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/flags/scene_input.h"
 #include "e2lf/cli/output/next_step.h"
 #include "e2lf/cli/output/output.h"
@@ -29,10 +24,11 @@
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/json_text.h"
+#include "e2lf/pipeline/recorded_setup.h"
+#include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/sensor/event_model.h"
-#include "e2lf/sensor/intensity_images.h"
-#include "e2lf/sensor/pixel_model.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -51,7 +47,7 @@ struct SimulateArguments {
 };
 
 /// The model's constants where one is given, the paper's otherwise; flags win.
-capture::SensorConstants constants_of(const SimulateArguments& arguments, const KnownCodes& known) {
+capture::SensorConstants constants_of(const SimulateArguments& arguments, const pipeline::KnownCodes& known) {
   return {.eps = arguments.eps.value_or(known.constants.eps),
           .tau = arguments.tau.value_or(known.constants.tau),
           .sigma_w = arguments.sigma_w.value_or(known.constants.sigma_w),
@@ -62,16 +58,16 @@ capture::SensorConstants constants_of(const SimulateArguments& arguments, const 
 /// Of intensity images.
 void print_images(const capture::Measurement& measured, const CommonOptions& common) {
   const capture::CodedIntensities& images = measured.images;
-  if (images.num_patterns == 0) return;
+  if (images.count == 0) return;
   if (common.json && measured.events.transitions == 0) {
     const Json json = {{"measurement", capture::measurement_name(measured.kind)},
-                       {"images", images.num_patterns},
+                       {"images", images.count},
                        {"height", images.height},
                        {"width", images.width}};
     std::printf("%s", json_text(json).c_str());
   } else if (!common.json && !common.quiet) {
-    std::printf("%s: %zu intensity image%s of %zux%zu px\n", capture::measurement_name(measured.kind),
-                images.num_patterns, images.num_patterns == 1 ? "" : "s", images.width, images.height);
+    std::printf("%s: %zu intensity image%s of %zux%zu px\n", capture::measurement_name(measured.kind), images.count,
+                images.count == 1 ? "" : "s", images.width, images.height);
   }
 }
 
@@ -97,6 +93,7 @@ void record_constants(const capture::SensorConstants& constants, const std::stri
   record.resolve("sigma-z", json_number(constants.sigma_z));
 }
 
+using MeasuredIn = std::function<Result<capture::Measurement>(uint64_t cycle)>;
 using ImagesOf = std::function<Result<capture::EventImages>(uint64_t cycle)>;
 
 /// Physical pixels have no use for the constants of the paper's model.
@@ -110,33 +107,10 @@ Result<void> check_model_flags(const SimulateArguments& arguments, const capture
                "--camera " + arguments.camera};
 }
 
-/// The images of each cycle by the paper's event model.
-ImagesOf paper_pixels(const SimulateArguments& arguments, const KnownCodes& known, const lightfield::LightField& scene,
-                      sensor::EventModel model, uint64_t seed) {
-  sensor::EventModelOptions options;
-  options.model = model;
-  options.constants = constants_of(arguments, known);
-  options.gain = arguments.scene_gain;
-  options.residue = arguments.residue;
-  return [&, seed, options](uint64_t cycle) mutable {
-    options.seed = seed + cycle;
-    return sensor::simulate_events(known.codes, scene, options);
-  };
-}
-
-/// The same by a camera's physical pixels, whose thresholds stay from cycle to cycle.
-ImagesOf physical_pixels(const SimulateArguments& arguments, const capture::Codes& codes,
-                         const lightfield::LightField& scene, const capture::SensorProfile& camera, uint64_t seed) {
-  return [&, seed](uint64_t cycle) {
-    return sensor::simulate_pixel_events(codes, scene, camera,
-                                         {.gain = arguments.scene_gain, .seed = seed + cycle, .map_seed = seed});
-  };
-}
-
-Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const RecordedSetup& setup,
+Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const capture::RecordedSetup& setup,
                           const ImagesOf& images_of) {
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(path));
-  keep_setup(setup, writer);
+  writer.keep(setup);
   for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
     E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, images_of(cycle));
     E2LF_RETURN_IF_ERROR(writer.add(images));
@@ -146,12 +120,13 @@ Result<void> write_images(const SimulateArguments& arguments, const fs::path& pa
 
 /// A recording as the paper's camera makes it: every pattern after its inverse ones, bursts of events after each
 /// change.
-Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path, const RecordedSetup& setup,
-                             const lightfield::Shape& shape, const ImagesOf& images_of) {
+Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path,
+                             const capture::RecordedSetup& setup, const lightfield::Shape& shape,
+                             const ImagesOf& images_of) {
   recordings::RecordingInfo info;
   info.width = shape.width;
   info.height = shape.height;
-  info.header = header_of(setup);
+  info.header = pipeline::header_of(setup);
   E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(path, "", info));
   cycles::SynthesisOptions synthesis;
   synthesis.schedule = cycles::paper_schedule_of(*setup.codes);
@@ -178,7 +153,7 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_image
 
 /// Patterns, camera and event model.
 struct Setup {
-  KnownCodes known;
+  pipeline::KnownCodes known;
   std::optional<capture::SensorProfile> camera;
   std::optional<capture::Orientation> views;  ///< as camera or schedule say
   [[nodiscard]] bool is_pixel() const { return camera && camera->is_pixel(); }
@@ -221,8 +196,8 @@ Result<SceneOptions> scene_options(const SimulateArguments& arguments, const Set
 
 /// Patterns, camera and views as the result says them. ESIM and v2e are no models of a camera file: of them the
 /// patterns alone.
-RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
-  RecordedSetup recorded{setup.known.codes, setup.camera, setup.views};
+capture::RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
+  capture::RecordedSetup recorded{setup.known.codes, setup.camera, setup.views};
   if (setup.is_pixel()) return recorded;
   if (!sensor::event_model_from_name(setup.known.event_model)) return {setup.known.codes, std::nullopt, setup.views};
   capture::SensorProfile& camera = recorded.camera ? *recorded.camera : recorded.camera.emplace();
@@ -238,7 +213,7 @@ bool is_stream(const SimulateArguments& arguments, const Setup& setup, bool as_i
   return need_stream(arguments.stream) || (setup.is_pixel() && !as_images) || model == "esim" || model == "v2e";
 }
 
-Result<capture::EventImages> run_stream(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
+Result<capture::Measurement> run_stream(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
                                         const CommonOptions& common, RunRecord& record) {
   if (arguments.residue != 0.0F) {
     return Error{ErrorCode::kInvalidValue,
@@ -259,68 +234,62 @@ Result<capture::EventImages> run_stream(const SimulateArguments& arguments, cons
   run.is_quiet = common.quiet;
   run.has_triggers = !arguments.no_triggers;
   if (!arguments.stream.schedule.empty()) record.add_input(arguments.stream.schedule);
-  return simulate_stream(run, place, arguments.output, record);
+  E2LF_ASSIGN_OR_RETURN(capture::EventImages first, simulate_stream(run, place, arguments.output, record));
+  return capture::Measurement(std::move(first));
 }
 
-ImagesOf events_by_count(const SimulateArguments& arguments, const Setup& setup, const lightfield::LightField& scene,
-                         sensor::EventModel model, uint64_t seed) {
-  return setup.is_pixel() ? physical_pixels(arguments, setup.known.codes, scene, *setup.camera, seed)
-                          : paper_pixels(arguments, setup.known, scene, model, seed);
-}
-
-/// A count for each pattern, spread over its time in a recording.
-Result<capture::EventImages> run_counts(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
-                                        const CommonOptions& common, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(setup.known.event_model));
-  E2LF_ASSIGN_OR_RETURN(const SceneOptions options, scene_options(arguments, setup));
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, options, common.quiet));
-  record.end_step("read");
-  const ImagesOf plain_images_of = events_by_count(arguments, setup, scene, model, common.seed);
-  ProgressBar bar("simulate", common.quiet);
-  capture::EventImages first;
-  const ImagesOf images_of = [&](uint64_t cycle) {
-    bar.update(cycle, arguments.cycles);
-    auto images = plain_images_of(cycle);
-    if (images && cycle == 0) first = *images;
-    return images;
-  };
-  if (arguments.output.extension() == ".npz") {
-    E2LF_RETURN_IF_ERROR(write_images(arguments, place, recorded_setup(arguments, setup), images_of));
-  } else {
-    E2LF_RETURN_IF_ERROR(write_recording(arguments, place, recorded_setup(arguments, setup), scene.shape(), images_of));
-  }
-  return first;
+pipeline::SimulatedCamera camera_of(const SimulateArguments& arguments, const Setup& setup, uint64_t seed) {
+  pipeline::SimulatedCamera camera{.measurement = setup.known.measurement,
+                                   .codes = setup.known.codes,
+                                   .profile = setup.camera.value_or(capture::SensorProfile{}),
+                                   .gain = arguments.scene_gain,
+                                   .residue = arguments.residue,
+                                   .seed = seed};
+  camera.profile.constants = constants_of(arguments, setup.known);
+  if (!setup.is_pixel()) camera.profile.event_model = setup.known.event_model;
+  return camera;
 }
 
 /// Events, where there are any, and intensity images.
-Result<capture::Measurement> run_images(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
+Result<void> write_measurements(const SimulateArguments& arguments, const fs::path& path,
+                                const capture::RecordedSetup& setup, const MeasuredIn& measured_in) {
+  capture::MeasurementFile file{{}, setup};
+  for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
+    E2LF_ASSIGN_OR_RETURN(capture::Measurement measured, measured_in(cycle));
+    file.cycles.push_back(std::move(measured));
+  }
+  return capture::write_measurements(path, file);
+}
+
+/// What is measured of each pattern, whose events are spread over its time in a recording.
+Result<capture::Measurement> run_counts(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
                                         const CommonOptions& common, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(setup.known.event_model));
+  E2LF_RETURN_IF_ERROR(sensor::event_model_from_name(setup.known.event_model));
   E2LF_ASSIGN_OR_RETURN(const SceneOptions options, scene_options(arguments, setup));
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, options, common.quiet));
   record.end_step("read");
-  const RecordedSetup recorded = recorded_setup(arguments, setup);
-  const capture::MeasurementKind kind = setup.known.measurement;
-  const ImagesOf events_of = events_by_count(arguments, setup, scene, model, common.seed);
-  capture::MeasurementFile file;
-  file.codes = capture::codes_to_npy(setup.known.codes);
-  if (recorded.camera) file.camera = capture::camera_to_npy(*recorded.camera);
-  if (recorded.has_own_views()) file.views = capture::views_to_npy(*recorded.views);
-  for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
-    capture::Measurement measured;
-    measured.kind = kind;
-    if (capture::has_events(kind)) {
-      E2LF_ASSIGN_OR_RETURN(measured.events, events_of(cycle));
-    }
-    const float sigma = constants_of(arguments, setup.known).sigma_i;
-    E2LF_ASSIGN_OR_RETURN(
-        measured.images,
-        sensor::measure_images(kind, setup.known.codes, scene,
-                               {.sigma = sigma, .gain = arguments.scene_gain, .seed = common.seed + cycle}));
-    file.cycles.push_back(std::move(measured));
+  const pipeline::SimulatedCamera camera = camera_of(arguments, setup, common.seed);
+  ProgressBar bar("simulate", common.quiet);
+  capture::Measurement first;
+  const MeasuredIn measured_in = [&](uint64_t cycle) {
+    bar.update(cycle, arguments.cycles);
+    auto measured = pipeline::simulate_cycle(camera, scene, cycle);
+    if (measured && cycle == 0) first = *measured;
+    return measured;
+  };
+  const ImagesOf images_of = [&](uint64_t cycle) -> Result<capture::EventImages> {
+    E2LF_ASSIGN_OR_RETURN(capture::Measurement measured, measured_in(cycle));
+    return std::move(measured.events);
+  };
+  const capture::RecordedSetup recorded = recorded_setup(arguments, setup);
+  if (setup.known.measurement != capture::MeasurementKind::kEventImages) {
+    E2LF_RETURN_IF_ERROR(write_measurements(arguments, place, recorded, measured_in));
+  } else if (arguments.output.extension() == ".npz") {
+    E2LF_RETURN_IF_ERROR(write_images(arguments, place, recorded, images_of));
+  } else {
+    E2LF_RETURN_IF_ERROR(write_recording(arguments, place, recorded, scene.shape(), images_of));
   }
-  E2LF_RETURN_IF_ERROR(capture::write_measurements(place, file));
-  return std::move(file.cycles.front());
+  return first;
 }
 
 /// Refuses what would change nothing.
@@ -384,16 +353,12 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const Setup setup, read_setup(arguments, record));
   const bool by_events = is_stream(arguments, setup, as_images);
   E2LF_RETURN_IF_ERROR(check_use(arguments, setup, as_images, by_events, verb));
-  capture::Measurement first;
-  if (setup.known.measurement != capture::MeasurementKind::kEventImages) {
-    E2LF_ASSIGN_OR_RETURN(first, run_images(arguments, setup, output.path(), verb.common(), record));
-  } else {
-    const auto run = by_events ? run_stream : run_counts;
-    E2LF_ASSIGN_OR_RETURN(first, run(arguments, setup, output.path(), verb.common(), record));
-  }
+  const auto run = by_events ? run_stream : run_counts;
+  E2LF_ASSIGN_OR_RETURN(const capture::Measurement first, run(arguments, setup, output.path(), verb.common(), record));
   hide_progress();
-  if (!as_images && !output.is_stream()) note_setup(record, recorded_setup(arguments, setup), output.path());
-  if (!output.is_stream()) note_colour_filter(record, arguments.colour_filter, output.path());
+  if (!as_images && !output.is_stream())
+    record.note(pipeline::setup_notes(recorded_setup(arguments, setup), output.path()));
+  if (!output.is_stream()) record.note(pipeline::colour_filter_notes(arguments.colour_filter, output.path()));
   record.end_step("simulate");
   if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
   E2LF_RETURN_IF_ERROR(output.commit());

@@ -2,13 +2,13 @@
 #include "e2lf/cli/verbs/simulate_stream.h"
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/recordings/recording.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -28,7 +28,7 @@ Result<streams::VirtualRig> make_rig(const StreamRun& run, StreamScene scene) {
                                      scene.width);
 }
 
-/// Plays every cycle. Returns the images of the first.
+/// Simulates every cycle. Returns the event images of the first one.
 template <typename Use>
 Result<capture::EventImages> play(const StreamRun& run, streams::VirtualRig& rig, RunRecord& record, const Use& use) {
   capture::EventImages first;
@@ -59,12 +59,12 @@ Result<capture::EventImages> simulate_stream(const StreamRun& run, const fs::pat
   recordings::RecordingInfo info;
   info.width = scene.width;
   info.height = scene.height;
-  info.header = header_of(run.recorded);
+  info.header = pipeline::header_of(run.recorded);
   E2LF_ASSIGN_OR_RETURN(streams::VirtualRig rig, make_rig(run, std::move(scene)));
   record.end_step("read");
   if (output.extension() == ".npz") {
     E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
-    keep_setup(run.recorded, writer);
+    writer.keep(run.recorded);
     E2LF_ASSIGN_OR_RETURN(capture::EventImages first, play(run, rig, record, [&](const recordings::EventBatch& batch) {
                             return writer.add(rig.sum_windows(batch));
                           }));

@@ -5,28 +5,28 @@
 #include <optional>
 
 #include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/cli/flags/recorded_setup.h"
 #include "e2lf/cli/flags/stream_flags.h"
 #include "e2lf/cli/output/run_record.h"
+#include "e2lf/pipeline/recorded_setup.h"
 
 namespace e2lf::cli {
 
-/// A simulation event by event, ready to run.
+/// The inputs and options of an event-by-event simulation.
 struct StreamRun {
   std::filesystem::path input;
   StreamFlags flags;
   SceneOptions scene;
   capture::Codes codes;
   capture::SensorProfile camera;
-  RecordedSetup recorded;  ///< what the result says it was made with
+  capture::RecordedSetup recorded;  ///< the setup that is stored in the result
   streams::StreamOptions stream;
   float gain = 1.0F;
   size_t cycles = 1;
   bool has_triggers = true, is_quiet = false;
 };
 
-/// Writes the recording (or, as an .npz, the event images that its windows sum up to) of a virtual rig to `place`.
-/// `output` is its name for messages. Returns the images of the first cycle. Fails as the rig and the writers do.
+/// Writes the recording of a virtual rig to `place`, or, if that is an .npz, the event images of its windows. `output`
+/// is its name in messages. Returns the event images of the first cycle. Fails as the rig and the writers do.
 [[nodiscard]] Result<capture::EventImages> simulate_stream(const StreamRun& run, const std::filesystem::path& place,
                                                            const std::filesystem::path& output, RunRecord& record);
 

@@ -7,7 +7,7 @@
 namespace e2lf::cli {
 namespace {
 
-/// What the trainer's reports need.
+/// The arguments of the trainer's reports.
 struct ReportArguments {
   std::vector<std::filesystem::path> names;
   bool overwrite = false;
@@ -18,7 +18,7 @@ void add_report_options(CLI::App& app, ReportArguments& reports) {
   app.add_flag("--overwrite", reports.overwrite, "replace the files of --report");
 }
 
-/// Goes on as the trainer, with what its verbs have in common.
+/// Continues as the trainer, with the arguments that its verbs share.
 Result<void> train_with(std::vector<std::string> arguments, const ReportArguments& reports, const Verb& verb) {
   for (const auto& name : reports.names) arguments.insert(arguments.end(), {"--report", name.string()});
   if (reports.overwrite) arguments.emplace_back("--overwrite");
@@ -31,9 +31,8 @@ Result<void> train_with(std::vector<std::string> arguments, const ReportArgument
 
 int run_train(const std::vector<std::string>& arguments) {
   Verb verb("train",
-            "Learn aperture patterns and the network together; docs/training.md explains the configuration, "
-            "whose keys "
-            "--set changes (--set seed=7, --set device=cuda).",
+            "Learn the aperture patterns and the network jointly. docs/training.md describes the configuration, whose "
+            "keys --set changes (--set seed=7, --set device=cuda).",
             "e2lf train configs/first-run.json -o runs/first");
   std::string config, run;
   ReportArguments reports;

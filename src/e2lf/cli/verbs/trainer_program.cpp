@@ -12,7 +12,7 @@
 namespace e2lf::cli {
 
 Result<void> become_trainer(std::vector<std::string> arguments, int threads) {
-  // What torch and its BLAS read; without it the trainer takes all cores.
+  // Read by torch and its BLAS; without it, the trainer uses all cores.
   if (threads > 0) ::setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
   std::error_code status;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", status);

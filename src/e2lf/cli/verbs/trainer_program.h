@@ -8,8 +8,8 @@
 
 namespace e2lf::cli {
 
-/// Becomes e2lf-train, the program beside this one that holds training: torch is loaded for it alone. `threads` as in
-/// CommonOptions. Returns only with kMissingDependency, when it is not there.
+/// Replaces this process by e2lf-train, the program in the same folder that contains training, so that only it loads
+/// torch. `threads` is as in CommonOptions. Returns only if that program is missing, with kMissingDependency.
 [[nodiscard]] Result<void> become_trainer(std::vector<std::string> arguments, int threads);
 
 }  // namespace e2lf::cli

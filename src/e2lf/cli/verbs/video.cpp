@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// e2lf video: a recording as frames
+// e2lf video: recording -> frames
 #include <chrono>
 #include <cstdio>
 #include <optional>
 
 #include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/file_kind.h"
@@ -23,6 +22,7 @@
 #include "e2lf/recon/video/event_video.h"
 #include "e2lf/recon/video/frame_tone.h"
 #include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -52,7 +52,8 @@ Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
   const int kinds =
       (arguments.window_us ? 1 : 0) + (arguments.window_events ? 1 : 0) + (arguments.window_triggers ? 1 : 0);
   if (kinds > 1) {
-    return Error{ErrorCode::kInvalidValue, "windows are by time, by count or between triggers; give one of the three",
+    return Error{ErrorCode::kInvalidValue,
+                 "windows are given by time, by count or by triggers; give only one of the three",
                  "--window-us, --window-events, --window-triggers"};
   }
   cycles::WindowOptions options;
@@ -72,10 +73,10 @@ Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
   return options;
 }
 
-/// Makes a picture of each window.
+/// Makes a frame from each window.
 class FrameMaker {
  public:
-  /// Of signed events: `full_scale` events more or less than none are white or black.
+  /// Makes frames from signed events: a surplus of `full_scale` ON or OFF events is white or black.
   FrameMaker(size_t height, size_t width, int full_scale)
       : height_(height), width_(width), full_scale_(static_cast<float>(full_scale)) {}
   FrameMaker(size_t height, size_t width, recon::EventVideo video, model::FrameTone tone)
@@ -97,7 +98,7 @@ class FrameMaker {
   }
 
   [[nodiscard]] bool has_network() const { return video_.has_value(); }
-  /// Seconds that voxel grids and the network took.
+  /// Returns the time that voxel grids and the network took, s.
   [[nodiscard]] double network_s() const { return network_s_; }
 
  private:
@@ -112,10 +113,10 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
                                     RunRecord& record) {
   if (arguments.is_plain || arguments.model.empty()) {
     if (arguments.is_plain && !arguments.model.empty()) {
-      return Error{ErrorCode::kInvalidValue, "plain frames need no model; leave out -m or --plain", "--plain"};
+      return Error{ErrorCode::kInvalidValue, "plain frames do not use a model; leave out -m or --plain", "--plain"};
     }
     if (arguments.tone != "auto") {
-      return Error{ErrorCode::kInvalidValue, "plain frames have one tone; leave it out or name a model with -m",
+      return Error{ErrorCode::kInvalidValue, "plain frames have a fixed tone; leave it out or name a model with -m",
                    "--tone"};
     }
     return FrameMaker(info.height, info.width, arguments.full_scale);
@@ -140,7 +141,7 @@ std::string frame_name(uint64_t number) {
   return cat("frame_", digits, ".png");
 }
 
-/// What was made.
+/// A summary of the result.
 struct VideoReport {
   uint64_t frames = 0, events = 0, empty = 0;
   std::string table = "frame,begin_us,end_us,events\n";
@@ -171,7 +172,7 @@ Error no_frame_error(const VideoArguments& arguments, const cycles::WindowReader
                 "others with --edge and --channel, or give --window-us"),
             input};
   }
-  return {ErrorCode::kInvalidValue, "there is no event, so there is no frame; check --from-us and --to-us", input};
+  return {ErrorCode::kInvalidValue, "there are no events, so there are no frames; check --from-us and --to-us", input};
 }
 
 Result<std::unique_ptr<recordings::RecordingReader>> open_input(const VideoArguments& arguments) {
@@ -183,8 +184,7 @@ Result<std::unique_ptr<recordings::RecordingReader>> open_input(const VideoArgum
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(arguments.input.string(), open));
   say_assumptions(*reader);
   if (reader->info().width == 0 || reader->info().height == 0) {
-    Error error{ErrorCode::kInvalidValue,
-                "the recording does not say how large the sensor is; give its width and height",
+    Error error{ErrorCode::kInvalidValue, "the recording does not state the sensor size; give its width and height",
                 arguments.input.string()};
     error.setting = Setting::kSensorSize;
     return error;
@@ -222,6 +222,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const VideoReport report, write_frames(arguments, windows, maker, output.path(), bar));
   hide_progress();
   warn_of_losses(arguments.input, windows.recording().summary());
+  verb.note_failed_input(windows.recording().summary().live.failure);
   if (report.frames == 0) return no_frame_error(arguments, windows);
   E2LF_RETURN_IF_ERROR(write_file(output.path() / "frames.csv", report.table));
   record.end_step("frames");
@@ -244,11 +245,11 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
 
 void add_window_options(CLI::App& app, VideoArguments& video) {
   app.add_option("--window-us", video.window_us,
-                 cat("a frame of so much time of events each; without any window: ", kDefaultWindowUs))
+                 cat("duration of the events of each frame; without any window: ", kDefaultWindowUs))
       ->check(whole_number(1));
-  app.add_option("--window-events", video.window_events, "a frame of so many events each")->check(whole_number(1));
-  app.add_flag("--window-triggers", video.window_triggers, "a frame of the events from one trigger to the next");
-  app.add_option("--edge", video.edge, "of the triggers: rising, falling, both")
+  app.add_option("--window-events", video.window_events, "number of events of each frame")->check(whole_number(1));
+  app.add_flag("--window-triggers", video.window_triggers, "make a frame of the events from each trigger to the next");
+  app.add_option("--edge", video.edge, "edge of the triggers: rising, falling or both")
       ->check(CLI::IsMember({"rising", "falling", "both"}))
       ->capture_default_str();
   app.add_option("--channel", video.channel, "trigger input; default: all");
@@ -257,32 +258,33 @@ void add_window_options(CLI::App& app, VideoArguments& video) {
 }  // namespace
 
 int run_video(const std::vector<std::string>& arguments) {
-  Verb verb(
-      "video",
-      "Make grey frames of a recording, with a network that remembers the frames before, or plainly of the signed "
-      "events. Constant memory.",
-      "e2lf video recording.raw -m firenet.safetensors -o out/frames --window-us 20000");
+  Verb verb("video",
+            "Make grey frames from a recording, with a recurrent network or as sums of the signed events. Needs "
+            "constant memory.",
+            "e2lf video recording.raw -m firenet.safetensors -o out/frames --window-us 20000");
   VideoArguments video;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", video.input, "recording of events")->required();
   app.add_option("-o,--output", video.output, "folder to write: frame_000000.png ..., frames.csv, run.json")
       ->required();
-  app.add_option("-m,--model", video.model,
-                 "network that makes frames (`e2lf model import --checkpoint`); without one, plain frames");
-  app.add_flag("--plain", video.is_plain, "frames of signed events: grey = as many ON as OFF, white = more ON");
+  app.add_option(
+      "-m,--model", video.model,
+      "network that reconstructs frames (`e2lf model import --checkpoint`); without one, plain frames are made");
+  app.add_flag("--plain", video.is_plain,
+               "sums of signed events: grey for equally many ON and OFF events, white for more ON");
   add_window_options(app, video);
   app.add_option("--tone", video.tone,
-                 "range of the network's frames: auto (as the model says), none, robust (1 % and 99 % of the pixels to "
-                 "black and white), standard (the extremes), exp-robust")
+                 "tone of the network's frames: auto (as the model states), none, robust (1 % and 99 % of the pixels "
+                 "become black and white), standard (the extremes do) or exp-robust")
       ->check(CLI::IsMember({"auto", "none", "robust", "standard", "exp-robust"}))
       ->capture_default_str();
-  app.add_option("--full-scale", video.full_scale, "plain frames: so many ON events more than OFF are white")
+  app.add_option("--full-scale", video.full_scale, "plain frames: surplus of ON events that is white")
       ->check(whole_number(1, 1000000))
       ->capture_default_str();
   app.add_option("--precision", video.precision, "arithmetic of the network: float32 or bfloat16")
       ->check(CLI::IsMember({"float32", "bfloat16"}))
       ->capture_default_str();
-  app.add_option("--max-frames", video.max_frames, "stop after so many; 0 = all")->capture_default_str();
+  app.add_option("--max-frames", video.max_frames, "largest number of frames; 0 = all")->capture_default_str();
   add_recording_options(app, video.recording, kRecordingOptions);
   verb.stop_gently();
   return verb.run(arguments, [&] { return make_video(video, verb); });

@@ -2,10 +2,8 @@
 // e2lf view: serves the viewer to a browser, or writes it as one HTML file
 #include <cstdio>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_images.h"
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/disparity_input.h"
 #include "e2lf/cli/flags/file_kind.h"
@@ -15,6 +13,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/page.h"
 #include "e2lf/view/recording_item.h"
 #include "e2lf/view/server.h"
@@ -32,13 +31,14 @@ struct ViewArguments {
   CycleFlags cycles;
 };
 
-/// A light field of the document, to compare it with others.
+/// A light field of the document, for the comparison with others.
 struct Shown {
   size_t item = 0;
   std::shared_ptr<view::LightFieldCycles> cycles;
 };
 
-/// What a thing is called on its tab: the end of its path, with its folder where the end alone says little.
+/// Returns the name of an item on its tab: the last part of its path, with the folder if that part alone is not
+/// distinctive.
 std::string name_of(const fs::path& path) {
   const fs::path whole = (path.has_filename() ? path : path.parent_path()).lexically_normal();
   const fs::path folder = whole.parent_path().filename();
@@ -62,7 +62,7 @@ class DocumentMaker {
         return add_event_images(path);
       case FileKind::kImages:
         return Error{ErrorCode::kUnsupported,
-                     "the viewer shows no measurement with intensity images; reconstruct a light field of it",
+                     "the viewer does not show measurements with intensity images; reconstruct a light field from it",
                      path.string()};
       case FileKind::kLightField:
       case FileKind::kCycles:
@@ -72,12 +72,12 @@ class DocumentMaker {
       case FileKind::kTrainingRun:
       case FileKind::kDisplay:
       case FileKind::kResults:
-        return other_kind_error(path, kind, "something that can be seen");
+        return other_kind_error(path, kind, "something that the viewer can show");
     }
     return add_recording(path);
   }
 
-  /// Compares every light field with the first one of its shape.
+  /// Compares every light field with the first one of the same shape.
   Result<void> compare() {
     for (size_t second = 1; second < light_fields_.size(); ++second) {
       for (size_t first = 0; first < second; ++first) {
@@ -89,10 +89,11 @@ class DocumentMaker {
     return {};
   }
 
-  /// Lays a disparity map over the first light field.
+  /// Adds a disparity map to the first light field.
   Result<void> add_disparity(const fs::path& path) {
     if (light_fields_.empty()) {
-      return Error{ErrorCode::kInvalidValue, "a disparity map is shown on a light field; give one, too", "--disparity"};
+      return Error{ErrorCode::kInvalidValue, "a disparity map is shown over a light field; also give a light field",
+                   "--disparity"};
     }
     const Shown& shown = light_fields_.front();
     E2LF_ASSIGN_OR_RETURN(const DisparityMaps found, read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
@@ -111,10 +112,7 @@ class DocumentMaker {
 
   Result<void> add_event_images(const fs::path& path) {
     E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
-    std::optional<capture::Codes> codes;
-    if (file.codes) {
-      E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_npy(*file.codes, path.string()));
-    }
+    const std::optional<capture::Codes>& codes = file.setup.codes;
     document_.add_event_images(name_of(path), file.cycles, codes ? &*codes : nullptr);
     return {};
   }
@@ -197,7 +195,7 @@ Result<void> serve(const ViewArguments& arguments, const Verb& verb) {
   if (verb.common().json) {
     std::printf("%s\n", Json{{"url", server.url()}}.dump().c_str());
   } else {
-    std::printf("open %s in a browser; Ctrl-C ends\n", server.url().c_str());
+    std::printf("open %s in a browser; press Ctrl-C to end\n", server.url().c_str());
   }
   std::fflush(stdout);
   return server.run();
@@ -207,22 +205,22 @@ Result<void> serve(const ViewArguments& arguments, const Verb& verb) {
 
 int run_view(const std::vector<std::string>& arguments) {
   Verb verb("view",
-            "Look at light fields, folders of cycles, event images, recordings and models in a browser. Two light "
-            "fields of one shape are compared; the first one is the truth.",
+            "Show light fields, folders of cycles, event images, recordings and models in a browser. Two light fields "
+            "of the same shape are compared; the first one is the ground truth.",
             "e2lf view out/demo/scene out/demo/recon");
   ViewArguments view_arguments;
   verb.app()
-      .add_option("things", view_arguments.things, "files and folders to look at, or bundled models")
+      .add_option("things", view_arguments.things, "files and folders to show, or bundled models")
       ->required()
       ->type_name(kThingType);
   verb.app().add_option("--disparity", view_arguments.disparity,
-                        "disparity map to lay over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
-  verb.app().add_option("--export", view_arguments.page, "write one HTML file with all data in it; serve nothing");
+                        "disparity map to show over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
+  verb.app().add_option("--export", view_arguments.page, "write a self-contained HTML file instead of serving");
   verb.app()
-      .add_option("--port", view_arguments.port, "of 127.0.0.1 to serve on; 0 = a free one")
+      .add_option("--port", view_arguments.port, "port of 127.0.0.1 to serve on; 0 = any free one")
       ->capture_default_str();
   verb.app()
-      .add_option("--frames", view_arguments.frames, "recordings: how many pictures over time")
+      .add_option("--frames", view_arguments.frames, "recordings: number of images over time")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   add_light_field_options(verb.app(), view_arguments.light_field, /*has_views=*/true);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// e2lf view, reconstruct --view and the page of the demo in a build without the viewer
+// e2lf view, reconstruct --view and the pages of the demo and of e2lf live in a build without the viewer
 #include "e2lf/cli/output/comparison_page.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/live_page.h"
 #include "e2lf/cli/verbs/live_view.h"
 
 namespace e2lf::cli {
@@ -42,8 +43,25 @@ Result<void> LiveView::finish() {
   return {};
 }
 
+class LivePage::Impl {};
+LivePage::LivePage(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LivePage::LivePage(LivePage&&) noexcept = default;
+LivePage::~LivePage() = default;
+
+Result<LivePage> LivePage::start(live::Session& /*session*/, FineMethod /*fine*/, uint16_t /*port*/) {
+  return no_viewer();
+}
+
+std::string LivePage::url() const {
+  return "";
+}
+
+Result<void> LivePage::finish() {
+  return {};
+}
+
 int run_view(const std::vector<std::string>& arguments) {
-  Verb verb("view", "Look at light fields, events, recordings and models in a browser. This build has no viewer.",
+  Verb verb("view", "Show light fields, events, recordings and models in a browser. This build has no viewer.",
             "./run e2lf view out/demo/recon");
   verb.app().allow_extras();
   return verb.run(arguments, []() -> Result<void> { return no_viewer(); });

@@ -19,12 +19,12 @@ int64_t scene_stride(const DataConfig& data) {
   return static_cast<int64_t>(std::max<uint64_t>(1, data.patch_stride));
 }
 
-/// How many patches begin along `length` px.
+/// Returns the number of patch positions along `length` px.
 uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
   return static_cast<uint64_t>((length - patch) / stride + 1);
 }
 
-/// The camera with each constant somewhere within its uncertainty, and a transmission for every lit pattern.
+/// Draws each constant of the camera from its uncertainty, and sets a transmission for every active pattern.
 capture::SensorProfile draw_camera(capture::SensorProfile camera, const SensorConfig& sensor, size_t num_codes,
                                    Draws& draws) {
   const double spread = draws.chance(sensor.camera_nominal_share) ? 0.0 : sensor.camera_spread;
@@ -44,8 +44,8 @@ capture::SensorProfile draw_camera(capture::SensorProfile camera, const SensorCo
   return camera;
 }
 
-/// A better camera than the stated one: each of its faults is as it was, with even chances, or down to none.
-/// Rates are up to 1000 times as high, which is no lag at all.
+/// Draws a camera that is better than the stated one: each group of its imperfections is unchanged with probability
+/// 1/2, and is otherwise reduced, down to none. Rates increase by a factor of up to 1000, which leaves no lag.
 capture::SensorProfile draw_wide(capture::SensorProfile camera, Draws& draws) {
   using enum capture::PixelConstant;
   const auto scale = [&](std::initializer_list<capture::PixelConstant> names, double factor) {
@@ -58,7 +58,8 @@ capture::SensorProfile draw_wide(capture::SensorProfile camera, Draws& draws) {
   return camera;
 }
 
-/// What black and the lit patterns pass at one place of the field, which differs from what the camera file tells.
+/// Draws the transmissions of black and of the active patterns at one position of the image; they deviate from those
+/// that the network receives.
 std::vector<float> draw_field(const std::vector<float>& told, double spread, Draws& draws) {
   std::vector<float> passed = {1.0F};
   for (const float share : told)
@@ -107,7 +108,7 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
   return batches;
 }
 
-/// Light fields that no step trains on, large enough for an evaluation.
+/// Synthesises light fields that are not used for training and are large enough for an evaluation.
 void Batches::synthesise_validation() {
   constexpr uint64_t kScenes = 2;
   SynthesiserOptions options = config_.data.synthesiser;
@@ -169,7 +170,7 @@ Batches::Conditions Batches::random_conditions(Draws& draws) const {
     const bool full = draws.chance(sensor.full_gain_share);
     const auto drawn_gain = static_cast<float>(draws.log_uniform(sensor.gain[0], sensor.gain[1]));
     gain.push_back(full ? 1.0F : drawn_gain);
-    // Half of them whole thresholds, as the change to black leaves them, the others any part of one.
+    // Half of the residues are one threshold, as the change to black leaves them, the others a fraction of one.
     const double thresholds = std::min(1.0, draws.uniform(0.0, 2.0));
     residue.push_back(draws.chance(sensor.residue_share) && !nominal ? static_cast<float>(thresholds) : 0.0F);
   }
@@ -182,7 +183,8 @@ Batches::Conditions Batches::random_conditions(Draws& draws) const {
            on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
 }
 
-/// Of the paper's models; apply_camera() replaces those of physical pixels. One pattern alone makes no events.
+/// Sets the conditioning vectors of the paper's models; apply_camera() replaces those of physical pixels. A single
+/// pattern has no events and no conditioning.
 void Batches::tell_traits(Conditions& conditions) const {
   if (config_.patterns.num_patterns < 2) {
     conditions.constants.conditioning = torch::zeros({conditions.gain.size(0), 0}, torch::device(device_));
@@ -202,8 +204,8 @@ void Batches::tell_traits(Conditions& conditions) const {
   conditions.constants.conditioning = torch::stack(rows).to(device_);
 }
 
-/// Makes a share of the samples ones of the camera, its constants drawn from what they may be. Has draws of its own,
-/// so that runs without a camera see what they always saw.
+/// Replaces a share of the samples by samples of the camera, whose constants are drawn from their uncertainties. Uses
+/// its own stream of random numbers, so that runs without a camera are not affected.
 void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
   const SensorConfig& sensor = config_.sensor;
   const size_t num_patterns = config_.patterns.num_patterns;
@@ -259,7 +261,7 @@ Batch Batches::at(uint64_t step, Share share) {
   }
   if (noise.w.defined()) batch.noise = {own(noise.w), own(noise.z), own(residue)};
   if (noise.image.defined()) batch.noise.image = own(noise.image);
-  // Stacked with the views last in memory, which is how they and the network's result are used.
+  // Stacked with the views last in memory, the layout in which they and the output of the network are used.
   for (auto& field : patches) field = field.permute({1, 2, 0});
   batch.light_field = torch::stack(std::vector(patches.begin() + first, patches.begin() + first + length))
                           .to(torch::kFloat)

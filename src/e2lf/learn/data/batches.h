@@ -14,34 +14,38 @@
 namespace e2lf::learn {
 
 struct Batch {
-  torch::Tensor light_field;  ///< float32 [batch, 64, patch, patch], already darkened by `gain`
+  torch::Tensor light_field;  ///< float32 [batch, 64, patch, patch], already multiplied by `gain`
   torch::Tensor gain;         ///< float32 [batch]
   SampleConstants constants;
   SensorNoise noise;
 };
 
-/// Which samples of every batch a process trains on: share `rank` of `size` equal ones.
+/// The part of every batch on which a process trains: part `rank` of `size` equal ones.
 struct Share {
   int rank = 0, size = 1;
 };
 
-/// Training samples. What step k gets depends only on the configuration and k, so a resumed run sees the same data.
+/// Training samples. The batch of step k depends only on the configuration and k, so that a resumed run sees the same
+/// data.
 class Batches {
  public:
-  /// Trains on every scene of the data that is neither validation nor excluded. Fails with kInvalidValue when there is
-  /// nothing to train on, kNotFound when a named scene is not in the data, and as read_camera().
+  /// Selects for training every scene of the data that is neither a validation scene nor excluded. Fails with
+  /// kInvalidValue (nothing to train on, or a camera that cannot be trained with), kNotFound (a named scene is not in
+  /// the data), and as read_camera() does.
   [[nodiscard]] static Result<Batches> create(const Config& config, Dataset dataset, torch::Device device);
 
-  /// A share of the batch of a step; the shares make up the batch whatever their number. The batch size must be a
-  /// multiple of share.size. Steps in increasing order are fast: the pool of synthesised light fields moves along.
+  /// Returns a share of the batch of a step. The batch does not depend on the number of shares. The batch size must be
+  /// a multiple of share.size. Steps are best requested in increasing order, because the pool of synthesised light
+  /// fields advances with them.
   [[nodiscard]] Batch at(uint64_t step, Share share = {});
 
   [[nodiscard]] const Dataset& dataset() const { return dataset_; }
 
-  /// The scenes to evaluate: those of data.validation, or without any two light fields of the synthesiser.
+  /// Returns the names of the scenes for evaluation: those of data.validation, or two synthesised light fields if there
+  /// are none.
   [[nodiscard]] const std::vector<std::string>& validation() const { return config_.data.validation; }
 
-  /// The camera of sensor.camera; nothing where none is named.
+  /// Returns the camera of sensor.camera, or nothing if none is set.
   [[nodiscard]] const std::optional<capture::SensorProfile>& camera() const { return camera_; }
 
  private:
@@ -53,7 +57,7 @@ class Batches {
   [[nodiscard]] torch::Tensor random_patch(Draws& draws) const;
 
   struct Conditions {
-    torch::Tensor gain, residue;  // [batch]; the latter in thresholds, at most
+    torch::Tensor gain, residue;  // [batch]; the residue is the upper limit for the sample, in thresholds
     SampleConstants constants;
   };
   [[nodiscard]] Conditions random_conditions(Draws& draws) const;
@@ -64,9 +68,10 @@ class Batches {
   std::optional<capture::SensorProfile> camera_;
   Dataset dataset_;
   torch::Device device_;
-  std::vector<size_t> scenes_;             // indices of those to train on
-  std::vector<double> cumulative_places_;  // of patches in the scenes: all are equally likely
-  uint64_t pool_end_ = 0;                  // number of light fields synthesised since step 0
+  std::vector<size_t> scenes_;  // indices of the scenes for training
+  std::vector<double>
+      cumulative_places_;  // number of patch positions up to each scene; all positions are equally likely
+  uint64_t pool_end_ = 0;  // number of light fields synthesised since step 0
   std::deque<torch::Tensor> pool_;
 };
 

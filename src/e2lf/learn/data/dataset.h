@@ -20,20 +20,20 @@ struct Dataset {
   std::vector<torch::Tensor> textures;  ///< uint8 [y, x]
   std::vector<Scene> scenes;
 
-  /// The scene of that name. Fails with kNotFound and the nearest name.
+  /// Returns the scene with this name. Fails with kNotFound, suggesting the nearest name.
   [[nodiscard]] Result<const Scene*> find(const std::string& name) const;
 };
 
-/// Reads a file made by `e2lf pack` (an empty path: no data, procedural textures only): tensors "texture/<name>" U8 [y,
-/// x] and "lightfield/<name>" U8 [8, 8, y, x]. An empty path: no data. Fails with kFormat and kShape, naming the
-/// tensor.
+/// Reads a file made by `e2lf pack`: tensors "texture/<name>" U8 [y, x] and "lightfield/<name>" U8 [8, 8, y, x]. If the
+/// path is empty, returns an empty data set, so that only procedural textures are used. Fails with kFormat and kShape,
+/// naming the tensor.
 [[nodiscard]] Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device);
 
-/// [64, y, x] with the views of a pixel beside each other in memory, as training reads them.
+/// Returns `views` [64, y, x] in a memory layout in which the views of a pixel are adjacent, as training reads them.
 [[nodiscard]] torch::Tensor views_last(const torch::Tensor& views);
 
-/// One of the eight symmetries of a light field, jointly over views and pixels: bit 0 flips y, bit 1 flips x, bit 2
-/// transposes. views: [64, y, x] of any type; the result's views are last in memory.
+/// Applies one of the eight symmetries of a light field jointly to views and pixels: bit 0 flips y, bit 1 flips x, and
+/// bit 2 transposes. `views` is [64, y, x] of any type; in the result the views are last in memory.
 [[nodiscard]] torch::Tensor transform_views(const torch::Tensor& views, unsigned symmetry);
 
 }  // namespace e2lf::learn

@@ -7,7 +7,7 @@
 
 namespace e2lf::learn {
 
-/// Scalar draws one after another from one stream of a counter-based generator.
+/// Draws scalars one after another from one stream of a counter-based generator.
 class Draws {
  public:
   Draws(uint64_t seed, uint64_t stream) : rng_(seed, stream) {}
@@ -24,7 +24,7 @@ class Draws {
   uint64_t next_ = 0;
 };
 
-/// A seed for torch's generator that differs for every (seed, purpose, index).
+/// Returns a seed for torch's generator that differs for every (seed, purpose, index).
 [[nodiscard]] inline uint64_t mix_seed(uint64_t seed, uint64_t purpose, uint64_t index) {
   const auto words = CounterRng(seed, (purpose << 56) ^ index).bits(~uint64_t{0});
   return (uint64_t{words[0]} << 32) | words[1];

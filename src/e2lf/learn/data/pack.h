@@ -10,8 +10,8 @@
 namespace e2lf::learn {
 
 struct PackOptions {
-  std::vector<std::filesystem::path> light_fields = {};  ///< files or folders of any kind that `lightfield` reads
-  std::vector<std::filesystem::path> textures = {};      ///< pictures, or folders searched for .png, .jpg and .jpeg
+  std::vector<std::filesystem::path> light_fields = {};  ///< files or folders of any kind that read_light_field() reads
+  std::vector<std::filesystem::path> textures = {};  ///< images, or folders that are searched for .png, .jpg and .jpeg
   bool overwrite = false;
 };
 
@@ -20,10 +20,11 @@ struct PackSummary {
   size_t bytes = 0;  ///< of the pixels
 };
 
-/// Puts light fields and photographs into one .safetensors file, 8-bit grey, for training on any machine:
+/// Packs light fields and photographs into one .safetensors file, 8-bit grey, for training on any machine:
 /// "lightfield/<name>" U8 [8, 8, y, x] and "texture/<folder>/<name>" U8 [y, x], named after the files without their
-/// extension. Of more than 8x8 views the central ones are taken. Does not need torch. Fails with kExists,
-/// kInvalidValue (two inputs of one name, a picture below 64x64 px, nothing to pack) and as the readers do.
+/// extensions. If a light field has more than 8x8 views, the central ones are taken. Does not require torch. Fails with
+/// kExists, kInvalidValue (two inputs with the same name, an image smaller than 64x64 px, or nothing to pack) and as
+/// the readers do.
 [[nodiscard]] Result<PackSummary> pack(const std::filesystem::path& output, const PackOptions& options,
                                        const ProgressFn& progress = {});
 

@@ -9,22 +9,22 @@
 
 namespace e2lf::learn {
 
-/// A light field or photograph of packed data.
+/// A light field or photograph of the packed data.
 struct PackedPicture {
   std::string name;
-  Tensor pixels;  ///< U8; [8, 8, y, x] of a light field, [y, x] of a photograph
+  Tensor pixels;  ///< U8; [8, 8, y, x] for a light field, [y, x] for a photograph
 };
 
-/// What a file made by `e2lf pack` holds. Does not need torch.
+/// The content of a file made by `e2lf pack`. Does not require torch.
 struct PackedData {
   std::vector<PackedPicture> light_fields, textures;
 };
 
-/// True if a tensor is named as `e2lf pack` names them: "lightfield/..." or "texture/...".
+/// Returns whether any tensor has a name of the form "lightfield/..." or "texture/...", as `e2lf pack` writes them.
 [[nodiscard]] bool is_packed_data(const Safetensors& file);
 
-/// Sorts the tensors of a file by what they are. `location` names the file in errors. Fails with kFormat for a tensor
-/// that is neither or not U8, and with kShape, naming the tensor.
+/// Separates the tensors of a file into light fields and textures. `location` names the file in errors. Fails with
+/// kFormat (a tensor that is neither, or not U8) and with kShape, naming the tensor.
 [[nodiscard]] Result<PackedData> sort_packed_data(Safetensors file, const std::string& location);
 
 }  // namespace e2lf::learn

@@ -26,7 +26,7 @@ torch::Tensor smooth_noise(int64_t side, double feature_px, torch::Device device
   return map / (map.std() + 1e-3);
 }
 
-/// A field in px across a line: distance from it, along a random direction.
+/// Returns the signed distance of each pixel from a line of random direction, px.
 torch::Tensor distance_from_line(const Coordinates& at, double offset_px, Draws& draws) {
   const double angle = draws.uniform(0, 2 * std::numbers::pi);
   return at.x * std::cos(angle) + at.y * std::sin(angle) + offset_px;
@@ -38,7 +38,7 @@ torch::Tensor stripes(const Coordinates& at, double period_px, double duty, Draw
   return (0.5 * duty - (phase - 0.5).abs()) * period_px;  // px inside a stripe
 }
 
-/// A field of arbitrary units divided by its mean slope, which turns it into px near its edges.
+/// Divides a field of arbitrary units by its mean slope, so that its values near its edges are in px.
 torch::Tensor in_px(const torch::Tensor& field) {
   const auto slope = field.diff(1, 0).abs().mean() + field.diff(1, 1).abs().mean();
   return field / (0.7 * slope + 1e-6);
@@ -48,8 +48,8 @@ torch::Tensor random_tone(const torch::Tensor& texture, Draws& draws) {
   return texture.clamp(0.0, 1.0).pow(draws.log_uniform(0.7, 2.0));
 }
 
-/// A tone that changes slowly over the surface. Without noise such surfaces give bands of equal counts, whose edges
-/// tell the tone between them; photographs are too rough to teach that.
+/// Returns a tone that varies slowly over the surface. Without noise, such surfaces cause bands of equal counts, whose
+/// edges determine the tone between them. Photographs are too rough to teach this.
 torch::Tensor smooth_shading(int64_t side, Draws& draws, torch::Device device) {
   const double tone = draws.log_uniform(0.05, 0.8);
   const auto shape = smooth_noise(side, draws.log_uniform(20, 200), device);
@@ -61,7 +61,7 @@ torch::Tensor smooth_shading(int64_t side, Draws& draws, torch::Device device) {
 torch::Tensor photo_texture(const std::vector<torch::Tensor>& photos, int64_t side, Draws& draws) {
   const auto& photo = photos[draws.below(photos.size())];
   const auto height = photo.size(0), width = photo.size(1);
-  // Nearly always reduced, which makes them sharp to the pixel; at their own size photographs seldom are.
+  // Nearly always reduced in size, which makes them sharp at the pixel level; at full size photographs seldom are.
   const auto wanted = static_cast<int64_t>(static_cast<double>(side) * draws.log_uniform(0.9, 3.0));
   const auto crop = std::min({wanted, height, width});
   const auto y = static_cast<int64_t>(draws.below(static_cast<uint64_t>(height - crop + 1)));

@@ -14,14 +14,15 @@ namespace {
 constexpr int64_t kViewsPerSide = 8;
 constexpr double kCentralView = 3.5;
 
-/// Where each ray meets a plane: sampling positions [64, size, size, 2] (x, y) for grid_sample into a map of `side`.
+/// Returns the points where the rays meet a plane, as sampling positions [64, size, size, 2] (x, y) of grid_sample in a
+/// map of `side` px.
 torch::Tensor ray_positions(const Plane& plane, int64_t size, int64_t side, torch::Device device) {
   const auto options = torch::device(device).dtype(torch::kFloat);
   const auto pixel = torch::arange(size, options) - 0.5 * static_cast<double>(size - 1);
   const auto view = torch::arange(kViewsPerSide, options) - kCentralView;
   const auto y = pixel.view({1, 1, size, 1}), x = pixel.view({1, 1, 1, size});
   const auto view_y = view.view({kViewsPerSide, 1, 1, 1}), view_x = view.view({1, kViewsPerSide, 1, 1});
-  // A point q of the central picture appears at p = q + view * d(q) with d(q) = centre + slope . q; solved for d.
+  // A point q of the central view appears at p = q + view * d(q) with d(q) = centre + slope . q; solved for d.
   const auto tilt = plane.slope_y * view_y + plane.slope_x * view_x;
   const auto disparity = (plane.centre + plane.slope_y * y + plane.slope_x * x) / (1.0 + tilt);
   const double unit = 2.0 / static_cast<double>(side);
@@ -31,7 +32,7 @@ torch::Tensor ray_positions(const Plane& plane, int64_t size, int64_t side, torc
       .flatten(0, 1);
 }
 
-/// maps [channels, side, side] seen through all views: [64, channels, size, size].
+/// Samples maps [channels, side, side] for all views: [64, channels, size, size].
 torch::Tensor project(const torch::Tensor& maps, const torch::Tensor& positions) {
   return at::grid_sampler_2d(maps.unsqueeze(0).expand({positions.size(0), -1, -1, -1}), positions,
                              /*interpolation_mode=bicubic*/ 2, /*padding_mode=border*/ 1, /*align_corners=*/false);
@@ -49,7 +50,7 @@ void require_surfaces(const std::vector<Surface>& surfaces) {
 }
 
 #if E2LF_LEARN_KERNELS
-/// A surface's two maps side by side, continued over the border, as render_view() takes them.
+/// Returns the two maps of a surface side by side and extended beyond the border, as render_view() expects them.
 torch::Tensor interleave(const Surface& surface) {
   const auto coverage = surface.coverage.defined() ? surface.coverage : torch::ones_like(surface.brightness);
   const auto maps = torch::stack({surface.brightness, coverage}).unsqueeze(0);

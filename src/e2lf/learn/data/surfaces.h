@@ -6,26 +6,28 @@
 
 namespace e2lf::learn {
 
-/// Disparity over the central picture: centre + slope . (position - centre of the picture), px per view step.
+/// The disparity of a plane in the central view: centre + slope . (position - centre of the image), px per view step.
 struct Plane {
   double centre = 0, slope_y = 0, slope_x = 0;
 };
 
-/// A textured plane; maps are float32 [side, side] around the centre of the picture.
+/// A textured plane. The maps are float32 [side, side] around the centre of the image.
 struct Surface {
   Plane plane;
   torch::Tensor brightness;
-  torch::Tensor coverage;  ///< in [0, 1], clamped after sampling; undefined: everywhere
+  torch::Tensor coverage;  ///< in [0, 1], clamped after interpolation; if undefined, the surface covers everything
 };
 
-/// What the 8x8 views see of surfaces given back to front: float32 [64, size, size], a little beyond the range of the
-/// maps where interpolation overshoots. The first surface, and no other, has no coverage; all maps have one size and
-/// device, else the contract is broken. Maps are sampled bicubically (bilinear interpolation takes the finest detail
-/// away wherever a view looks between pixels, and cameras do not); beyond their border they repeat it. On CPUs by
-/// render_view() where it was built, on all threads; else the reference.
+/// Renders the 8x8 views of surfaces that are ordered back to front: float32 [64, size, size], slightly beyond the
+/// range of the maps where the interpolation overshoots. The first surface, and only the first, has no coverage map;
+/// all maps must have the same size and device, or the contract is broken. Maps are interpolated bicubically, because
+/// bilinear interpolation blurs the finest detail wherever a view samples between pixels, and cameras do not. Beyond
+/// the border, the values at the border are repeated. On CPUs, render_view() does the work on all threads if it was
+/// built; otherwise views_of_reference() does.
 [[nodiscard]] torch::Tensor views_of(const std::vector<Surface>& surfaces, int64_t size);
 
-/// The same in torch's own operations, on any device; render_view() differs from it by 0.002 at most on white noise.
+/// Renders the same views with torch operations, on any device. render_view() differs from it by at most 0.002 on white
+/// noise.
 [[nodiscard]] torch::Tensor views_of_reference(const std::vector<Surface>& surfaces, int64_t size);
 
 }  // namespace e2lf::learn

@@ -12,7 +12,8 @@ namespace e2lf::learn {
 namespace {
 
 constexpr double kFarthestView = 3.5;  // view steps from the centre of the 8x8 grid
-/// Shares of the largest disparity that a scene keeps to, equally often; the least is the depth of a plenoptic camera.
+/// Fractions of the largest disparity that limit a scene, with equal probability. The smallest corresponds to the depth
+/// range of a plenoptic camera.
 constexpr std::array kDepths = {0.3, 0.65, 1.0};
 
 Plane random_plane(double low, double high, const SynthesiserOptions& options, Draws& draws) {

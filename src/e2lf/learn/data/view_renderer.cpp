@@ -15,11 +15,12 @@
 #define E2LF_LEARN_VIEW_RENDERER_ONCE
 namespace e2lf::learn {
 
-constexpr uint32_t kSteps = 1024;       // positions between two pixels that are told apart
-constexpr float kHidden = 1.0F / 1024;  // the share of light from behind that makes no grey level
-constexpr size_t kTaps = 8;             // four neighbours of two maps side by side
+constexpr uint32_t kSteps = 1024;       // number of distinct positions between two pixels
+constexpr float kHidden = 1.0F / 1024;  // share of light from behind that is below a grey level
+constexpr size_t kTaps = 8;             // four neighbours of two interleaved maps
 
-/// Weights of four neighbours at `t` in [0, 1] behind the second: Keys' cubic with a = -0.75, as torch has it.
+/// Returns the weights of four neighbours for a position `t` in [0, 1] after the second: Keys' cubic with a = -0.75, as
+/// in torch.
 inline std::array<float, 4> cubic_weights(float t) {
   constexpr float a = -0.75F;
   const auto near = [](float x) { return ((a + 2.0F) * x - (a + 3.0F)) * x * x + 1.0F; };
@@ -27,7 +28,7 @@ inline std::array<float, 4> cubic_weights(float t) {
   return {far(t + 1.0F), near(t), near(1.0F - t), far(2.0F - t)};
 }
 
-/// The weights at every position that is told apart, each twice: for both maps.
+/// The weights of every distinct position, each twice, for both maps.
 struct alignas(64) WeightTable {
   float at[kSteps][kTaps];
 
@@ -39,7 +40,7 @@ struct alignas(64) WeightTable {
   }
 };
 
-/// A plane along one row of a view: positions in its maps go in equal steps.
+/// The rays of one row of a view: positions in the maps of a plane at equal steps.
 struct RowOfRays {
   float y, x, step_y, step_x;
 };
@@ -66,7 +67,7 @@ namespace e2lf::learn::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A position in steps of 1 / kSteps px from one px before the map, where its border has begun.
+/// Converts a position to steps of 1 / kSteps px from one px before the map, where its border has begun.
 HWY_INLINE uint32_t in_steps(float position, float side) {
   return static_cast<uint32_t>((std::clamp(position, -1.0F, side) + 1.0F) * kSteps + 0.5F);
 }

@@ -13,14 +13,15 @@ constexpr int64_t kViewsPerSide = 8, kViews = 64;
 constexpr double kStartAmplitude = 0.4, kStartRadius = 2.0;
 constexpr double kMinThreshold = 0.01;  // as in the released simulator
 
-/// Positive within kStartRadius cells of a point, negative outside, soft: the start of a pattern [views].
+/// Returns the initial parameters of a pattern, [views]: a smooth function that is positive within kStartRadius cells
+/// of the centre and negative outside.
 torch::Tensor soft_disc(const torch::Tensor& centre) {
   const auto cells = torch::arange(kViewsPerSide, torch::kFloat);
   const auto distance = (cells - centre[0]).square().unsqueeze(1) + (cells - centre[1]).square().unsqueeze(0);
   return (kStartAmplitude * (1.0 - distance / (kStartRadius * kStartRadius)).clamp_min(-1.0)).reshape({kViews});
 }
 
-/// A random point of the aperture that keeps away from earlier ones: the best of a few candidates.
+/// Returns a random point of the aperture that is far from earlier ones: the best of a few candidates.
 torch::Tensor distant_point(const std::vector<torch::Tensor>& earlier) {
   torch::Tensor best;
   double best_distance = -1;
@@ -123,7 +124,7 @@ SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device) {
 SensorNoise draw_noise(capture::MeasurementKind measurement, int64_t batch, int64_t num_patterns, int64_t height,
                        int64_t width, torch::Device device) {
   SensorNoise noise;
-  // Events first: measurements that have no images draw what they always drew.
+  // Events are drawn first, so that measurements without images have the same noise as before images were added.
   if (capture::has_events(measurement)) noise = draw_noise({batch, num_patterns - 1, height, width}, device);
   const auto images = static_cast<int64_t>(capture::num_images(measurement, static_cast<size_t>(num_patterns)));
   if (images > 0) noise.image = torch::randn({batch, images, height, width}, torch::device(device));
@@ -157,7 +158,7 @@ torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleCons
     const auto now = log_intensity.select(1, n);
     const auto threshold = (constants.tau + constants.sigma_z * noise.z.select(1, n - 1)).clamp_min(kMinThreshold);
     const auto steps = (now - reference + constants.sigma_w * noise.w.select(1, n - 1)) / threshold;
-    // Straight through: the value is rounded toward zero, the gradient is that of `steps`.
+    // Straight-through estimator: the value is rounded toward zero, the gradient is that of `steps`.
     events.push_back(steps + (steps.trunc() - steps).detach());
     reference = reference_aware ? reference + constants.tau * events.back() : now;
   }

@@ -6,7 +6,7 @@
 namespace e2lf::learn {
 namespace {
 
-/// Sign of the last transition that changed anything, so far; 0 before the first.
+/// Returns the sign of the last non-zero count up to each transition, or 0 before the first.
 torch::Tensor last_change(const torch::Tensor& events) {
   std::vector<torch::Tensor> signs;
   for (int64_t k = 0; k < events.size(1); ++k) {
@@ -16,7 +16,7 @@ torch::Tensor last_change(const torch::Tensor& events) {
   return torch::stack(signs, 1);
 }
 
-/// The views of a lens-array image, between the centres of lenses bilinear.
+/// Computes the views of a lens-array image by bilinear interpolation between the centres of the lenses.
 torch::Tensor lens_views(const torch::Tensor& image) {
   namespace functional = torch::nn::functional;
   const std::vector<int64_t> size = {image.size(2), image.size(3)};
@@ -41,8 +41,8 @@ torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::
       case model::InputKind::kIntensity: {
         const auto eps = constants.eps.unsqueeze(1), tau = constants.tau.unsqueeze(1);
         const auto level = events.cumsum(1) + 0.5 * last_change(events);
-        // A coded intensity is at most 1: the exponential of a noisy count must not swamp its neighbours. Limiting the
-        // exponent instead of the result keeps the gradient finite.
+        // A coded intensity is at most 1: the exponential of a noisy count must not dominate its neighbours. Limiting
+        // the exponent instead of the result keeps the gradient finite.
         const auto exponent = torch::minimum(tau * level, torch::log1p(eps.reciprocal()));
         channels.push_back(eps * torch::expm1(exponent) * group.scale);
         break;

@@ -10,14 +10,15 @@
 
 namespace e2lf::learn {
 
-/// The network's input channels from event images [batch, N - 1, y, x] and intensity images [batch, images, y, x],
-/// where there are any, as model::InputGroup defines them: [batch, model::num_input_channels(), y, x], differentiable.
-/// Uses eps, tau and the conditioning of each sample.
+/// Computes the input channels of the network, [batch, model::num_input_channels(), y, x], from event images [batch, N
+/// - 1, y, x] and intensity images [batch, images, y, x], if there are any, as model::InputGroup defines them.
+/// Differentiable. Uses eps, tau and the conditioning vector of each sample.
 [[nodiscard]] torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::InputGroup>& groups,
                                         const SampleConstants& constants, const torch::Tensor& images = {});
 
-/// Where the input channels of a network for N patterns come from in a model with other groups or fewer patterns: the
-/// same transition, or trait of the camera, of the group of the same kind; its weights follow the groups' scales.
+/// Returns the origins of the input channels of a network for N patterns in a model with other groups or fewer
+/// patterns. The origin of a channel is the same transition, or the same number of the conditioning vector, in the
+/// group of the same kind. The factors compensate for different scales of the groups.
 [[nodiscard]] std::vector<InputOrigin> input_origins(const model::Model& start,
                                                      const std::vector<model::InputGroup>& groups, size_t num_patterns);
 

@@ -8,16 +8,16 @@ namespace {
 
 using enum capture::PixelConstant;
 
-constexpr double kLeastThreshold = 0.3;  // of the mean one, however unequal pixels are
+constexpr double kLeastThreshold = 0.3;  // lower limit of a pixel's threshold, relative to the mean
 
 /// The state of all pixels between patterns.
 struct PixelState {
-  torch::Tensor inverse_level;  ///< w = exp(-u) of the photoreceptor
-  torch::Tensor level;          ///< of the amplifier, log of (I + eps) / eps
+  torch::Tensor inverse_level;  ///< w = exp(-u) for the log intensity u of the photoreceptor
+  torch::Tensor level;          ///< level of the amplifier, a log of (I + eps) / eps
   torch::Tensor reference;
 };
 
-/// Shows an intensity J = (I + eps) / eps for so many seconds.
+/// Advances the state by `seconds` at the intensity J = (I + eps) / eps.
 void follow(const torch::Tensor& intensity, const torch::Tensor& seconds, const PixelSamples& samples,
             PixelState& state) {
   const auto target = intensity.reciprocal();
@@ -28,7 +28,7 @@ void follow(const torch::Tensor& intensity, const torch::Tensor& seconds, const 
   state.level = log_intensity + (state.level - log_intensity) * amplifier_decay;
 }
 
-/// Events of one pattern's end; the reference moves with them.
+/// Computes the events at the end of one pattern and moves the reference accordingly.
 torch::Tensor compare(const torch::Tensor& level, const torch::Tensor& on, const torch::Tensor& off,
                       torch::Tensor& reference) {
   const auto difference = level - reference;
@@ -39,7 +39,7 @@ torch::Tensor compare(const torch::Tensor& level, const torch::Tensor& on, const
   return count;
 }
 
-/// Events that nothing caused, rarer in brighter pixels; the reference moves with them.
+/// Draws spurious events, which are rarer in brighter pixels, and moves the reference accordingly.
 torch::Tensor dark_events(const torch::Tensor& intensity, const torch::Tensor& on, const torch::Tensor& off,
                           const PixelSamples& samples, torch::Tensor& reference) {
   const auto draw = torch::rand_like(intensity);
@@ -49,7 +49,7 @@ torch::Tensor dark_events(const torch::Tensor& intensity, const torch::Tensor& o
   return is_on - is_off;
 }
 
-/// Events of one pattern that lets light through.
+/// Computes the events of one active pattern.
 torch::Tensor noisy_events(const torch::Tensor& intensity, const torch::Tensor& on, const torch::Tensor& off,
                            const PixelSamples& samples, PixelState& state) {
   const auto noise = torch::sqrt(samples.at(kNoise).square() + samples.at(kShotNoise).square() / intensity);
@@ -57,7 +57,7 @@ torch::Tensor noisy_events(const torch::Tensor& intensity, const torch::Tensor& 
   return count + dark_events(intensity, on, off, samples, state.reference);
 }
 
-/// The light J = (I + eps) / eps of each pattern, and behind them that of the last code's inverse.
+/// Returns the light J = (I + eps) / eps of each pattern, followed by that of the last code's inverse.
 std::vector<torch::Tensor> shown_light(const torch::Tensor& intensities, const torch::Tensor& full,
                                        const PixelSamples& samples) {
   const int64_t num_patterns = intensities.size(1), num_codes = samples.transmission.size(1);

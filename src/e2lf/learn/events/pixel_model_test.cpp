@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/learn/events/event_simulation.h"
+#include "testing/pixel_levels.h"
 
 namespace e2lf::learn {
 namespace {
@@ -68,27 +69,16 @@ TEST(PixelModel, WholeCycleIsEquations9And10WithoutLagAndMismatch) {
   EXPECT_GT(expected.abs().mean().item<double>(), 1.0);
 }
 
-TEST(PixelModel, FollowsTheDifferentialEquationOfThePhotoreceptor) {
-  constexpr double kRate = 30.0, kThreshold = 0.01, kBlack = 0.0156, kLit = 0.0104;
-  auto camera = ideal_camera(static_cast<float>(kThreshold));
-  camera.pixel[kReceptorRate] = static_cast<float>(kRate);
-  const double intensity[] = {0.0, 0.04, 0.1, 0.02}, full = 0.6;
+TEST(PixelModel, AgreesWithTheOtherFormsOfThePhysicalPixel) {
+  constexpr float kThreshold = 0.01F;
+  const auto camera = capture::lagging_camera(kThreshold);
   auto intensities = torch::zeros({1, 4, 1, 1});
-  for (int64_t n = 0; n < 4; ++n) intensities[0][n] = intensity[n];
-  const auto counts = events_of(camera, intensities, torch::full({1, 1, 1}, full));
-
-  const auto relative = [](double value) { return value / 0.01 + 1.0; };
-  double u = std::log(relative(full - intensity[3]));
-  const auto integrate = [&](double target, double seconds) {
-    constexpr int kSteps = 200000;
-    for (int i = 0; i < kSteps; ++i) u += seconds / kSteps * kRate * (target - std::exp(u));
-  };
-  integrate(relative(0.0), kBlack);
-  double last = u;
-  for (int64_t n = 1; n < 4; ++n) {
-    integrate(relative(intensity[n]), kLit);
-    EXPECT_NEAR(counts[0][n - 1][0][0].item<double>() * kThreshold, u - last, 2 * kThreshold) << n;
-    last = u;
+  for (int64_t n = 0; n < 4; ++n) intensities[0][n] = capture::kPatternLight[n];
+  const auto counts = events_of(camera, intensities, torch::full({1, 1, 1}, capture::kFullLight));
+  const auto levels = capture::pixel_levels(camera.pixel);
+  for (size_t n = 1; n < 4; ++n) {
+    const double step = counts[0][static_cast<int64_t>(n) - 1][0][0].item<double>() * kThreshold;
+    EXPECT_NEAR(step, levels[n] - levels[n - 1], 2 * kThreshold) << n;
   }
 }
 

@@ -19,7 +19,7 @@ ConvShape shape_of(const torch::Tensor& x, const torch::Tensor& weight) {
   return {size(x.size(0)), size(x.size(2)), size(x.size(3)), size(weight.size(1)), size(weight.size(0))};
 }
 
-/// Taps [3, 3, rows, columns] as the matrices that the kernels multiply with.
+/// Transforms taps [3, 3, rows, columns] to the matrices with which the kernels multiply.
 torch::Tensor matrices_of(const torch::Tensor& taps) {
   const auto dense = taps.contiguous();
   const auto rows = static_cast<size_t>(taps.size(2)), columns = static_cast<size_t>(taps.size(3));
@@ -73,7 +73,7 @@ class Conv3x3 : public torch::autograd::Function<Conv3x3> {
     const ConvShape shape = shape_of(x, weight);
     const auto matrices = matrices_of(weight.permute({2, 3, 0, 1}));
     auto dx = context->needs_input_grad(0) ? torch::zeros_like(x, x.options(), kChannelsLast) : torch::Tensor();
-    // Each share has its own sums, added in order: the result depends on the number of threads alone.
+    // Each share has its own sums, which are added in order, so that the result depends only on the number of threads.
     const size_t shares = num_shares(shape.images);
     const auto size = static_cast<int64_t>(winograd_matrices_size(shape.in_channels, shape.out_channels));
     const auto count = static_cast<int64_t>(shares);
@@ -99,7 +99,7 @@ class Conv3x3 : public torch::autograd::Function<Conv3x3> {
 torch::Tensor conv3x3(const torch::Tensor& x, const torch::Tensor& weight, const torch::Tensor& bias,
                       const torch::Tensor& residual, bool relu) {
   E2LF_REQUIRE(!(relu && residual.defined()), "a residual and ReLU together are not supported");
-  // torch's functions take no undefined tensors: an empty one stands for none.
+  // torch's functions do not accept undefined tensors, so an empty one represents none.
   return Conv3x3::apply(x, weight, bias, residual.defined() ? residual : torch::empty({0, 0, 0, 0}), relu);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Included once per instruction set, after <hwy/highway.h>: products of small matrices.
+// Included once per instruction set, after <hwy/highway.h>. Contains products of small matrices.
 #if defined(E2LF_LEARN_MATRIX_PRODUCT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_LEARN_MATRIX_PRODUCT_INL_H_
 #undef E2LF_LEARN_MATRIX_PRODUCT_INL_H_
@@ -18,14 +18,14 @@ namespace kn = kernels::HWY_NAMESPACE;
 
 using kn::FloatTag, kn::FloatVec, kn::kGemmRows, kn::kGemmVectors, kn::kLanes;
 
-/// A matrix read element by element: (row, column) is at data[row * row_step + column * column_step].
+/// A matrix that is read element by element: (row, column) is at data[row * row_step + column * column_step].
 struct Factor {
   const float* data;
   size_t row_step, column_step;
 };
 
-/// `product` (rows `columns` wide) is set to the product of kRows rows of `a` and kVectors vectors of columns of b, or
-/// has it added (kAdd). Rows of b are `columns` wide, too.
+/// Computes the product of kRows rows of `a` and kVectors vectors of columns of `b`, and stores it in `product` or adds
+/// it (kAdd). The rows of `b` and `product` have `columns` elements.
 template <bool kAdd, size_t kRows, size_t kVectors>
 HWY_INLINE void multiply_block(const Factor& a, size_t depth, const float* HWY_RESTRICT b, size_t columns,
                                float* HWY_RESTRICT product) {
@@ -58,7 +58,7 @@ HWY_INLINE void multiply_block(const Factor& a, size_t depth, const float* HWY_R
   }
 }
 
-/// All rows, for kVectors vectors of columns.
+/// Computes the product of all rows for kVectors vectors of columns.
 template <bool kAdd, size_t kVectors>
 HWY_INLINE void multiply_rows(Factor a, size_t rows, size_t depth, const float* b, size_t columns, float* product) {
   static_assert(kGemmRows == 6);
@@ -74,7 +74,8 @@ HWY_INLINE void multiply_rows(Factor a, size_t rows, size_t depth, const float* 
   if (rows == 5) multiply_block<kAdd, 5, kVectors>(a, depth, b, columns, product);
 }
 
-/// product = a b, or product += a b; a is [rows, depth], b [depth, columns], columns a multiple of 16.
+/// Computes product = a b, or product += a b (kAdd), where `a` is [rows, depth], `b` is [depth, columns], and `columns`
+/// is a multiple of 16.
 template <bool kAdd>
 void multiply(const Factor& a, size_t rows, size_t depth, const float* b, size_t columns, float* product) {
   size_t column = 0;

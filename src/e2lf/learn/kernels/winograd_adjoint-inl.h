@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Included once per instruction set, after <hwy/highway.h>: what gradients need of Winograd's transforms (see
-// engine/winograd.h): the adjoints, and the transform of the weights.
+// Included once per instruction set, after <hwy/highway.h>. Contains the transforms that gradients need in addition to
+// those of kernels/winograd-inl.h: the adjoints, and the transform of the weights.
 #if defined(E2LF_LEARN_WINOGRAD_ADJOINT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_LEARN_WINOGRAD_ADJOINT_INL_H_
 #undef E2LF_LEARN_WINOGRAD_ADJOINT_INL_H_
@@ -22,7 +22,7 @@ using kn::FloatTag, kn::FloatVec, kn::kA, kn::kB;
 
 inline constexpr size_t kTaps = 3;
 
-/// A y: the adjoint of transform_output().
+/// Computes A y, the adjoint of transform_output().
 HWY_INLINE void spread_output(const FloatVec (&y)[kTileSize], FloatVec (&m)[kWinogradPoints]) {
   const FloatTag d;
   const auto even_a = hn::MulAdd(hn::Set(d, kA * kA), y[2], y[0]);
@@ -37,7 +37,7 @@ HWY_INLINE void spread_output(const FloatVec (&y)[kTileSize], FloatVec (&m)[kWin
   m[5] = y[3];
 }
 
-/// B v: the adjoint of transform_input().
+/// Computes B v, the adjoint of transform_input().
 HWY_INLINE void spread_input(const FloatVec (&v)[kWinogradPoints], FloatVec (&x)[kWinogradPoints]) {
   const FloatTag d;
   const auto a2 = hn::Set(d, kA * kA), b2 = hn::Set(d, kB * kB);
@@ -53,12 +53,13 @@ HWY_INLINE void spread_input(const FloatVec (&v)[kWinogradPoints], FloatVec (&x)
   x[5] = v[5];
 }
 
-// What a matrix of the weights is of the taps, at the points in order: (g0 + point g1 + point^2 g2) * scale.
+// Scales of the transformed weights. At each point in order, they are (g0 + point g1 + point^2 g2) * scale for the taps
+// g.
 inline constexpr float kScaleZero = 1.0F / (kA * kA * kB * kB);
 inline constexpr float kScaleA = 1.0F / (2.0F * kA * kA * (kA * kA - kB * kB));
 inline constexpr float kScaleB = 1.0F / (2.0F * kB * kB * (kB * kB - kA * kA));
 
-/// G g.
+/// Computes G g, the transform of the taps.
 HWY_INLINE void transform_taps(const FloatVec (&g)[kTaps], FloatVec (&u)[kWinogradPoints]) {
   const FloatTag d;
   const auto pair = [&](float point, float scale, FloatVec& plus, FloatVec& minus) HWY_ATTR {
@@ -73,7 +74,7 @@ HWY_INLINE void transform_taps(const FloatVec (&g)[kTaps], FloatVec (&u)[kWinogr
   u[5] = g[2];
 }
 
-/// G^T u: its adjoint.
+/// Computes G^T u, the adjoint of transform_taps().
 HWY_INLINE void collect_taps(const FloatVec (&u)[kWinogradPoints], FloatVec (&g)[kTaps]) {
   const FloatTag d;
   const auto even_a = hn::Mul(hn::Set(d, kScaleA), hn::Add(u[1], u[2]));

@@ -21,10 +21,10 @@ namespace e2lf::learn {
 
 using kernels::kTileSize, kernels::kWinogradMatrices, kernels::kWinogradPoints, kernels::padded_channels;
 
-/// Tiles that go through all steps together, so that what lies between the steps stays in the cache.
+/// Number of tiles that pass through all steps together, so that the intermediate results stay in the cache.
 constexpr size_t kBlockTiles = 24;
 
-/// Where a tile's pixels are: images, then rows, then columns of tiles.
+/// The position of a tile. Tiles are ordered by image, row and column.
 struct Tile {
   size_t image, y, x;
 };
@@ -34,7 +34,8 @@ inline Tile tile_at(const ConvShape& shape, size_t index) {
   return {index / tiles_per_image(shape), in_image / columns * kTileSize, in_image % columns * kTileSize};
 }
 
-/// The pixels of a tile with `before` more above and to the left of it, kSide x kSide; null outside the image.
+/// Pointers to the kSide x kSide pixels of a tile, with `before` additional ones above and to the left; null outside
+/// the image.
 template <size_t kSide, class T>
 struct Pixels {
   T* at[kSide][kSide];
@@ -76,7 +77,7 @@ struct WholeVector {
   HWY_INLINE void store(FloatVec value, float* to) const { hn::StoreU(value, FloatTag(), to); }
 };
 
-/// Access to fewer: the last channels. Masked loads read beyond where the instruction set has none.
+/// Access to the last channels, which are fewer. Masked loads read beyond them where the instruction set has none.
 struct PartOfVector {
   size_t count;
   HWY_INLINE FloatVec load(const float* from) const {
@@ -128,7 +129,7 @@ void transform_tile(const Pixels<kWinogradPoints, const float>& pixels, size_t c
   });
 }
 
-/// The 4x4 outputs of a tile from the sums at its points.
+/// Computes the 4x4 outputs of a tile from the sums at its points.
 void finish_tile(const ConvShape& shape, const ConvForward& job, const Tile& tile, const float* sums, size_t step) {
   const Pixels<kTileSize, float> outputs(shape, job.y, shape.out_channels, tile, 0);
   const Pixels<kTileSize, const float> residuals(shape, job.residual, shape.out_channels, tile, 0);
@@ -161,7 +162,7 @@ void finish_tile(const ConvShape& shape, const ConvForward& job, const Tile& til
   });
 }
 
-/// Spreads the gradient of a tile's outputs over its points, and adds it to the bias's.
+/// Transforms the gradient of a tile's outputs to its points, and adds it to the gradient of the bias.
 void spread_tile(const ConvShape& shape, const ConvBackward& job, const Tile& tile, float* to, size_t step) {
   const Pixels<kTileSize, const float> gradients(shape, job.dy, shape.out_channels, tile, 0);
   const Pixels<kTileSize, const float> outputs(shape, job.y, shape.out_channels, tile, 0);
@@ -197,7 +198,7 @@ void spread_tile(const ConvShape& shape, const ConvBackward& job, const Tile& ti
   });
 }
 
-/// Adds to the gradient of the 6x6 pixels that a tile depends on what its points give.
+/// Adds the contribution of a tile's points to the gradient of the 6x6 pixels on which it depends.
 void collect_tile(const ConvShape& shape, float* dx, const Tile& tile, const float* points, size_t step) {
   const Pixels<kWinogradPoints, float> pixels(shape, dx, shape.in_channels, tile, 1);
   const FloatTag d;

@@ -15,7 +15,8 @@ bool on_cpu_in_float(const torch::Tensor& x) {
   return x.is_cpu() && x.scalar_type() == torch::kFloat;
 }
 
-/// A 1x1 convolution without bias: with channels last it is one matrix product, which libraries do best everywhere.
+/// Computes a 1x1 convolution without bias. For channels-last tensors it is one matrix product, which libraries compute
+/// fastest.
 torch::Tensor pointwise(const torch::Tensor& x, const torch::Tensor& weight) {
   if (!on_cpu_in_float(x)) return at::conv2d(x, weight.reshape({weight.size(0), weight.size(1), 1, 1}));
   return torch::matmul(x.permute({0, 2, 3, 1}), weight.t()).permute({0, 3, 1, 2});
@@ -27,13 +28,13 @@ torch::Tensor finish(const Layer& layer, torch::Tensor x, const torch::Tensor& b
   return layer.relu ? torch::relu(x) : x;
 }
 
-/// Lays windows [b, y, x, window y, window x, c] out beside each other: [b, c, y, x].
+/// Places windows [b, y, x, window y, window x, c] side by side: [b, c, y, x].
 torch::Tensor lay_out(const torch::Tensor& windows) {
   const auto b = windows.size(0), h = windows.size(1), w = windows.size(2), s = windows.size(3), c = windows.size(5);
   return windows.permute({0, 1, 3, 2, 4, 5}).reshape({b, h * s, w * s, c}).permute({0, 3, 1, 2});
 }
 
-/// Convolutions whose windows do not overlap are products of a pixel's channels.
+/// Computes a convolution whose windows do not overlap as a matrix product over the channels of each window.
 torch::Tensor convolve_windows(const Layer& layer, const torch::Tensor& input, const torch::Tensor& weight) {
   const auto stride = static_cast<int64_t>(layer.stride);
   if (layer.op == Op::kConvTransposed) {

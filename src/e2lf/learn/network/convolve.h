@@ -7,12 +7,13 @@
 
 namespace e2lf::learn {
 
-/// A convolution layer of a network, or a transposed one: bias, residual (undefined: none) and ReLU included, in the
-/// way that is fastest for the device and type of `input` [b, c, y, x]; the result has its channels last.
+/// Computes a convolution or transposed convolution layer including bias, residual (none if undefined) and ReLU, with
+/// the fastest method for the device and type of `input` [b, c, y, x]. The result is channels-last.
 [[nodiscard]] torch::Tensor convolve(const model::Layer& layer, const torch::Tensor& input, const torch::Tensor& weight,
                                      const torch::Tensor& bias, const torch::Tensor& residual);
 
-/// Pixel shuffle, [b, c * s^2, y, x] -> [b, c, y * s, x * s], and back, by views and one copy that keeps channels last.
+/// Computes the pixel shuffle [b, c * s^2, y, x] -> [b, c, y * s, x * s] and its inverse with a single copy. The
+/// results are channels-last.
 [[nodiscard]] torch::Tensor shuffle(const torch::Tensor& x, int64_t s);
 [[nodiscard]] torch::Tensor unshuffle(const torch::Tensor& x, int64_t s);
 

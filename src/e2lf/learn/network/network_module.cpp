@@ -15,7 +15,7 @@ namespace {
 using model::Layer;
 using model::Op;
 
-/// Channels of a layer's output, from those of its inputs.
+/// Returns the number of output channels of a layer, from those of its inputs.
 size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
   switch (layer.op) {
     case Op::kConv:
@@ -49,14 +49,15 @@ size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
   return 0;
 }
 
-/// The convolutions inside a cell: "gates" and, of a GRU, "candidate", with their numbers of outputs.
+/// Returns the convolutions inside a recurrent layer, "gates" and, for a GRU, "candidate", with their numbers of
+/// outputs.
 std::vector<std::pair<std::string, int64_t>> cell_convolutions(const Layer& layer) {
   const auto out = static_cast<int64_t>(layer.out_channels);
   if (layer.op == Op::kConvLstm) return {{layer.name + ".gates", 4 * out}};
   return {{layer.name + ".gates", 2 * out}, {layer.name + ".candidate", out}};
 }
 
-/// model::Op::kDynamicFilter.
+/// Computes model::Op::kDynamicFilter.
 torch::Tensor filter_pixels(const torch::Tensor& x, const torch::Tensor& filters, int64_t kernel) {
   const int64_t batch = x.size(0), channels = x.size(1), y = x.size(2), width = x.size(3), taps = kernel * kernel;
   const auto around = at::im2col(x, {kernel, kernel}, {1, 1}, {kernel / 2, kernel / 2}, {1, 1})
@@ -65,7 +66,7 @@ torch::Tensor filter_pixels(const torch::Tensor& x, const torch::Tensor& filters
       .reshape({batch, -1, y, width});
 }
 
-/// One frame of a cell; see model::Op.
+/// Computes one frame of a recurrent layer; see model::Op.
 torch::Tensor run_cell(const Layer& layer, const torch::Tensor& x, const NamedTensors& weights, NamedTensors& state) {
   const auto convolution = [&](const std::string& part, const torch::Tensor& input) {
     const std::string name = layer.name + part;
@@ -123,7 +124,7 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
     auto weight = torch::randn({transposed ? in : out, transposed ? out : in, kernel, kernel}) *
                   std::sqrt((layer.relu ? 2.0 : 1.0) / fan_in);
     if (!layer.residual.empty()) weight.zero_();
-    // In memory as our kernels read it and give its gradient: [kernel, kernel, in, out].
+    // Stored as our kernels read it and return its gradient: [kernel, kernel, in, out].
     if (device.is_cpu() && layer.op == Op::kConv && kernel == 3)
       weight = weight.permute({2, 3, 1, 0}).contiguous().permute({3, 2, 0, 1});
     parameters_[layer.name + ".weight"] = weight.to(device).set_requires_grad(true);
@@ -223,7 +224,7 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
 
 namespace {
 
-/// Whether a layer reads the input, or its pixels unshuffled.
+/// Returns whether a layer reads the input, or its unshuffled pixels.
 bool reads_input(const model::Network& network, const Layer& layer) {
   const auto is_unshuffled_input = [&](const std::string& name) {
     return std::any_of(network.layers.begin(), network.layers.end(), [&](const Layer& other) {
@@ -240,7 +241,8 @@ model::Weights widen_inputs(const model::Network& network, model::Weights weight
   E2LF_REQUIRE(origins.size() == wider.input_channels, "one origin for each input channel");
   if (network.layers != wider.layers) return weights;
   for (const Layer& layer : network.layers) {
-    // [out, in, kernel, kernel], where `in` is each input channel, or each followed by the pixels unshuffled from it.
+    // [out, in, kernel, kernel], where `in` runs over the input channels, or over the pixels unshuffled from each of
+    // them.
     const auto found = weights.find(layer.name + ".weight");
     const size_t outputs = layer.out_channels;
     if (!reads_input(network, layer) || found == weights.end()) continue;

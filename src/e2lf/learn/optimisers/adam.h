@@ -5,13 +5,14 @@
 
 namespace e2lf::learn {
 
-/// Adam (Kingma and Ba, 2015) with its default constants and bias correction, in float32. Its whole state is open, so
-/// that a checkpoint can hold it.
+/// The optimiser Adam (Kingma and Ba, 2015) with its default constants and bias correction, in float32. Its complete
+/// state is accessible for checkpoints.
 class Adam {
  public:
   explicit Adam(const NamedTensors& parameters);
 
-  /// Updates the parameters from their gradients; `step` counts from 1. Parameters without a gradient stay.
+  /// Updates the parameters from their gradients; `step` is counted from 1. Parameters without a gradient are
+  /// unchanged.
   void update(const NamedTensors& parameters, double learning_rate, uint64_t step);
 
   [[nodiscard]] const NamedTensors& first_moments() const { return first_; }
@@ -21,15 +22,15 @@ class Adam {
   NamedTensors first_, second_;
 };
 
-/// Scales the gradients so that their joint Euclidean norm is at most `max_norm`; returns the norm before.
+/// Scales the gradients so that their joint Euclidean norm is at most `max_norm`. Returns the norm before scaling.
 double clip_gradients(const NamedTensors& parameters, double max_norm);
 
 void zero_gradients(const NamedTensors& parameters);
 
-/// average = decay * average + (1 - decay) * parameters.
+/// Updates a moving average: average = decay * average + (1 - decay) * parameters.
 void update_average(const NamedTensors& average, const NamedTensors& parameters, double decay);
 
-/// Copies that share nothing with the originals and need no gradient.
+/// Returns copies that share no memory with the originals and do not require gradients.
 [[nodiscard]] NamedTensors clone(const NamedTensors& tensors);
 
 }  // namespace e2lf::learn

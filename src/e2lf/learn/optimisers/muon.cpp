@@ -8,12 +8,13 @@ namespace e2lf::learn {
 namespace {
 
 constexpr double kMomentum = 0.95;
-constexpr double kSize = 0.2;      // root mean square of Adam's usual steps, in learning rates
-constexpr double kEpsilon = 1e-8;  // as in Adam: what has hardly any gradient hardly moves
+constexpr double kSize = 0.2;      // root mean square of Adam's typical steps, in learning rates
+constexpr double kEpsilon = 1e-8;  // as in Adam: weights with hardly any gradient hardly move
 constexpr int kIterations = 5;
 constexpr double kLinear = 3.4445, kCubic = -4.7750, kQuintic = 2.0315;
 
-/// Weights as a matrix, in the order in which our kernels keep those of 3x3 convolutions: no copy for these.
+/// Returns the weights as a matrix, in the order in which our kernels store those of 3x3 convolutions, which are
+/// therefore not copied.
 torch::Tensor as_matrix(const torch::Tensor& weights) {
   return weights.permute({2, 3, 1, 0}).reshape({-1, weights.size(0)});
 }
@@ -36,7 +37,7 @@ void Muon::update(const NamedTensors& weights, double learning_rate) {
     if (!gradient.defined()) continue;
     auto& momentum = momenta_.at(name);
     momentum.lerp_(gradient, 1.0 - kMomentum);
-    // Nesterov's: one step further along the momentum.
+    // Nesterov's variant: one step further along the momentum.
     const auto direction = orthogonalise(as_matrix(momentum.lerp(gradient, 1.0 - kMomentum)));
     const auto size = kSize * std::sqrt(static_cast<double>(std::max(direction.size(0), direction.size(1))));
     auto weight = tensor;
@@ -55,8 +56,8 @@ NamedTensors muon_weights(const NetworkModule& network) {
   return weights;
 }
 
-/// Newton and Schulz's iteration on the small matrix X^T X instead of on X: what X is multiplied by in all is a
-/// polynomial of it.
+/// Applies the Newton-Schulz iteration to the small matrix X^T X instead of X: the matrix by which X is multiplied in
+/// total is a polynomial of it.
 torch::Tensor orthogonalise(const torch::Tensor& matrix) {
   const bool is_wide = matrix.size(0) < matrix.size(1);
   auto tall = is_wide ? matrix.t() : matrix;

@@ -5,15 +5,17 @@
 
 namespace e2lf::learn {
 
-/// Muon (Jordan et al., 2024): weights move by the momentum of their gradient with all singular values made about
-/// alike, so that rare directions are learned as fast as common ones. Its steps have the size of Adam's (Liu et al.,
-/// 2025), one learning rate serves both. Its whole state is open, so that a checkpoint can hold it.
+/// The optimiser Muon (Jordan et al., 2024). It moves weights along the momentum of their gradient after making all
+/// singular values of the momentum approximately equal, so that rare directions are learned as fast as common ones. Its
+/// steps have the size of Adam's (Liu et al., 2025), so that one learning rate serves both. Its complete state is
+/// accessible for checkpoints.
 class Muon {
  public:
-  /// For weights of convolutions, [out, in, kernel, kernel] or, transposed, [in, out, kernel, kernel].
+  /// Creates the state for weights of convolutions, [out, in, kernel, kernel], or transposed ones, [in, out, kernel,
+  /// kernel].
   explicit Muon(const NamedTensors& weights);
 
-  /// Updates the weights from their gradients. Weights without a gradient stay.
+  /// Updates the weights from their gradients. Weights without a gradient are unchanged.
   void update(const NamedTensors& weights, double learning_rate);
 
   [[nodiscard]] const NamedTensors& momenta() const { return momenta_; }
@@ -22,12 +24,13 @@ class Muon {
   NamedTensors momenta_;
 };
 
-/// The weights of a network that Muon is for: of all convolutions larger than 1x1 but the last, which gives the views.
+/// Returns the weights of a network that Muon should update: those of all convolutions larger than 1x1 except the last,
+/// whose outputs are the views.
 [[nodiscard]] NamedTensors muon_weights(const NetworkModule& network);
 
-/// A matrix with the same singular vectors whose singular values s (divided by the Frobenius norm + 1e-8) become
-/// f(f(f(f(f(s))))) with f(s) = 3.4445 s - 4.775 s^3 + 2.0315 s^5: between 0.65 and 1.25 where s > 0.01. Gradients far
-/// below 1e-8, as of layers whose units are all off, become almost zero.
+/// Returns a matrix with the same singular vectors, whose singular values s (divided by the Frobenius norm + 1e-8)
+/// become f(f(f(f(f(s))))) with f(s) = 3.4445 s - 4.775 s^3 + 2.0315 s^5. The results lie between 0.65 and 1.25 if s >
+/// 0.01. Gradients far below 1e-8, such as those of layers whose units are all zero, become almost zero.
 [[nodiscard]] torch::Tensor orthogonalise(const torch::Tensor& matrix);
 
 }  // namespace e2lf::learn

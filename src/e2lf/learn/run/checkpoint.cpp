@@ -27,7 +27,7 @@ Result<void> take_tensors(const Safetensors& file, const std::string& prefix, co
     E2LF_ASSIGN_OR_RETURN(const e2lf::Tensor* stored, file.find(prefix + name, location));
     if (static_cast<int64_t>(stored->num_elements()) != tensor.numel()) {
       return Error{ErrorCode::kShape,
-                   cat("\"", prefix, name, "\" has another shape; resume with the run's own network"), location};
+                   cat("\"", prefix, name, "\" has another shape; resume with the network of the run"), location};
     }
     E2LF_ASSIGN_OR_RETURN(const auto values, stored->to_float(location));
     auto target = tensor;
@@ -56,7 +56,8 @@ Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
   const auto version = file.metadata.find("version"), step = file.metadata.find("step");
   if (version == file.metadata.end() || version->second != kVersion || step == file.metadata.end()) {
-    return Error{ErrorCode::kFormat, "not a training checkpoint of this version; name another file", path.string()};
+    return Error{ErrorCode::kFormat, "this is not a training checkpoint of this version; name another file",
+                 path.string()};
   }
   const std::string location = path.string();
   E2LF_RETURN_IF_ERROR(take_tensors(file, "weights/", network_.parameters(), location));

@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kCheckpoint = "checkpoint.safetensors";
 
-/// Training frees and takes the same large blocks at every step. Handing them back to the system each time costs a
+/// Training frees and allocates the same large blocks in every step. Returning them to the system each time costs a
 /// sixth of the time on a CPU.
 void keep_freed_memory() {
 #ifdef __GLIBC__
@@ -31,7 +31,7 @@ void keep_freed_memory() {
 
 Result<Config> read_config(const std::filesystem::path& path, const std::vector<std::string>& overrides,
                            const Peers& peers = {}) {
-  // The first process reads the file; the others need not have it.
+  // Only the first process reads the file; the others need not have it.
   Json json;
   if (peers.leads()) {
     E2LF_ASSIGN_OR_RETURN(json, read_json(path));
@@ -42,8 +42,8 @@ Result<Config> read_config(const std::filesystem::path& path, const std::vector<
   return config_from_json(json, path.string() + ": $");
 }
 
-/// Whether a folder holds this very run, killed before its first checkpoint: nothing of it is worth more than a new
-/// start.
+/// Returns whether a folder contains the same run, killed before its first checkpoint, so that nothing is lost by
+/// starting again.
 bool holds_a_false_start(const std::filesystem::path& folder, const Config& config) {
   const auto written = read_json(folder / "config.json");
   std::error_code error;
@@ -51,18 +51,19 @@ bool holds_a_false_start(const std::filesystem::path& folder, const Config& conf
          !std::filesystem::exists(folder / (config.name + ".safetensors"), error);
 }
 
-/// A new run writes over nothing: neither another run nor a file that has one of its names by chance.
+/// Checks that a new run overwrites neither another run nor a file that happens to have one of its names.
 Result<void> check_is_free(const std::filesystem::path& folder, const Config& config) {
   if (holds_a_false_start(folder, config)) return {};
   if (!check_output(folder / "config.json", /*overwrite=*/false)) {
-    return Error{ErrorCode::kExists, "this folder holds a run already; `e2lf resume` it, or name another",
+    return Error{ErrorCode::kExists,
+                 "this folder already contains a run; continue it with `e2lf resume`, or name another folder",
                  folder.string()};
   }
   std::vector<std::string> names = RunLog::file_names();
   names.insert(names.end(), {kCheckpoint, config.name + ".safetensors"});
   for (const std::string& name : names) {
     if (check_output(folder / name, /*overwrite=*/false)) continue;
-    return Error{ErrorCode::kExists, "training would write over this file; move it away or name another folder",
+    return Error{ErrorCode::kExists, "training would overwrite this file; move it away or name another folder",
                  (folder / name).string()};
   }
   return {};
@@ -118,7 +119,8 @@ Result<std::filesystem::path> resume(const std::filesystem::path& run, const std
     E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
     E2LF_RETURN_IF_ERROR(peers.connect(device));
     E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
-    // The others take the state from the first. A run that was killed before its first checkpoint begins anew.
+    // The other processes receive the state of the first. A run that was killed before its first checkpoint starts
+    // again.
     std::error_code error;
     if (peers.leads() && std::filesystem::exists(run / kCheckpoint, error)) {
       E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
@@ -129,7 +131,7 @@ Result<std::filesystem::path> resume(const std::filesystem::path& run, const std
 
 namespace {
 
-/// An export takes the place of nothing that its run needs to go on.
+/// Checks that an export does not replace a file that its run needs to continue.
 Result<void> check_export(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
   E2LF_RETURN_IF_ERROR(check_output(model, overwrite));
   std::vector<std::string> names = RunLog::file_names();
@@ -137,7 +139,7 @@ Result<void> check_export(const std::filesystem::path& run, const std::filesyste
   for (const std::string& name : names) {
     std::error_code error;
     if (!std::filesystem::equivalent(run / name, model, error)) continue;
-    return Error{ErrorCode::kInvalidValue, "the model would take the place of a file of the run; name another output",
+    return Error{ErrorCode::kInvalidValue, "the model would replace a file of the run; name another output",
                  model.string()};
   }
   return {};

@@ -38,7 +38,7 @@ Result<void> read_input(const Json& json, const std::string& location, std::vect
   return {};
 }
 
-/// Reads the fields that an object has; absent ones keep their values. The first error stays.
+/// Reads the fields that an object contains; absent ones keep their values. The first error is kept.
 class FieldReader {
  public:
   FieldReader(const Json& object, const std::string& location) : reader_(object, location) {}
@@ -208,7 +208,7 @@ Result<void> check_train(const TrainConfig& train, const std::string& location) 
 
 Result<Config> config_from_json(const Json& json, const std::string& location) {
   Config config;
-  // Without darkness first, counts tell changes of the intensity but not the intensity.
+  // Without a black first pattern, counts measure changes of the intensity, but not the intensity.
   const Json& patterns = json.is_object() && json.contains("patterns") ? json["patterns"] : Json();
   const bool is_black_first = !patterns.is_object() || patterns.value("black_first", Json(true)) != Json(false);
   if (!is_black_first) std::erase_if(config.input, is_intensity);
@@ -223,11 +223,12 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   if (!measurement) return invalid(measurement.error().message, location + ".input");
   E2LF_RETURN_IF_ERROR(check_patterns(config.patterns, *measurement, location + ".patterns"));
   if (!config.sensor.camera.empty() && !capture::has_events(*measurement)) {
-    return invalid("a camera of physical pixels makes events, and input has none; leave it out",
+    return invalid("a camera with physical pixels generates events, but `input` contains none; leave the camera out",
                    location + ".sensor.camera");
   }
   if (*measurement == capture::MeasurementKind::kLensArray && config.train.patch % capture::kLensPixels != 0) {
-    return invalid("a patch is no whole number of lenses; make it a multiple of 8", location + ".train.patch");
+    return invalid("a patch must contain an integral number of lenses; make it a multiple of 8",
+                   location + ".train.patch");
   }
   E2LF_RETURN_IF_ERROR(check_network(config.network, location + ".network"));
   E2LF_RETURN_IF_ERROR(check_train(config.train, location + ".train"));

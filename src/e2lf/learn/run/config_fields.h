@@ -5,11 +5,10 @@
 
 #include "e2lf/learn/run/config.h"
 
-/// The one list of all fields of a configuration. Reading, writing and the table in docs/training.md go
-/// through it.
+/// The list of all fields of a configuration, which reading, writing and the table in docs/training.md share.
 ///
-/// visit(key, field, meaning) is called for each field, visit.section(key, list) for each object in the object, and
-/// visit.choice(key, field, names, meaning) for an enum, whose values count the names.
+/// visit(key, field, meaning) is called for each field, visit.section(key, list) for each nested object, and
+/// visit.choice(key, field, names, meaning) for an enum, whose values are indices of `names`.
 namespace e2lf::learn {
 
 inline constexpr const char* kEventModelNames[] = {"quantised", "reference-aware"};

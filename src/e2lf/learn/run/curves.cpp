@@ -10,7 +10,7 @@
 namespace e2lf::learn {
 namespace {
 
-/// The mean over about a twentieth of the curve.
+/// Computes the running mean over about a twentieth of the curve.
 report::Line running_mean(const report::Line& line) {
   report::Line mean{"running mean", {}};
   const auto window = std::max<size_t>(1, line.points.size() / 20);
@@ -28,7 +28,7 @@ void add_chart(const char* heading, std::vector<report::Line> lines, bool is_log
   page.drawing(report::chart_svg(chart));
 }
 
-/// What is above the figures of validation; before there are any, when the first ones come.
+/// Returns the text above the results of the validation; before there are any, it states when the first ones will come.
 std::string scenes_caption(const RunCurves& curves, const Json& config) {
   const auto setting = [&](const char* key) { return config.value(Json::json_pointer(key), uint64_t{0}); };
   const uint64_t step = std::min(setting("/train/evaluate_steps"), setting("/train/steps"));
@@ -37,7 +37,7 @@ std::string scenes_caption(const RunCurves& curves, const Json& config) {
              step * setting("/train/batch"), " samples.");
 }
 
-/// The last and the best figures of each scene.
+/// Adds a table of the last and the best results of each scene.
 report::Table scene_table(const RunCurves& curves, const Json& config) {
   report::Table table{scenes_caption(curves, config),
                       {{"scene"},
@@ -57,7 +57,7 @@ report::Table scene_table(const RunCurves& curves, const Json& config) {
   return table;
 }
 
-/// The patterns of one time side by side.
+/// Adds the patterns of one point of the run side by side.
 void add_patterns(const PatternState& state, report::Page& page) {
   constexpr size_t kSide = 8, kCells = kSide * kSide;
   page.heading(cat("After ", report::tick_text(state.samples, 0), " samples"), 4).begin_row();

@@ -17,7 +17,8 @@ Result<c10::Device> open_device(const std::string& name) {
   const size_t number = name == "cuda" ? 0 : std::stoul(name.substr(5));
   if (number >= torch::cuda::device_count()) {
     return Error{ErrorCode::kUnsupported,
-                 cat("torch sees ", torch::cuda::device_count(), " CUDA devices here; use another, or cpu"), "device"};
+                 cat("torch sees ", torch::cuda::device_count(), " CUDA devices; use another device, or cpu"),
+                 "device"};
   }
   return c10::Device(c10::kCUDA, static_cast<c10::DeviceIndex>(number));
 }

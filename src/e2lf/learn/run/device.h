@@ -8,8 +8,8 @@
 
 namespace e2lf::learn {
 
-/// The device that a configuration names: "cpu", "cuda" or "cuda:1". Fails with kInvalidValue for another name and
-/// kUnsupported when this torch or this machine has no CUDA device of that number.
+/// Opens the device that a configuration names: "cpu", "cuda" or "cuda:1". Fails with kInvalidValue (another name) and
+/// kUnsupported (this build of torch, or this machine, has no CUDA device with that number).
 [[nodiscard]] Result<c10::Device> open_device(const std::string& name);
 
 }  // namespace e2lf::learn

@@ -9,7 +9,7 @@
 
 namespace e2lf::learn {
 
-/// Codes, sensor and network that turn a light field into a measurement and back.
+/// The codes, sensor and network that convert a light field to a measurement and reconstruct it.
 struct Pipeline {
   const NetworkModule* network = nullptr;
   const NamedTensors* weights = nullptr;
@@ -18,15 +18,15 @@ struct Pipeline {
   std::vector<model::InputGroup> input;
   torch::ScalarType compute = torch::kFloat;
   NamedTensors* input_means = nullptr;  ///< see NetworkModule::forward
-  double image_sigma = 0.0;             ///< noise of intensity images
+  double image_sigma = 0.0;             ///< standard deviation of the noise of intensity images
 
-  /// What `input` needs.
+  /// Returns the measurement that `input` requires.
   [[nodiscard]] capture::MeasurementKind measurement() const { return model::measurement_of(input).value(); }
 };
 
-/// What is measured of light fields [batch, 64, y, x] and what the network makes of it, of the same shape.
+/// The measurement of light fields [batch, 64, y, x], and their reconstruction.
 struct Reconstruction {
-  torch::Tensor events;       ///< [batch, N - 1, y, x]; of a measurement without events [batch, 0, y, x]
+  torch::Tensor events;       ///< [batch, N - 1, y, x], or [batch, 0, y, x] for a measurement without events
   torch::Tensor light_field;  ///< float32 [batch, 64, y, x]
 };
 [[nodiscard]] Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field,
@@ -34,12 +34,12 @@ struct Reconstruction {
 
 struct SceneScore {
   std::string name;
-  double psnr_db = 0;  ///< mean over the views, output clamped to [0, 1]
+  double psnr_db = 0;  ///< mean over the views of the output, clamped to [0, 1]
   double events_per_pixel = 0;
 };
 
-/// Simulates and reconstructs a whole scene with one sample of constants. Its right and lower edges are cut to a
-/// multiple of 16 px. The noise depends on `seed` alone, with which torch's generator is reseeded.
+/// Simulates and reconstructs a whole scene with one sample of constants. Its right and lower edges are cropped to a
+/// multiple of 16 px. The noise depends only on `seed`, with which torch's generator is reseeded.
 [[nodiscard]] SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const SampleConstants& constants,
                                         uint64_t seed);
 

@@ -6,7 +6,8 @@
 namespace e2lf::learn {
 namespace {
 
-constexpr int64_t kBucketNumel = int64_t{1} << 18;  // 1 MiB: few enough messages, early enough the first
+constexpr int64_t kBucketNumel = int64_t{1}
+                                 << 18;  // 1 MiB: a small number of messages, of which the first is sent early
 
 struct Bucket {
   torch::Tensor flat;
@@ -20,7 +21,7 @@ struct Bucket {
 struct GradientExchange::State {
   Peers peers;
   std::vector<torch::Tensor> parameters;
-  std::vector<torch::Tensor> places;  // of each parameter's gradient in its bucket
+  std::vector<torch::Tensor> places;  // the place of each parameter's gradient in its bucket
   std::vector<size_t> bucket_of;
   std::vector<Bucket> buckets;
   size_t num_sent = 0;
@@ -44,7 +45,7 @@ void GradientExchange::State::add_bucket(size_t first, size_t last, int64_t nume
   buckets.push_back(std::move(bucket));
 }
 
-// Buckets leave in order, also where a later one is full earlier: sums of all processes must match.
+// Buckets are sent in order, even if a later one is full earlier, because the sums of all processes must match.
 void GradientExchange::State::send_full_buckets() {
   while (num_sent < buckets.size() && buckets[num_sent].num_missing == 0) {
     Bucket& bucket = buckets[num_sent++];
@@ -60,7 +61,7 @@ void GradientExchange::State::take(size_t parameter, const torch::Tensor& gradie
     --buckets[bucket_of[parameter]].num_missing;
     send_full_buckets();
   } catch (...) {
-    failure = std::current_exception();  // told by finish(): the backward pass would wrap it
+    failure = std::current_exception();  // rethrown by finish(), because the backward pass would wrap it
   }
 }
 
@@ -100,7 +101,7 @@ Result<void> GradientExchange::finish() {
   torch::NoGradGuard no_grad;
   try {
     if (state.failure) std::rethrow_exception(state.failure);
-    // Parameters that took no part in this step (patterns that are not learned) have zeros.
+    // Parameters that were not used in this step (patterns that are not learned) contribute zeros.
     for (Bucket& bucket : state.buckets) bucket.num_missing = 0;
     state.send_full_buckets();
     for (Bucket& bucket : state.buckets) bucket.finish();

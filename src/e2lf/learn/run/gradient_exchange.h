@@ -9,21 +9,22 @@
 
 namespace e2lf::learn {
 
-/// Averages gradients over all processes while the backward pass is still running: parameters are packed into buckets
-/// in the order in which their gradients come, and a bucket leaves as soon as it is full.
+/// Averages gradients over all processes while the backward pass is running. Parameters are packed into buckets in the
+/// order in which their gradients become available, and a bucket is sent as soon as it is full.
 class GradientExchange {
  public:
-  /// `parameters`: leaves in the expected order of their gradients, the same in every process.
+  /// `parameters` are leaves in the expected order of their gradients, which must be the same in every process.
   GradientExchange(const Peers& peers, std::vector<torch::Tensor> parameters);
 
-  /// Before each backward pass.
+  /// Must be called before each backward pass.
   void begin();
 
-  /// After it: every defined gradient is the mean over the processes. Fails with kIo when a peer is lost.
+  /// Must be called after each backward pass; every defined gradient is then the mean over the processes. Fails with
+  /// kIo if a peer is lost.
   [[nodiscard]] Result<void> finish();
 
  private:
-  struct State;  // the parameters' hooks refer to it, wherever the exchange is moved
+  struct State;  // the hooks of the parameters refer to it even if the exchange is moved
   std::shared_ptr<State> state_;
 };
 

@@ -12,15 +12,15 @@
 namespace e2lf::learn {
 namespace {
 
-/// Torch's own guess at the number of cores can be one on a virtual machine that has more.
+/// Torch may estimate a single core on a virtual machine that has more.
 void use_all_cores() {
   if (std::getenv("OMP_NUM_THREADS") == nullptr) {
     at::set_num_threads(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   }
 }
 
-/// The momenta of units that are off fade to denormal numbers, with which CPUs take many times as long: a training of
-/// two thousand steps had become half as fast. Threads inherit this from the one that starts them.
+/// The momenta of units that are always zero decay to denormal numbers, with which CPUs are many times slower: a run
+/// had lost half of its speed after two thousand steps. Threads inherit this setting from the thread that starts them.
 void take_denormals_as_zero() {
   at::globalContext().setFlushDenormal(true);
 }

@@ -9,11 +9,11 @@
 
 namespace e2lf::learn {
 
-/// Prepares this process for work with torch: applies E2LF_MAX_ISA, uses all cores unless OMP_NUM_THREADS says
-/// otherwise, and treats denormal numbers as zero. Fails as apply_isa_cap() does.
+/// Prepares the process for work with torch: applies E2LF_MAX_ISA, uses all cores unless OMP_NUM_THREADS is set, and
+/// flushes denormal numbers to zero. Fails as apply_isa_cap() does.
 [[nodiscard]] Result<void> prepare_process();
 
-/// Runs work that calls torch and turns torch's exceptions into errors with this location.
+/// Runs `work`, which calls torch, and converts exceptions of torch to errors with this location.
 template <typename Work>
 auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(work()) {
   try {

@@ -10,7 +10,7 @@
 
 #include "e2lf/base/text.h"
 
-// Torch's CMake package says which transports it was built with; their headers may be absent all the same.
+// Torch's CMake package states with which transports it was built, but their headers may be absent.
 #if defined(USE_DISTRIBUTED) && __has_include(<torch/csrc/distributed/c10d/TCPStore.hpp>)
 #define E2LF_C10D
 #include <torch/csrc/distributed/c10d/TCPStore.hpp>
@@ -72,7 +72,8 @@ Result<Meeting> read_environment() {
 }
 
 #ifdef E2LF_GLOO
-/// The address of this machine on the way to `host`: connecting a datagram socket sends nothing, but picks the route.
+/// Returns the address of this machine on the route to `host`. Connecting a datagram socket sends nothing, but selects
+/// the route.
 std::string local_address_towards(const std::string& host, int port) {
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_DGRAM;
@@ -132,7 +133,7 @@ struct Peers::Group {
   }
 };
 
-/// False when this build has no transport for the device.
+/// Returns false if this build has no transport for the device.
 bool Peers::Group::open(torch::Device device) {
 #ifdef E2LF_NCCL
   if (device.is_cuda()) {
@@ -170,7 +171,7 @@ Result<Peers> Peers::meet() {
     peers.group_->store = c10::make_intrusive<c10d::TCPStore>(meeting.address, options);
   } catch (const std::exception& error) {
     return Error{ErrorCode::kIo,
-                 cat("not all of the ", meeting.size, " processes met; start them within ", kPatience.count(),
+                 cat("not all of the ", meeting.size, " processes joined; start them within ", kPatience.count(),
                      " s of each other with the same WORLD_SIZE (", first_line(error.what()), ")"),
                  cat(meeting.address, ":", meeting.port)};
   }
@@ -199,7 +200,7 @@ Result<void> Peers::copy_from_first(const torch::Tensor& tensor) const {
   if (size_ == 1) return {};
   try {
     torch::NoGradGuard no_grad;
-    std::vector<torch::Tensor> dense{tensor.contiguous()};  // all that groups send
+    std::vector<torch::Tensor> dense{tensor.contiguous()};  // groups send only contiguous tensors
     group_->with([&](auto& group) -> Finish { return [work = group.broadcast(dense)] { work->wait(); }; })();
     auto target = tensor;
     if (!dense.front().is_same(tensor)) target.copy_(dense.front());
@@ -261,8 +262,8 @@ Result<void> Peers::sum(const torch::Tensor& tensor) const {
 
 Error Peers::lost(const std::exception& error) {
   return Error{ErrorCode::kIo,
-               cat("a peer ended or was silent for ", kPatience.count(),
-                   " s; `e2lf resume` goes on from the last checkpoint, with any number of processes (",
+               cat("a peer ended or did not respond for ", kPatience.count(),
+                   " s; `e2lf resume` continues from the last checkpoint, with any number of processes (",
                    first_line(error.what()), ")"),
                "data-parallel training"};
 }

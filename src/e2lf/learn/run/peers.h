@@ -12,26 +12,27 @@
 
 namespace e2lf::learn {
 
-/// The processes that train one model together, each on its share of every batch, joined through torch's c10d. All
-/// calls are collective: every process makes the same ones in the same order. A peer that ends or falls silent for
-/// kPatience fails the calls of all others with kIo.
+/// The processes that train one model together, each on its share of every batch, connected through torch's c10d. All
+/// calls are collective: every process must make the same calls in the same order. If a peer ends or does not respond
+/// for kPatience, the calls of all others fail with kIo.
 class Peers {
  public:
   static constexpr std::chrono::seconds kPatience{45};
 
-  /// One process by itself.
+  /// A single process.
   Peers() = default;
 
-  /// What torchrun's environment variables say: alone when WORLD_SIZE is absent or 1, otherwise process RANK of
-  /// WORLD_SIZE that meet at MASTER_ADDR:MASTER_PORT. Fails with kInvalidValue for a missing or wrong variable,
-  /// kUnsupported when torch was built without c10d, and kIo when not all come in kPatience.
+  /// Joins the processes that torchrun's environment variables describe. If WORLD_SIZE is absent or 1, the process is
+  /// alone; otherwise it is process RANK of WORLD_SIZE, and all meet at MASTER_ADDR:MASTER_PORT. Fails with
+  /// kInvalidValue (a missing or invalid variable), kUnsupported (torch was built without c10d) and kIo (not all
+  /// processes joined within kPatience).
   [[nodiscard]] static Result<Peers> meet();
 
-  /// The text that process 0 passes, e.g. a configuration. Works before connect().
+  /// Returns the text that process 0 passes, e.g. a configuration. May be called before connect().
   [[nodiscard]] Result<std::string> text_from_first(const std::string& text) const;
 
-  /// Opens the way for tensors on a device: NCCL for CUDA, Gloo otherwise, on the interface GLOO_SOCKET_IFNAME or the
-  /// one that leads to MASTER_ADDR. Fails with kUnsupported when this build has neither, and kIo.
+  /// Opens the connection for tensors on a device: NCCL for CUDA, otherwise Gloo, on the interface GLOO_SOCKET_IFNAME
+  /// or the one that leads to MASTER_ADDR. Fails with kUnsupported (this build has neither) and kIo.
   [[nodiscard]] Result<void> connect(torch::Device device);
 
   [[nodiscard]] int rank() const { return rank_; }
@@ -41,18 +42,18 @@ class Peers {
   /// Replaces a tensor by its sum over all processes.
   [[nodiscard]] Result<void> sum(const torch::Tensor& tensor) const;
 
-  /// The same while the caller goes on: `finish` waits for it. Throws where sum() fails.
+  /// Starts the same sum and returns at once; the returned function waits for it and throws where sum() would fail.
   using Finish = std::function<void()>;
   [[nodiscard]] Finish begin_sum(const torch::Tensor& tensor) const;
 
   /// Replaces a tensor by that of process 0.
   [[nodiscard]] Result<void> copy_from_first(const torch::Tensor& tensor) const;
 
-  /// The error that the failure of a collective call means.
+  /// Returns the error that describes the failure of a collective call.
   [[nodiscard]] static Error lost(const std::exception& error);
 
  private:
-  struct Group;  // c10d types stay out of headers: they differ between torch's versions and builds
+  struct Group;  // keeps the types of c10d out of headers: they differ between versions and builds of torch
   int rank_ = 0, size_ = 1;
   std::shared_ptr<Group> group_;
 };

@@ -9,17 +9,17 @@
 
 namespace e2lf::learn {
 
-/// Where the report of a verb goes: pages (.html) and their tables (.csv, .tex).
+/// The files to which a report is written: pages (.html) and their tables (.csv, .tex).
 struct ReportFiles {
   std::vector<std::filesystem::path> names = {};
   bool overwrite = false;
 };
 
-/// Before any work. Fails with kUnsupported (another extension), kExists, and kInvalidValue where a report would take
-/// the place of a file that the run writes in its folder; an empty `run` is none.
+/// Checks the files before any work. Fails with kUnsupported (another extension), kExists, and kInvalidValue (a report
+/// would replace a file that the run writes in its folder). An empty `run` means that there is no such folder.
 [[nodiscard]] Result<void> check_reports(const ReportFiles& files, const std::filesystem::path& run = {});
 
-/// Each file appears whole. Fails with kIo.
+/// Writes the report to all files; each appears complete or not at all. Fails with kIo.
 [[nodiscard]] Result<void> write_reports(const ReportFiles& files, const report::Page& page);
 
 }  // namespace e2lf::learn

@@ -27,7 +27,7 @@ Result<void> append_line(const std::filesystem::path& path, const std::string& h
   return {};
 }
 
-/// The lines of a table without its header; none when there is no such file.
+/// Returns the lines of a table without its header, or none if there is no such file.
 std::vector<std::string> table_lines(const std::filesystem::path& path) {
   std::vector<std::string> lines;
   std::ifstream in(path);

@@ -15,7 +15,7 @@ namespace e2lf::learn {
 struct StepRow {
   uint64_t step = 0, samples = 0;
   double loss = 0, mse = 0, learning_rate = 0, gradient_norm = 0, samples_per_s = 0;
-  double open_cells = 0;  ///< of all patterns together
+  double open_cells = 0;  ///< sum over the cells of all patterns
   double binarity = 0;    ///< mean of |2 a - 1| over the cells
 };
 
@@ -32,25 +32,26 @@ struct PatternRow {
   std::vector<float> cells;  ///< [N, 64], in [0, 1]
 };
 
-/// The tables of a training run, one .csv file each in its folder, and the page of curves drawn from them.
+/// The tables of a training run, one .csv file each in its folder, and the page of curves that is drawn from them.
 class RunLog {
  public:
   explicit RunLog(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Drops the rows behind a step, which a run that was killed after its last checkpoint would otherwise have twice.
+  /// Removes the rows after a step, which a run that was killed after its last checkpoint would otherwise contain
+  /// twice.
   [[nodiscard]] Result<void> rewind(uint64_t step) const;
 
-  /// The names of the files that it writes.
+  /// Returns the names of the files that the log writes.
   [[nodiscard]] static std::vector<std::string> file_names();
 
   [[nodiscard]] Result<void> add(const StepRow& row) const;
   [[nodiscard]] Result<void> add(const ScoreRow& row) const;
   [[nodiscard]] Result<void> add(const PatternRow& row) const;
 
-  /// What the tables tell, and the configuration: see curves_page().
+  /// Returns a page with the content of the tables and the configuration; see curves_page().
   [[nodiscard]] report::Page page(const std::string& title, const Json& config) const;
 
-  /// Writes the page as curves.html. It stands alone.
+  /// Writes the page as curves.html, which is self-contained.
   [[nodiscard]] Result<void> draw_curves(const std::string& title, const Json& config) const;
 
  private:

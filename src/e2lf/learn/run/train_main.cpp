@@ -1,25 +1,23 @@
 // SPDX-License-Identifier: MIT
-// e2lf-train: the training verbs alone, for machines that have torch and little else.
+// e2lf-train contains only the training verbs, for machines that have torch and little else.
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/learn/run/commands.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace {
 
 void print_usage(std::FILE* where) {
   std::fputs(
-      "usage: e2lf-train train CONFIG.json -o RUN [--set key=value]...\n"
-      "       e2lf-train resume RUN [--set key=value]...\n"
-      "       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed data)\n"
-      "       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n"
-      "--report FILE: also write a page (.html) or its tables (.csv, .tex), with train and resume; --overwrite\n"
-      "replaces it\n"
-      "--quiet: no progress\n",
+      "usage: e2lf-train train CONFIG.json -o RUN [--set key=value]...\n       e2lf-train resume RUN [--set "
+      "key=value]...\n       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed "
+      "data)\n       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n--report FILE: also write a page "
+      "(.html) or its tables (.csv, .tex), with train and resume; --overwrite\nreplaces it\n--quiet: do not show the "
+      "progress\n",
       where);
 }
 
@@ -33,14 +31,14 @@ int usage_error() {
   return 2;
 }
 
-/// --quiet or not: what was lost is said.
+/// Warnings are printed even with --quiet.
 void print_warnings(e2lf::LogLevel level, const std::string& message) {
   if (level != e2lf::LogLevel::kWarning) return;
   e2lf::hide_progress();
   std::fprintf(stderr, "e2lf-train: warning: %s\n", message.c_str());
 }
 
-/// Says where the model of a run is; one of several processes writes it.
+/// Prints the path of a run's model, which one of several processes writes.
 e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model, bool quiet) {
   if (!model) return model.error();
   e2lf::hide_progress();
@@ -49,7 +47,7 @@ e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model,
   return {};
 }
 
-/// Prints a report; its error otherwise.
+/// Prints a report, or the error in its place.
 e2lf::Result<void> print(const e2lf::Result<std::string>& report) {
   if (!report) return report.error();
   e2lf::hide_progress();
@@ -80,7 +78,7 @@ int main(int argc, char** argv) {
     } else if (argument == "--quiet") {
       quiet = true;
     } else if (argument.starts_with("-")) {
-      std::fprintf(stderr, "e2lf-train: there is no option %s\n", argument.c_str());
+      std::fprintf(stderr, "e2lf-train: unknown option %s\n", argument.c_str());
       return usage_error();
     } else {
       names.push_back(argument);
@@ -88,7 +86,7 @@ int main(int argc, char** argv) {
   }
   reports.overwrite = overwrite;
   if (names.size() < 2) return usage_error();
-  // The first signal ends the step and writes the checkpoint; everything else has nothing to keep.
+  // The first signal ends training after the current step with a checkpoint; the other verbs have nothing to save.
   if (names[0] == "train" || names[0] == "resume") e2lf::stop_on_signals();
   const auto keep_going = [] { return !e2lf::stop_requested(); };
   e2lf::set_log_sink(print_warnings);

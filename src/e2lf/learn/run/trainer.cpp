@@ -22,7 +22,7 @@ namespace {
 constexpr uint64_t kInitialSeed = 0x1117, kEvaluationSeed = 20;
 constexpr int64_t kViews = 64;
 
-/// How far patterns are from 1/2 everywhere (0) on the way to binary (1).
+/// Returns how close patterns are to binary ones: 0 if every cell is 1/2, 1 if every cell is 0 or 1.
 double binarity(const torch::Tensor& codes) {
   return (2.0 * codes - 1.0).abs().mean().item<double>();
 }
@@ -38,9 +38,9 @@ NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
   return tensors;
 }
 
-/// Reads the codes [n, views] of a model file, a bundled model or a JSON file of codes, n between `fewest` and
-/// patterns.num_codes(); of a whole cycle those before the inverses. (Other files would need libraries that a machine
-/// with torch alone may lack.)
+/// Reads the codes [n, views] of a model file, a bundled model or a JSON file, where n is between `fewest` and
+/// patterns.num_codes(). From a whole cycle, the codes before the inverses are taken. (Other formats would need
+/// libraries that a machine with only torch may lack.)
 Result<torch::Tensor> read_codes(const std::string& name, size_t fewest, const PatternConfig& patterns,
                                  torch::Device device) {
   E2LF_ASSIGN_OR_RETURN(const std::filesystem::path path, find_file_or_bundled(kBundledCodes, name));
@@ -59,13 +59,13 @@ Result<torch::Tensor> read_codes(const std::string& name, size_t fewest, const P
     return Error{ErrorCode::kShape,
                  cat("no codes of ", fewest < most ? "at most " : "", most, " patterns of 8x8 cells ",
                      patterns.whole_cycle ? "that begin with black " : "",
-                     "in this file, as patterns.num_patterns asks for; name another"),
+                     "in this file, as patterns.num_patterns requires; name another file"),
                  path.string()};
   }
   return to_tensor(*codes, device);
 }
 
-/// A configuration as a model file keeps it: where files lay is nobody's business.
+/// Returns a configuration as a model file stores it, without the folders of files.
 Json without_folders(Config config) {
   for (std::string* path :
        {&config.start, &config.data.file, &config.sensor.camera, &config.patterns.codes, &config.patterns.start}) {
@@ -85,7 +85,7 @@ double learning_rate(const TrainConfig& train, uint64_t step) {
   return train.learning_rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
 }
 
-/// The parameters in the order in which a backward pass gives their gradients.
+/// Returns the parameters in the order in which a backward pass computes their gradients.
 std::vector<torch::Tensor> in_backward_order(const NetworkModule& network, const NamedTensors& patterns) {
   std::vector<torch::Tensor> ordered;
   const auto& layers = network.network().layers;
@@ -99,9 +99,9 @@ std::vector<torch::Tensor> in_backward_order(const NetworkModule& network, const
   return ordered;
 }
 
-/// What each sample adds to the loss, from its mean squared error and its gain.
+/// Computes the contribution of each sample to the loss from its mean squared error and its gain.
 torch::Tensor sample_losses(const TrainConfig& train, const torch::Tensor& errors, const torch::Tensor& gains) {
-  constexpr double kFloor = 1e-6;  // 60 dB: below it a power under 1 would be all slope
+  constexpr double kFloor = 1e-6;  // 60 dB; below it, the slope of a power less than 1 would be too large
   const auto relative = errors * gains.pow(-train.gain_weight_power);
   return train.error_power == 1.0 ? relative : (relative + kFloor).pow(train.error_power);
 }
@@ -126,7 +126,7 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   if (config.train.batch % static_cast<uint64_t>(peers.size()) != 0) {
     return Error{ErrorCode::kInvalidValue,
                  cat("a batch of ", config.train.batch, " cannot be split evenly between ", peers.size(),
-                     " processes; make it a multiple"),
+                     " processes; make it a multiple of this number"),
                  "train.batch"};
   }
   E2LF_ASSIGN_OR_RETURN(const torch::Device device, open_device(config.device));
@@ -171,7 +171,7 @@ torch::Tensor Trainer::current_codes() const {
   return patterns_.codes(patterns.scale_begin * std::pow(patterns.scale_end / patterns.scale_begin, progress));
 }
 
-/// Everything that a checkpoint holds but the step.
+/// Returns all tensors of a checkpoint.
 std::vector<torch::Tensor> Trainer::state() const {
   std::vector<torch::Tensor> tensors;
   for (const NamedTensors* part :
@@ -202,7 +202,7 @@ Result<StepReport> Trainer::average_over_peers(const StepReport& report) const {
   return StepReport{sums[0].item<double>() / peers_.size(), sums[1].item<double>() / peers_.size(), 0.0};
 }
 
-/// In one message for all.
+/// Averages in one message for all.
 Result<void> Trainer::replace_by_peers_mean(const NamedTensors& tensors) const {
   if (peers_.size() == 1) return {};
   std::vector<torch::Tensor> parts;
@@ -232,7 +232,7 @@ Result<StepReport> Trainer::train_step() {
   const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
                           config_.input, compute_type(),         &input_means,    config_.sensor.nominal.sigma_i};
   const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise);
-  // Views last, as they are in memory: so are the gradients then.
+  // The views are last in memory, so the gradients are, too.
   const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
   const auto errors = difference.square().mean(1);
   const auto loss = sample_losses(config_.train, errors, batch.gain).mean();
@@ -252,7 +252,7 @@ Result<StepReport> Trainer::train_step() {
   if (learning_patterns() && step_ >= config_.patterns.begin_step) {
     pattern_adam_.update(pattern_parameters_, config_.patterns.learning_rate, step_ + 1 - config_.patterns.begin_step);
   }
-  // Early on the average follows quickly, so that it forgets the random start.
+  // At first the average follows quickly, so that it forgets the random initialisation.
   const double steps = static_cast<double>(step_);
   update_average(average_, network_.parameters(), std::min(config_.train.ema, (1.0 + steps) / (10.0 + steps)));
   ++step_;
@@ -300,7 +300,7 @@ StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const 
           .binarity = binarity(codes)};
 }
 
-/// Every process evaluates, so that none waits for another longer than its patience; the first one writes.
+/// Every process evaluates, so that none waits longer for another than kPatience; the first one writes.
 Result<void> Trainer::log_evaluation(const RunLog& log) const {
   const uint64_t samples = step_ * config_.train.batch;
   for (const capture::SensorProfile& camera : cameras()) {
@@ -371,7 +371,7 @@ model::Model Trainer::to_model() const {
   const auto codes = fixed_codes_.defined() ? fixed_codes_ : patterns_.binary_codes();
   model.codes = to_codes(codes, model.views_y, model.views_x);
   model.event_model = config_.patterns.event_model == EventModel::kQuantised ? "quantised" : "reference-aware";
-  model.black_first = capture::is_black_first(*model.codes);  // the first may have closed without being made to
+  model.black_first = capture::is_black_first(*model.codes);  // the first pattern may have been learned to be black
   if (!config_.patterns.in_model) model.codes.reset();
   model.constants = config_.sensor.nominal;
   model.camera = batches_.camera();

@@ -19,42 +19,44 @@
 
 namespace e2lf::learn {
 
-/// What one step of training did.
+/// The result of one training step.
 struct StepReport {
-  double loss = 0;           ///< what the gradient is of
+  double loss = 0;           ///< the function whose gradient is computed
   double mse = 0;            ///< plain mean squared error
   double gradient_norm = 0;  ///< before clipping
 };
 
-/// Joint training of patterns and network. Everything that changes between steps is in the checkpoint, and what a step
-/// draws depends on the seed and its number alone: a resumed run continues bit-exactly on the same machine.
+/// Trains patterns and network jointly. Checkpoints contain everything that changes between steps, and the random
+/// numbers of a step depend only on the seed and the step's number, so that a resumed run continues bit-exactly on the
+/// same machine.
 class Trainer {
  public:
-  /// Reads the data and prepares step 0. Fails as read_dataset, Batches::create and (for `start` and `codes`)
-  /// read_model, and with kInvalidValue when the batch cannot be split evenly between the peers.
+  /// Reads the data and prepares step 0. Fails as read_dataset(), Batches::create() and (for `start` and `codes`)
+  /// read_model() do, and with kInvalidValue if the batch cannot be divided evenly among the peers.
   [[nodiscard]] static Result<Trainer> create(const Config& config, const Peers& peers = {});
 
-  /// Trains until config.train.steps, from wherever the first peer is. The folder gets config.json, log.csv,
-  /// evaluation.csv and checkpoint.safetensors, all written by the first peer. `keep_going` is asked after each step:
-  /// false in any process stops all with a checkpoint and kCancelled. Fails with kInvalidValue when the loss is no
-  /// longer finite and kIo when a peer is lost; the last good checkpoint stays.
+  /// Trains until config.train.steps, starting at the step of the first peer, which writes config.json, log.csv,
+  /// evaluation.csv and checkpoint.safetensors in the folder. `keep_going` is called after each step; if it returns
+  /// false in any process, all write a checkpoint and fail with kCancelled. Fails with kInvalidValue if the loss is no
+  /// longer finite, and with kIo if a peer is lost; the last valid checkpoint is kept.
   [[nodiscard]] Result<void> run(const std::filesystem::path& folder, const ProgressFn& progress = {},
                                  const std::function<bool()>& keep_going = {});
 
-  /// One step without logs or files. Fails with kIo when a peer is lost.
+  /// Performs one step without logs or files. Fails with kIo if a peer is lost.
   [[nodiscard]] Result<StepReport> train_step();
 
   [[nodiscard]] Result<void> save_checkpoint(const std::filesystem::path& path) const;
   [[nodiscard]] Result<void> load_checkpoint(const std::filesystem::path& path);
 
-  /// Scores of the averaged weights on the named scenes, recorded by a camera over so many cycles.
+  /// Evaluates the averaged weights on the named scenes, as recorded by a camera over `cycles` cycles.
   [[nodiscard]] Result<std::vector<SceneScore>> evaluate(const std::vector<std::string>& scenes,
                                                          const capture::SensorProfile& camera, size_t cycles = 1) const;
 
-  /// The cameras that evaluations are made with: the paper's at its nominal constants, and sensor.camera.
+  /// Returns the cameras with which evaluations are made: the paper's at its nominal constants, and sensor.camera.
   [[nodiscard]] std::vector<capture::SensorProfile> cameras() const;
 
-  /// The averaged weights and the patterns as a model. Patterns still being learned are rounded to 0 and 1.
+  /// Returns the averaged weights and the patterns as a model. Patterns that are still being learned are rounded to 0
+  /// and 1.
   [[nodiscard]] model::Model to_model() const;
 
   [[nodiscard]] uint64_t step() const { return step_; }
@@ -84,9 +86,9 @@ class Trainer {
   Batches batches_;
   NetworkModule network_;
   Patterns patterns_;
-  torch::Tensor fixed_codes_;  // undefined while patterns come from patterns_
+  torch::Tensor fixed_codes_;  // undefined while patterns_ is trained
   NamedTensors pattern_parameters_;
-  NamedTensors by_muon_, by_adam_;  ///< the network's parameters, by who moves them
+  NamedTensors by_muon_, by_adam_;  ///< the parameters of the network, by the optimiser that updates them
   Muon muon_;
   Adam adam_, pattern_adam_;
   NamedTensors average_;
@@ -94,7 +96,7 @@ class Trainer {
   uint64_t step_ = 0;
 };
 
-/// The learning rate of a step: a linear warm-up, the peak until `hold_steps`, then half a cosine to zero.
+/// Returns the learning rate of a step: a linear warm-up, the peak until `hold_steps`, then half a cosine down to zero.
 [[nodiscard]] double learning_rate(const TrainConfig& train, uint64_t step);
 
 }  // namespace e2lf::learn

@@ -43,13 +43,14 @@ Result<EventVideo> EventVideo::create(model::VideoModel model, size_t height, si
 }
 
 Result<std::vector<float>> EventVideo::next(capture::VoxelGrid grid) {
-  E2LF_REQUIRE(grid.bins == model_.bins && grid.height == height_ && grid.width == width_, "the grid has another size");
+  E2LF_REQUIRE(grid.count == model_.bins && grid.height == height_ && grid.width == width_,
+               "the grid has another size");
   if (model_.normalises_voxels) capture::normalise_nonzero(grid.values);
   const Frame frame{height_, width_, padded_height_, padded_width_};
   const bool is_padded = padded_height_ != height_ || padded_width_ != width_;
   if (is_padded) {
-    std::vector<float> padded(grid.bins * padded_height_ * padded_width_);
-    for (size_t row = 0; row < grid.bins * height_; ++row) {
+    std::vector<float> padded(grid.count * padded_height_ * padded_width_);
+    for (size_t row = 0; row < grid.count * height_; ++row) {
       std::copy_n(&grid.values[row * width_], width_, &padded[frame.outer_row(row / height_, row % height_)]);
     }
     grid.values = std::move(padded);

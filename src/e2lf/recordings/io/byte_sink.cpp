@@ -33,7 +33,7 @@ class MemorySink final : public ByteSink {
   std::vector<uint8_t>& bytes_;
 };
 
-/// A descriptor; with a file behind it, commit() renames that into place.
+/// A sink for a descriptor. If a file belongs to it, commit() moves it to its path.
 class DescriptorSink final : public ByteSink {
  public:
   DescriptorSink(int descriptor, bool owned, std::string name, std::optional<AtomicFile> file)

@@ -13,7 +13,7 @@
 
 namespace e2lf::recordings {
 
-/// Where a writer puts its bytes, front to back.
+/// The destination of a writer's bytes, written from front to back.
 class ByteSink {
  public:
   virtual ~ByteSink() = default;
@@ -21,20 +21,21 @@ class ByteSink {
   /// Appends bytes. Fails with kIo.
   [[nodiscard]] virtual Result<void> write(std::span<const uint8_t> bytes) = 0;
 
-  /// Puts the output in place; without it a file does not appear. Fails with kIo.
+  /// Moves the output to its place; without this call, no file appears. Fails with kIo.
   [[nodiscard]] virtual Result<void> commit() = 0;
 
-  /// The name for messages.
+  /// Returns the name for messages.
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
-/// A file that appears whole at commit() or not at all; "-" is standard output (nothing to take back there).
+/// Opens a file that appears complete at commit() or not at all. "-" is standard output, from which nothing can be
+/// withdrawn.
 [[nodiscard]] Result<std::unique_ptr<ByteSink>> open_file_sink(const std::filesystem::path& path);
 
-/// Appends to `bytes`, which must outlive the sink.
+/// Returns a sink that appends to `bytes`, which must outlive it.
 [[nodiscard]] std::unique_ptr<ByteSink> make_memory_sink(std::vector<uint8_t>& bytes);
 
-/// An open descriptor (pipe, socket), closed with the sink when `owned`.
+/// Returns a sink for an open descriptor (pipe, socket), which is closed with the sink if `owned`.
 [[nodiscard]] std::unique_ptr<ByteSink> make_descriptor_sink(int descriptor, bool owned, std::string name);
 
 }  // namespace e2lf::recordings

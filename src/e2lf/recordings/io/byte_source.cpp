@@ -77,7 +77,7 @@ class DescriptorSource final : public ByteSource {
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t position) override {
     if (!regular_ || ::lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) < 0) {
-      return Error{ErrorCode::kUnsupported, "a stream cannot be sought; record it to a file first", name_};
+      return Error{ErrorCode::kUnsupported, "a stream is not seekable; record it to a file first", name_};
     }
     position_ = position;
     begin_ = end_ = 0;
@@ -99,7 +99,7 @@ class DescriptorSource final : public ByteSource {
               buffer_.begin());
     end_ -= begin_;
     begin_ = 0;
-    // Grown step by step: `wanted` may be more than there is.
+    // Grows in steps, because `wanted` may exceed the content.
     const size_t room = std::max(kReadBytes, std::min(wanted, 2 * end_));
     if (buffer_.size() < end_ + room) buffer_.resize(end_ + room);
     if (!regular_ && !wait_for_bytes()) {
@@ -116,7 +116,7 @@ class DescriptorSource final : public ByteSource {
     return {};
   }
 
-  /// Waits until a pipe has bytes or ends; false when a stop is asked for before.
+  /// Waits until a pipe has bytes or ends; returns false if a stop is requested before.
   [[nodiscard]] bool wait_for_bytes() const {
     constexpr int kNapMs = 100;
     while (!stop_requested()) {
@@ -166,13 +166,13 @@ std::unique_ptr<ByteSource> make_descriptor_source(int descriptor, bool owned, s
 
 Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit) {
   std::vector<uint8_t> bytes;
-  bytes.reserve(std::min<uint64_t>(source.size().value_or(0), limit));  // growing would take twice as much
+  bytes.reserve(std::min<uint64_t>(source.size().value_or(0), limit));  // growing would need twice the memory
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> part, source.fetch(1));
     if (part.empty()) return bytes;
     if (part.size() > limit - bytes.size()) {
       return Error{ErrorCode::kUnsupported,
-                   cat("larger than the ", limit, " bytes this format is read up to; split it"), source.name()};
+                   cat("larger than the ", limit, " bytes that can be read of this format; split it"), source.name()};
     }
     bytes.insert(bytes.end(), part.begin(), part.end());
     source.consume(part.size());

@@ -16,61 +16,67 @@
 
 namespace e2lf::recordings {
 
-/// The first bytes of a source, by which its format is told.
+/// Number of bytes at the start of a source from which its format is detected.
 inline constexpr size_t kDetectBytes = 4096;
 
-/// Bytes read from front to back: a file, memory, a pipe or a socket. Memory use is bounded by what is asked for.
+/// Bytes that are read from front to back: a file, memory, a pipe or a socket. Memory use is bounded by the size of the
+/// requests.
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
 
-  /// The unread bytes at hand, at least `wanted` of them unless the source ends sooner; maybe more. The span is valid
-  /// until the next call of fetch() or seek(). A live source waits only until `wanted` bytes are there, so fetch(1)
-  /// returns what has arrived; an empty span is the end. Fails with kIo.
+  /// Returns the available unread bytes, possibly more than `wanted`, and fewer only at the end of the source. The span
+  /// is valid until the next call of fetch() or seek(). A live source waits only until `wanted` bytes are available, so
+  /// that fetch(1) returns what has arrived. An empty span is the end. Fails with kIo.
   [[nodiscard]] virtual Result<std::span<const uint8_t>> fetch(size_t wanted) = 0;
 
-  /// Drops the first `count` of the bytes that fetch() returned.
+  /// Removes the first `count` bytes that fetch() returned.
   virtual void consume(size_t count) = 0;
 
-  /// How many bytes have been consumed since the start of the source.
+  /// Returns the number of bytes that were consumed since the start of the source.
   [[nodiscard]] virtual uint64_t position() const = 0;
 
-  /// Goes to a byte counted from the start. Fails with kUnsupported (a pipe or socket) and kIo.
+  /// Seeks to a byte counted from the start. Fails with kUnsupported (a pipe or socket) and kIo.
   [[nodiscard]] virtual Result<void> seek(uint64_t position) = 0;
   [[nodiscard]] virtual bool seekable() const = 0;
 
-  /// The length in bytes, where it is known; a file may still grow.
+  /// Returns the length in bytes if it is known. A file may still grow.
   [[nodiscard]] virtual std::optional<uint64_t> size() const = 0;
 
-  /// When the newest bytes that fetch() returned arrived at this host; nothing where that means nothing (a file).
+  /// Returns when the newest bytes that fetch() returned arrived at this host, or nothing for sources that are not live
+  /// (a file).
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
-  /// What was left out of the recording before its bytes came here; see Camera::left_out().
+  /// Continues after a place where bytes are missing, at which fetch() ended. Returns false if the source itself has
+  /// ended.
+  [[nodiscard]] virtual bool pass_break() { return false; }
+
+  /// Returns what was left out of the recording before its bytes reached this source; see Camera::left_out().
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 
-  /// The name for messages ("recording.raw", "memory", "stdin").
+  /// Returns the name for messages ("recording.raw", "memory", "stdin").
   [[nodiscard]] virtual std::string name() const = 0;
 
-  /// The file behind the source, for libraries that open files themselves; empty when there is none.
+  /// Returns the file of the source, for libraries that open files themselves, or an empty path if there is none.
   [[nodiscard]] virtual std::filesystem::path path() const { return {}; }
 
-  /// The name that the bytes would have as a file: its extension may tell the format, and other files lie beside it.
-  /// path(), or of a file that is unpacked its name without ".gz"; empty when there is none.
+  /// Returns the name of the content as a file, whose extension may determine the format and beside which other files
+  /// may lie: path(), or for a compressed file its name without ".gz". Empty if there is none.
   [[nodiscard]] virtual std::filesystem::path logical_path() const { return path(); }
 };
 
 /// Opens a file; "-" is standard input. Fails with kNotFound and kIo (a folder, no permission).
 [[nodiscard]] Result<std::unique_ptr<ByteSource>> open_file_source(const std::filesystem::path& path);
 
-/// Bytes that the caller keeps alive, without a copy; or bytes that the source owns.
+/// Returns a source of bytes that the caller keeps alive, without copying them, or of bytes that the source owns.
 [[nodiscard]] std::unique_ptr<ByteSource> make_memory_source(std::span<const uint8_t> bytes,
                                                              std::string name = "memory");
 [[nodiscard]] std::unique_ptr<ByteSource> make_memory_source(std::vector<uint8_t>&& bytes, std::string name = "memory");
 
-/// An open descriptor (pipe, socket, file), closed with the source when `owned`.
+/// Returns a source for an open descriptor (pipe, socket, file), which is closed with the source if `owned`.
 [[nodiscard]] std::unique_ptr<ByteSource> make_descriptor_source(int descriptor, bool owned, std::string name);
 
-/// Everything from here to the end. Fails with kUnsupported beyond `limit` bytes.
+/// Reads the rest of a source. Fails with kUnsupported if it exceeds `limit` bytes.
 [[nodiscard]] Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit = size_t{1} << 32);
 
 }  // namespace e2lf::recordings

@@ -18,7 +18,7 @@ constexpr std::array<ViolationText, kNumViolations> kTexts = {{
     {"unknown_word", "a word of unknown type", "words of unknown type"},
     {"out_of_range", "an event outside the sensor", "events outside the sensor"},
     {"time_backwards", "time runs backwards", "events or times earlier than those before them"},
-    {"time_jump", "time jumps ahead", "events or times far ahead of those behind them"},
+    {"time_jump", "time jumps ahead", "events or times far ahead of those after them"},
     {"misaligned", "bytes are missing or inserted", "places with missing or inserted bytes"},
     {"truncated", "the data ends inside a word, record or packet", "unfinished words, records or packets at the end"},
     {"bad_record", "a record that cannot be read", "records that cannot be read"},
@@ -74,6 +74,8 @@ void DecodeSummary::append(const DecodeSummary& later) {
   live.most_behind_us = std::max(live.most_behind_us, later.live.most_behind_us);
   live.pauses += later.live.pauses;
   live.loses_events = live.loses_events || later.live.loses_events;
+  live.dropped_bytes += later.live.dropped_bytes;
+  if (live.failure.empty()) live.failure = later.live.failure;
   sensor_events_in += later.sensor_events_in;
   sensor_events_sent += later.sensor_events_sent;
   for (size_t kind = 0; kind < kNumViolations; ++kind) {
@@ -99,10 +101,10 @@ std::vector<Loss> losses(const DecodeSummary& summary) {
     found.push_back({kTexts[kind].name, kTexts[kind].plural, violation.count, violation.first_byte});
   }
   if (summary.events_before_time > 0) {
-    found.push_back({"before_first_time", "events in front of the first time", summary.events_before_time, 0});
+    found.push_back({"before_first_time", "events before the first time", summary.events_before_time, 0});
   }
   if (summary.other_streams > 0) {
-    found.push_back({"other_stream", "packets of other streams of events", summary.other_streams, 0});
+    found.push_back({"other_stream", "packets of other event streams", summary.other_streams, 0});
   }
   if (summary.events_unplaced > 0) {
     found.push_back({"unplaced", "events whose time or row was lost with a damaged word", summary.events_unplaced, 0});
@@ -145,7 +147,8 @@ std::string live_text(const DecodeSummary& summary) {
       cat("processing fell up to ", static_cast<double>(live.most_behind_us / 100'000) * 0.1, " s behind the input");
   if (live.pauses == 0) return behind + "; nothing is lost";
   return cat(behind, ", and the input paused ", live.pauses == 1 ? "once" : cat(live.pauses, " times"),
-             live.loses_events ? "; the camera may have lost events in these pauses" : "; nothing is lost");
+             live.loses_events ? cat("; ", live.dropped_bytes, " bytes of the camera were dropped in these pauses")
+                               : "; nothing is lost");
 }
 
 std::string sensor_text(const DecodeSummary& summary) {
@@ -157,7 +160,7 @@ std::string sensor_text(const DecodeSummary& summary) {
 
 Error saturation_error(uint64_t events, const std::string& name) {
   return {ErrorCode::kInvalidValue,
-          cat("an event image has no room for ", events, " events of pixels with more than 32,767, which strict ",
+          cat("an event image cannot count ", events, " events of pixels with more than 32,767, which strict ",
               "reading refuses; filter hot pixels or show patterns for a shorter time"),
           name, Setting::kFilterPixels};
 }
@@ -173,7 +176,7 @@ Error violation_error(const DecodeSummary& summary, const std::string& name) {
   }
   const ErrorCode code = first == Violation::kTruncated ? ErrorCode::kTruncated : ErrorCode::kFormat;
   return {code,
-          cat(violation_text(first), ", which strict reading refuses; without it such data is left out and counted"),
+          cat(violation_text(first), ", which strict reading refuses; otherwise such data are left out and counted"),
           cat(name, ": byte ", summary.of(first).first_byte)};
 }
 

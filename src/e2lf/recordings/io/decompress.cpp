@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kFirstRoom = size_t{1} << 16;
 
 Error damaged(const char* why) {
-  return {ErrorCode::kFormat, cat("a packet cannot be unpacked (", why, "); the file is damaged"), ""};
+  return {ErrorCode::kFormat, cat("a packet cannot be decompressed (", why, "); the file is damaged"), ""};
 }
 
 Error cut() {
@@ -34,7 +34,7 @@ class Stored final : public Decompressor {
   }
 };
 
-/// Calls step(input, output, done) on growing output until it says done: step moves both spans over what it used.
+/// Calls step(input, output, done) with growing output until it sets done; step advances both spans by what it used.
 template <typename Step>
 Result<void> unpack_stepwise(std::span<const uint8_t> packed, std::vector<uint8_t>& out, const Step& step) {
   out.resize(kFirstRoom);
@@ -131,7 +131,7 @@ Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression)
 #endif
   }
   return Error{ErrorCode::kUnsupported,
-               cat("compression ", static_cast<int32_t>(compression), " is unknown; is the file damaged?"), ""};
+               cat("compression ", static_cast<int32_t>(compression), " is unknown; the file may be damaged"), ""};
 }
 
 }  // namespace e2lf::recordings

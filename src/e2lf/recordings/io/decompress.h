@@ -10,22 +10,23 @@
 
 namespace e2lf::recordings {
 
-/// How a packet is compressed; the numbers are those of AEDAT 4.
+/// The compression of a packet; the numbers are those of AEDAT 4.
 enum class Compression : int32_t { kNone = 0, kLz4 = 1, kLz4High = 2, kZstd = 3, kZstdHigh = 4 };
 
-/// Largest packet, uncompressed: a claim beyond it is taken as damage.
+/// Largest uncompressed size of a packet; larger values are treated as damage.
 inline constexpr size_t kMaxPacketBytes = size_t{1} << 26;
 
-/// Unpacks packets, one after the other, with the state its library needs.
+/// Decompresses packets one after another, with the state that the library needs.
 class Decompressor {
  public:
   virtual ~Decompressor() = default;
 
-  /// Replaces `out` by the packet's contents. Fails with kFormat (damaged), kTruncated and kUnsupported (too large).
+  /// Replaces `out` by the content of the packet. Fails with kFormat (damaged), kTruncated and kUnsupported (too
+  /// large).
   [[nodiscard]] virtual Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) = 0;
 };
 
-/// Fails with kUnsupported (unknown code) and kMissingDependency (Zstd in a build without it).
+/// Creates a decompressor. Fails with kUnsupported (unknown code) and kMissingDependency (Zstd in a build without it).
 [[nodiscard]] Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression);
 
 }  // namespace e2lf::recordings

@@ -36,7 +36,7 @@ std::string text_of_attribute(hid_t attribute) {
   return text.substr(0, text.find('\0'));
 }
 
-/// False when a chunk that the elements lie in is not stored whole.
+/// Returns false if a chunk with some of the elements is not stored completely.
 bool chunks_are_whole(const DatasetShape& shape, uint64_t begin, uint64_t count) {
   if (!shape.storage.is_chunked()) return true;
   const uint64_t chunk_columns = shape.storage.chunk.size() == 2 ? shape.storage.chunk[1] : 1;
@@ -61,7 +61,7 @@ Result<Handle> open_file(ByteSource& source) {
     file = e2lf::hdf5::open_bytes(std::move(bytes));
   }
   if (!file.valid()) {
-    return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file; it is damaged or not complete",
+    return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file, which is damaged or incomplete",
                  source.name()};
   }
   return file;
@@ -103,12 +103,39 @@ Result<void> write_text_attribute(hid_t object, const std::string& name, const s
 
 namespace {
 
+/// Returns whether the fields of records lie apart within a record; the library copies those of damaged files across
+/// each other and beyond. True for other types.
+bool is_sound_type(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  if (!type.valid()) return false;
+  if (H5Tget_class(type.get()) != H5T_COMPOUND) return true;
+  std::vector<std::pair<size_t, size_t>> fields;  // where they begin and end
+  for (unsigned i = 0; i < static_cast<unsigned>(std::max(0, H5Tget_nmembers(type.get()))); ++i) {
+    const Handle field(H5Tget_member_type(type.get(), i), H5Tclose);
+    const size_t begin = H5Tget_member_offset(type.get(), i), bytes = field.valid() ? H5Tget_size(field.get()) : 0;
+    if (bytes == 0 || bytes > H5Tget_size(type.get())) return false;
+    fields.emplace_back(begin, begin + bytes);
+  }
+  std::sort(fields.begin(), fields.end());
+  size_t end = 0;
+  for (const auto& [begin, field_end] : fields) {
+    if (begin < end || field_end > H5Tget_size(type.get())) return false;
+    end = field_end;
+  }
+  return true;
+}
+
 Result<DatasetShape> open_any(hid_t file, const std::string& name, const std::string& location) {
   const LibraryLock lock;
   DatasetShape shape;
   shape.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!shape.dataset.valid()) {
-    return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; is it an event recording?"), location};
+    return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; it may not be an event recording"),
+                 location};
+  }
+  if (!is_sound_type(shape.dataset.get())) {
+    return Error{ErrorCode::kFormat,
+                 cat("the fields of data set ", name, " overlap: the file is damaged; copy it again"), location};
   }
   E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
   return shape;
@@ -193,7 +220,7 @@ Result<GrowingDataset> GrowingDataset::create(hid_t parent, const std::string& n
   const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_chunk(properties.get(), 1, &chunk);
-  // Optional: the file can be created and looked at where the filter is not installed.
+  // Optional, so that the file can be created and inspected where the filter is not installed.
   if (filter != 0) H5Pset_filter(properties.get(), filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
   GrowingDataset result;
   result.name_ = name;
@@ -223,7 +250,7 @@ Result<void> GrowingDataset::append_chunk(const std::vector<uint8_t>& bytes, siz
   const LibraryLock lock;
   const hsize_t start = length_, total = length_ + count;
   if (H5Dset_extent(dataset_.get(), &total) < 0) return write_error(name_);
-  // A bit of the mask set = that filter was not applied.
+  // A bit that is set means that this filter was not applied.
   const uint32_t filter_mask = is_filtered ? 0 : 1;
   if (H5Dwrite_chunk(dataset_.get(), H5P_DEFAULT, filter_mask, &start, size, bytes.data()) < 0) {
     return write_error(name_);

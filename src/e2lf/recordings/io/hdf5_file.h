@@ -17,44 +17,43 @@ using e2lf::hdf5::Handle;
 using e2lf::hdf5::LibraryLock;
 using e2lf::hdf5::Storage;
 
-/// Opens the file behind a source for reading; one without a file is read whole into memory first.
-/// Fails with kFormat and kIo.
+/// Opens the file of a source for reading; a source without a file is read into memory first. Fails with kFormat and
+/// kIo.
 [[nodiscard]] Result<Handle> open_file(ByteSource& source);
 
-/// A text attribute of `object`, or "" when there is none of that name.
+/// Returns a text attribute of `object`, or "" if there is none with this name.
 [[nodiscard]] std::string read_text_attribute(hid_t object, const std::string& name);
 
-/// All text attributes of `object`, by name.
+/// Returns all text attributes of `object`, by name.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object);
 
 /// Writes a variable-length ASCII attribute, as Metavision does. Fails with kIo.
 [[nodiscard]] Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text);
 
-/// A data set of one dimension, or of rows with several columns, opened for reading, with what its length may be
-/// believed to be.
+/// A data set that is open for reading, with one dimension or with rows of several columns, and its plausible length.
 struct DatasetShape {
   Handle dataset;
   Storage storage;
-  uint64_t columns = 1;              ///< elements of a row
-  uint64_t length = 0;               ///< rows, no more than are stored: the header alone is not believed
+  uint64_t columns = 1;              ///< elements per row
+  uint64_t length = 0;               ///< number of rows, limited to those that are actually stored
   uint64_t chunk_length = 0;         ///< rows per chunk; 0 = not chunked
   std::optional<uint64_t> row = {};  ///< the elements are the columns of this row
-  bool is_cut = false;               ///< fewer rows are stored than the header claims
+  bool is_cut = false;               ///< whether fewer rows are stored than the header states
 };
 
-/// Opens a data set of one dimension, or of two of which one is 1. Fails with kNotFound, kShape (others), and as
-/// hdf5::inspect_storage() does. `location` names the file and data set in errors.
+/// Opens a data set with one dimension, or with two dimensions of which one is 1. Fails with kNotFound, kShape (other
+/// shapes), and as hdf5::inspect_storage() does. `location` names the file and data set in errors.
 [[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location);
 
-/// The same for row `row` of a data set [rows, columns]: its columns are the elements.
+/// Opens row `row` of a data set [rows, columns] in the same way, so that its columns are the elements.
 [[nodiscard]] Result<DatasetShape> open_row(hid_t file, const std::string& name, uint64_t row,
                                             const std::string& location);
 
-/// The same for a data set [rows, columns].
+/// Opens a data set [rows, columns] in the same way.
 [[nodiscard]] Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location);
 
-/// Reads rows [begin, begin + count) into `out` as `memory_type`. Fails with kIo, and with kTruncated where the
-/// file does not store them.
+/// Reads rows [begin, begin + count) to `out` as `memory_type`. Fails with kIo, and with kTruncated if the file does
+/// not contain them.
 [[nodiscard]] Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count,
                                          void* out, const std::string& location);
 
@@ -62,14 +61,15 @@ struct DatasetShape {
 class GrowingDataset {
  public:
   GrowingDataset() = default;
-  /// Creates the data set; `filter` 0 = none, otherwise an optional filter that the caller applies (write_chunk).
+  /// Creates the data set. `filter` is 0 for none, or an optional filter that the caller applies (append_chunk).
   [[nodiscard]] static Result<GrowingDataset> create(hid_t parent, const std::string& name, hid_t file_type,
                                                      uint64_t chunk_length, H5Z_filter_t filter = 0);
 
   /// Appends elements of `memory_type`. Fails with kIo.
   [[nodiscard]] Result<void> append(hid_t memory_type, const void* elements, uint64_t count);
 
-  /// Appends a chunk of `count` elements as it is stored; only the last chunk may have fewer than chunk_length.
+  /// Appends a chunk of `count` elements in its stored form; only the last chunk may have fewer than chunk_length
+  /// elements.
   [[nodiscard]] Result<void> append_chunk(const std::vector<uint8_t>& bytes, size_t size, uint64_t count,
                                           bool is_filtered);
 

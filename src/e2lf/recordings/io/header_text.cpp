@@ -7,7 +7,7 @@
 namespace e2lf::recordings {
 namespace {
 
-/// How many bytes the character at the front takes; 0 = it is none.
+/// Returns the length of the first character in bytes; 0 if it is invalid.
 size_t character_bytes(std::string_view bytes) {
   const auto lead = static_cast<uint8_t>(bytes.front());
   if (lead < 0x80) return 1;

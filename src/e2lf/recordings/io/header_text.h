@@ -6,10 +6,10 @@
 
 namespace e2lf::recordings {
 
-/// Whether the bytes are UTF-8, as headers should be.
+/// Returns whether the bytes are UTF-8, as headers should be.
 [[nodiscard]] bool is_utf8(std::string_view bytes);
 
-/// The value of a header's key as one line of UTF-8: bytes that are no UTF-8 are read as Latin-1, and control
+/// Returns the value of a header key as one line of UTF-8: bytes that are not UTF-8 are read as Latin-1, and control
 /// characters become spaces.
 [[nodiscard]] std::string header_text(std::string_view bytes);
 

@@ -14,10 +14,10 @@ namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kUnpackBytes = size_t{1} << 18;
-/// One look at the packed bytes takes no more, so that zlib's counters of 32 bits hold them.
+/// Limit of one step, so that zlib's 32-bit counters suffice.
 constexpr size_t kMaxStepBytes = size_t{1} << 20;
 
-/// Unpacks what is at hand: moves both spans over what it used.
+/// Decompresses the available bytes and advances both spans by what it used.
 class Unpacker {
  public:
   enum class State { kInside, kBetweenParts, kDamaged };
@@ -101,7 +101,7 @@ class UnpackedSource final : public ByteSource {
   }
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t) override {
-    return Error{ErrorCode::kUnsupported, "a compressed file cannot be sought; unpack it first", name()};
+    return Error{ErrorCode::kUnsupported, "a compressed file is not seekable; unpack it first", name()};
   }
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
@@ -123,10 +123,10 @@ class UnpackedSource final : public ByteSource {
               buffer_.begin());
     end_ -= begin_;
     begin_ = 0;
-    // Grown step by step: `wanted` may be more than there is.
+    // Grows in steps, because `wanted` may exceed the content.
     const size_t room = std::max(kUnpackBytes, std::min({wanted, 2 * end_, kMaxStepBytes}));
     if (buffer_.size() < end_ + room) buffer_.resize(end_ + room);
-    // Where there was no room for all, more comes without further bytes.
+    // If the output was full, more follows without further input.
     E2LF_ASSIGN_OR_RETURN(const auto at_hand, packed_->fetch(was_full_ ? 0 : 1));
     if (at_hand.empty() && !was_full_) {
       has_ended_ = true;
@@ -135,7 +135,7 @@ class UnpackedSource final : public ByteSource {
     }
     const auto packed = at_hand.first(std::min(at_hand.size(), kMaxStepBytes));
     if (state_ == Unpacker::State::kBetweenParts && !packed.empty() && packed[0] == 0) {
-      has_ended_ = true;  // what fills the last block of a tape
+      has_ended_ = true;  // padding of the last block of a tape
       return {};
     }
     auto rest = packed;

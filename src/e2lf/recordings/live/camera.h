@@ -1,64 +1,90 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/recordings/camera_setup.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
 
-/// A source of live events: what a camera plugin implements. The bytes of all reads one after the other are a
-/// recording, for a camera one in Prophesee's RAW format: a header ("% evt 3.0", "% geometry 1280x720", "% end"), then
-/// words.
+/// A source of live events, which camera plugins implement. The concatenated bytes of all reads are a recording. For a
+/// camera, it has Prophesee's RAW format: a header ("% evt 3.0", "% geometry 1280x720", "% end"), then event words.
 class Camera {
  public:
   virtual ~Camera() = default;
 
-  /// Begins to deliver. Fails with kIo.
+  /// Called once, before start(). Fails with kUnsupported if `setup` asks for something that the camera does not have;
+  /// the default implementation refuses every setting.
+  [[nodiscard]] virtual Result<void> set_up(const CameraSetup& setup);
+
+  /// Starts the delivery of events. Fails with kNotFound (no camera), kIo, and kInvalidValue (a setting was refused).
   [[nodiscard]] virtual Result<void> start() = 0;
 
-  /// Waits for the next bytes and replaces `bytes` by them. False when there will be no more, or after stop(). Called
-  /// by one thread, without delay: what the camera cannot keep until then is lost. Fails with kIo.
+  /// Waits for the next bytes and replaces `bytes` by them. Returns false at the end of a recording, and after stop()
+  /// as soon as everything was returned that had arrived by then. Fails with kIo, also if a camera ends by itself. One
+  /// thread calls it without delay.
   [[nodiscard]] virtual Result<bool> read(std::vector<uint8_t>& bytes) = 0;
 
-  /// Makes read() return soon; called by another thread.
+  /// Makes read() come to its end soon. Called by another thread.
   virtual void stop() = 0;
 
-  /// Whether what is not read yet is kept for as long as it takes, as by the sender of a pipe. The driver of a camera
-  /// keeps little, and loses the rest.
+  /// Returns whether unread data are kept for any length of time, as by the sender of a pipe. A camera does not wait:
+  /// it is always read, and what exceeds the buffer of its reader is dropped and counted.
   [[nodiscard]] virtual bool keeps_unread() const { return false; }
 
-  /// What was left out of the events before they became bytes, e.g. of a damaged file that is replayed. Called by any
-  /// thread.
+  /// Returns what was left out of the events before they became bytes, e.g. from a damaged file that is replayed. May
+  /// be called by any thread.
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
+
+  /// The settings of the sensor as the vendor's programs read them (.bias), once the camera has started; empty where it
+  /// has none.
+  [[nodiscard]] virtual std::string bias_file_text() const { return {}; }
+};
+
+/// The bytes of a live input as they come.
+class LiveSource : public ByteSource {
+ public:
+  /// Ends the input at that time, as a request to stop does: what has come until then is still read.
+  virtual void end_at(std::chrono::steady_clock::time_point time) = 0;
+
+  /// See Camera::bias_file_text().
+  [[nodiscard]] virtual std::string bias_file_text() const = 0;
 };
 
 /// One kind of camera.
 struct CameraPlugin {
   std::string name;         ///< as in camera://NAME or camera://NAME/ADDRESS
-  std::string description;  ///< for help texts: what it is, and what ADDRESS means
+  std::string description;  ///< for help texts: what it is, and the meaning of ADDRESS
   Result<std::unique_ptr<Camera>> (*open)(const std::string& address) = nullptr;
+  /// The addresses of the cameras that are connected; null = there is no such list.
+  Result<std::vector<std::string>> (*list)() = nullptr;
 };
 
-/// All plugins of this build, and those that were added. The list grows only.
+/// Returns all plugins of this build, and those that were added. The list only grows.
 [[nodiscard]] std::vector<CameraPlugin> camera_plugins();
 
-/// Adds a plugin for this process; one of the same name is replaced.
+/// Adds a plugin for this process, replacing any of the same name.
 void add_camera_plugin(const CameraPlugin& plugin);
 
-/// Whether a name is of the form camera://NAME[/ADDRESS], replay:FILE or tcp://ADDRESS:PORT (the latter two short for
-/// camera://replay/FILE and camera://tcp/ADDRESS:PORT).
+/// Returns whether a name has the form camera://NAME[/ADDRESS], replay:FILE or tcp://ADDRESS:PORT (the latter two
+/// abbreviate camera://replay/FILE and camera://tcp/ADDRESS:PORT).
 [[nodiscard]] bool is_camera_name(const std::string& name);
 
-/// Opens and starts a camera as a recording: bytes are taken from it by a thread of their own and wait, up to 64 MiB,
-/// until they are read, so that a slow reader loses nothing for a while. A reader that falls behind is told once in the
-/// log, and DecodeSummary::live counts it. RecordingReader::arrival() tells when they came. Fails with kNotFound (no
-/// such plugin: names those there are), kInvalidValue (a name not of that form), and as the plugin and open_recording()
-/// do.
+/// Opens a camera, applies the settings and starts it. A separate thread reads its bytes and buffers up to 64 MiB, so
+/// that a slow reader loses nothing for a while. If the reader falls behind, this is logged once and counted in
+/// DecodeSummary::live. Fails with kNotFound (no such plugin; lists those that exist), kInvalidValue (a name of another
+/// form), and as the plugin, Camera::set_up() and Camera::start() do.
+[[nodiscard]] Result<std::unique_ptr<LiveSource>> open_camera_bytes(const std::string& name,
+                                                                    const CameraSetup& setup = {});
+
+/// Opens a camera as a recording, with the settings in options.camera. RecordingReader::arrival() returns when the
+/// bytes arrived. Fails as open_camera_bytes() and open_recording() do.
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name,
                                                                    const OpenOptions& options = {});
 

@@ -19,8 +19,8 @@ struct Registry {
       {"pipe", "standard input; ADDRESS is the path of a named pipe or nothing", open_pipe_camera},
       {"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", open_tcp_camera},
 #ifdef E2LF_HAVE_METAVISION_HAL
-      {"metavision", "a camera of the vendor's open HAL; ADDRESS is a serial number or nothing",
-       open_metavision_camera},
+      {"metavision", "a camera of the vendor's open HAL; ADDRESS is a serial number or nothing", open_metavision_camera,
+       list_metavision_cameras},
 #endif
   };
 };
@@ -70,14 +70,26 @@ bool is_camera_name(const std::string& name) {
   return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name, const OpenOptions& options) {
+Result<void> Camera::set_up(const CameraSetup& setup) {
+  if (setup == CameraSetup()) return {};
+  return Error{ErrorCode::kUnsupported,
+               "this input has no settings of a camera (trigger inputs, biases, event rate, regions, encoding); leave "
+               "them out",
+               ""};
+}
+
+Result<std::unique_ptr<LiveSource>> open_camera_bytes(const std::string& name, const CameraSetup& setup) {
   if (!is_camera_name(name)) {
     return Error{ErrorCode::kInvalidValue, "not a camera; write camera://NAME or camera://NAME/ADDRESS", name};
   }
   const CameraName parsed = parse_name(name);
   E2LF_ASSIGN_OR_RETURN(const CameraPlugin plugin, find_plugin(parsed.plugin, name));
   E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Camera> camera, plugin.open(parsed.address));
-  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<ByteSource> source, start_camera_source(std::move(camera), name));
+  return start_camera_source(std::move(camera), name, setup);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name, const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<ByteSource> source, open_camera_bytes(name, options.camera));
   return open_recording(std::move(source), options);
 }
 

@@ -18,44 +18,45 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-class CameraSource final : public ByteSource {
+class CameraSource final : public LiveSource {
  public:
   CameraSource(std::unique_ptr<Camera> camera, std::string name)
       : camera_(std::move(camera)), name_(std::move(name)), thread_([this] { take_bytes(); }) {}
   CameraSource(const CameraSource&) = delete;
   CameraSource& operator=(const CameraSource&) = delete;
   ~CameraSource() override {
-    camera_->stop();
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      is_stopped_ = true;
+      is_discarding_ = true;
     }
+    camera_->stop();
     changed_.notify_all();
     thread_.join();
   }
 
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
     std::unique_lock<std::mutex> lock(mutex_);
-    while (buffer_.size() - begin_ < wanted) {
-      // A signal wakes nobody here.
-      while (waiting_.empty() && !has_ended_ && !stop_requested()) changed_.wait_for(lock, kNap);
-      if (stop_requested() && !is_stopped_) {
-        is_stopped_ = true;  // takes no more than what has arrived
-        lock.unlock();
-        camera_->stop();
-        changed_.notify_all();
-        lock.lock();
+    for (;;) {
+      if (!is_stopping_ && (stop_requested() || Clock::now() >= end_)) stop_camera(lock);
+      if (buffer_.size() - begin_ >= wanted) break;
+      if (!waiting_.empty()) {
+        if (waiting_.front().is_behind_break) break;
+        append_waiting();
+      } else if (has_ended_) {
+        if (position_ == 0 && buffer_.empty() && error_) return *error_;
+        if (error_) backlog_.failure = error_->text();
+        break;
+      } else {
+        changed_.wait_for(lock, kNap);  // a signal wakes nobody here
       }
-      if (waiting_.empty()) break;
-      append_waiting();
     }
-    if (buffer_.size() == begin_ && error_) return *error_;
-    const bool is_behind = backlog_.most_behind_us >= kBehindUs || backlog_.loses_events;
-    if (is_behind && !std::exchange(is_told_, true)) {
-      const std::string text = behind_text();
-      lock.unlock();  // who takes the message may wait for others
-      camera_->keeps_unread() ? log_info(text) : log_warning(text);
-    }
+    const bool has_failed = !backlog_.failure.empty() && !std::exchange(is_failure_told_, true);
+    const bool is_behind = (backlog_.most_behind_us >= kBehindUs || backlog_.loses_events) && !is_behind_told_;
+    is_behind_told_ = is_behind_told_ || is_behind;
+    const std::string behind = is_behind ? behind_text() : "";
+    lock.unlock();  // who takes a message may wait for others
+    if (is_behind) camera_->keeps_unread() ? log_info(behind) : log_warning(behind);
+    if (has_failed) log_warning(cat(error_->text(), "; what came before that is kept"));
     return std::span<const uint8_t>(buffer_).subspan(begin_);
   }
   void consume(size_t count) override {
@@ -65,7 +66,7 @@ class CameraSource final : public ByteSource {
   }
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t) override {
-    return Error{ErrorCode::kUnsupported, "a live source cannot be sought; record it to a file first", name_};
+    return Error{ErrorCode::kUnsupported, "a live source is not seekable; record it to a file first", name_};
   }
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
@@ -77,6 +78,15 @@ class CameraSource final : public ByteSource {
     return all;
   }
   std::optional<Clock::time_point> arrival() const override { return arrival_; }
+  bool pass_break() override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (waiting_.empty() || !waiting_.front().is_behind_break) return false;
+    waiting_.front().is_behind_break = false;
+    consume(buffer_.size() - begin_);
+    return true;
+  }
+  void end_at(Clock::time_point time) override { end_ = time; }
+  std::string bias_file_text() const override { return camera_->bias_file_text(); }
 
  private:
   static constexpr auto kNap = std::chrono::milliseconds(50);
@@ -84,53 +94,73 @@ class CameraSource final : public ByteSource {
   struct Chunk {
     std::vector<uint8_t> bytes;
     Clock::time_point arrival;
+    bool is_behind_break = false;  ///< bytes in front of it were dropped
   };
+
+  /// Asks the camera for its end. What has come until then still comes.
+  void stop_camera(std::unique_lock<std::mutex>& lock) {
+    is_stopping_ = true;
+    lock.unlock();
+    camera_->stop();
+    lock.lock();
+  }
 
   /// The thread: moves what the camera delivers to waiting_.
   void take_bytes() {
     std::vector<uint8_t> bytes;
-    for (;;) {
-      const Result<bool> more = camera_->read(bytes);
+    for (bool more = true; more;) {
+      const Result<bool> delivered = camera_->read(bytes);
       const Clock::time_point now = Clock::now();
       std::unique_lock<std::mutex> lock(mutex_);
-      if (!more) error_ = more.error();
-      has_ended_ = !more || !*more || is_stopped_;
-      if (has_ended_) break;
-      if (bytes.empty()) continue;
-      if (waiting_bytes_ >= kMaxWaitingBytes) {
-        ++backlog_.pauses;
-        backlog_.loses_events = !camera_->keeps_unread();
+      if (!delivered) error_ = delivered.error();
+      more = delivered && *delivered && !is_discarding_;
+      if (more && !bytes.empty() && make_room(lock, bytes.size())) {
+        waiting_bytes_ += bytes.size();
+        waiting_.push_back({std::move(bytes), now, std::exchange(is_dropping_, false)});
+        bytes = {};
       }
-      changed_.wait(lock, [this] { return waiting_bytes_ < kMaxWaitingBytes || is_stopped_; });
-      waiting_bytes_ += bytes.size();
-      waiting_.push_back({std::move(bytes), now});
-      bytes = {};
+      has_ended_ = !more;
       changed_.notify_all();
+    }
+  }
+
+  /// Whether there is room for bytes that have come: a sender waits for it, those of a camera are dropped without.
+  bool make_room(std::unique_lock<std::mutex>& lock, size_t bytes) {
+    if (waiting_bytes_ < kMaxWaitingBytes) return true;
+    if (camera_->keeps_unread()) {
+      ++backlog_.pauses;
+      changed_.wait(lock, [this] { return waiting_bytes_ < kMaxWaitingBytes || is_discarding_; });
+      return true;
+    }
+    if (!std::exchange(is_dropping_, true)) ++backlog_.pauses;
+    backlog_.loses_events = true;
+    backlog_.dropped_bytes += bytes;
+    return false;
+  }
+
+  /// Moves what waits, up to where bytes are missing, behind what is left in the buffer.
+  void append_waiting() {
+    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
+    begin_ = 0;
+    const auto behind = Clock::now() - waiting_.front().arrival;
+    backlog_.most_behind_us = std::max<int64_t>(backlog_.most_behind_us,
+                                                std::chrono::duration_cast<std::chrono::microseconds>(behind).count());
+    while (!waiting_.empty() && !waiting_.front().is_behind_break) {
+      const Chunk& chunk = waiting_.front();
+      buffer_.insert(buffer_.end(), chunk.bytes.begin(), chunk.bytes.end());
+      arrival_ = chunk.arrival;
+      waiting_bytes_ -= chunk.bytes.size();
+      waiting_.pop_front();
     }
     changed_.notify_all();
   }
 
-  /// Moves everything that waits behind what is left in the buffer.
-  void append_waiting() {
-    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
-    begin_ = 0;
-    for (const Chunk& chunk : waiting_) buffer_.insert(buffer_.end(), chunk.bytes.begin(), chunk.bytes.end());
-    const auto behind = Clock::now() - waiting_.front().arrival;
-    backlog_.most_behind_us = std::max<int64_t>(backlog_.most_behind_us,
-                                                std::chrono::duration_cast<std::chrono::microseconds>(behind).count());
-    arrival_ = waiting_.back().arrival;
-    waiting_.clear();
-    waiting_bytes_ = 0;
-    changed_.notify_all();
-  }
-
-  /// What is said once to whom reads too slowly.
+  /// Returns the message that is logged once if the reader is too slow.
   std::string behind_text() const {
-    return cat(name_, ": the input comes faster than it is processed: what is read now arrived ",
+    return cat(name_, ": the input arrives faster than it is processed: what is read now arrived ",
                static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
                " MiB wait in memory; beyond that ",
-               camera_->keeps_unread() ? "the sender waits, and nothing is lost"
-                                       : "the camera is not read, and its driver loses what it cannot keep",
+               camera_->keeps_unread() ? "the sender waits, and nothing is lost" : "what the camera sends is dropped",
                ". Record the input to a file and process that, or choose a faster method");
   }
 
@@ -138,7 +168,8 @@ class CameraSource final : public ByteSource {
   std::string name_;
 
   // The reader's own.
-  bool is_told_ = false;
+  bool is_behind_told_ = false, is_failure_told_ = false, is_stopping_ = false;
+  Clock::time_point end_ = Clock::time_point::max();
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0;
   uint64_t position_ = 0;
@@ -149,7 +180,9 @@ class CameraSource final : public ByteSource {
   std::condition_variable changed_;
   std::deque<Chunk> waiting_;
   size_t waiting_bytes_ = 0;
-  bool has_ended_ = false, is_stopped_ = false;
+  bool has_ended_ = false;
+  bool is_discarding_ = false;  ///< nobody reads any more
+  bool is_dropping_ = false;    ///< what came last was dropped
   LiveBacklog backlog_;
   std::optional<Error> error_;
 
@@ -158,9 +191,11 @@ class CameraSource final : public ByteSource {
 
 }  // namespace
 
-Result<std::unique_ptr<ByteSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name) {
+Result<std::unique_ptr<LiveSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name,
+                                                        const CameraSetup& setup) {
+  E2LF_RETURN_IF_ERROR(camera->set_up(setup));
   E2LF_RETURN_IF_ERROR(camera->start());
-  std::unique_ptr<ByteSource> source = std::make_unique<CameraSource>(std::move(camera), std::move(name));
+  std::unique_ptr<LiveSource> source = std::make_unique<CameraSource>(std::move(camera), std::move(name));
   return source;
 }
 

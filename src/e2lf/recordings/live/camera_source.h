@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -9,12 +10,14 @@
 
 namespace e2lf::recordings {
 
-/// Bytes that may wait between a camera and its reader; when there are more the camera is not read: see
-/// Camera::keeps_unread().
+/// Number of bytes that may wait between a camera and its reader. Camera::keeps_unread() describes what happens to
+/// more.
 inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 
-/// Starts a camera and the thread that takes its bytes. The source ends when the camera does, and stops it when it is
-/// destroyed. Fails as Camera::start() does.
-[[nodiscard]] Result<std::unique_ptr<ByteSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name);
+/// Applies the settings to a camera, and starts it and a thread that reads its bytes. The source ends with the camera,
+/// and stops it when it is destroyed. If the camera fails after its first bytes, the source ends there with a warning,
+/// and LiveBacklog::failure contains the reason. Fails as Camera::set_up() and Camera::start() do.
+[[nodiscard]] Result<std::unique_ptr<LiveSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name,
+                                                                      const CameraSetup& setup = {});
 
 }  // namespace e2lf::recordings

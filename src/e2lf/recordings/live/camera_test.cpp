@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <thread>
+#include <unistd.h>
 
 #include "e2lf/base/stop.h"
 #include "e2lf/cycles/cycle_reader.h"
@@ -116,15 +117,149 @@ TEST(Camera, AReaderThatFallsBehindIsToldOnceAndItIsCounted) {
       EXPECT_LE(bytes.size(), 2 * kMaxWaitingBytes);
       source->consume(bytes.size());
     }
-    const char* const fate = keeps_unread ? "nothing is lost" : "its driver loses what it cannot keep";
+    const char* const fate = keeps_unread ? "nothing is lost" : "what the camera sends is dropped";
     EXPECT_NE(log.text().find(fate), std::string::npos) << log.text();
     EXPECT_EQ(std::count(log.text().begin(), log.text().end(), '\n'), 1) << log.text();
     const DecodeSummary summary = source->left_out();
     EXPECT_GE(summary.live.most_behind_us, 1'000'000);
     EXPECT_GE(summary.live.pauses, 1u);
     EXPECT_EQ(summary.live.loses_events, !keeps_unread);
-    EXPECT_NE(live_text(summary).find(keeps_unread ? "nothing is lost" : "may have lost"), std::string::npos);
+    EXPECT_EQ(summary.live.dropped_bytes > 0, !keeps_unread);
+    EXPECT_NE(live_text(summary).find(keeps_unread ? "nothing is lost" : "were dropped"), std::string::npos);
   }
+}
+
+/// Delivers its bytes at once, then fails or waits.
+class BrokenCamera final : public Camera {
+ public:
+  BrokenCamera(std::vector<uint8_t> bytes, bool fails) : bytes_(std::move(bytes)), fails_(fails) {}
+  Result<void> start() override { return {}; }
+  Result<bool> read(std::vector<uint8_t>& bytes) override {
+    bytes = std::exchange(bytes_, {});
+    if (!bytes.empty()) return true;
+    if (fails_) return Error{ErrorCode::kIo, "unplugged", "camera://broken"};
+    return false;
+  }
+  void stop() override {}
+
+ private:
+  std::vector<uint8_t> bytes_;
+  bool fails_;
+};
+
+TEST(Camera, WhatCameBeforeAFailureIsReadInEveryFormatAndTheFailureIsTold) {
+  const EventBatch stream = random_stream({.events = 3000, .width = 64, .height = 48});
+  for (const char* const format : {"evt3", "evt2", "csv"}) {
+    for (const bool fails : {true, false}) {
+      std::vector<uint8_t> bytes;
+      auto writer = create_recording(make_memory_sink(bytes), format, kInfo).value();
+      ASSERT_TRUE(writer->write(stream).ok() && writer->finish().ok());
+      bytes.pop_back();  // in the middle of a word or line, which is no damage then
+      const TestLog log;
+      std::unique_ptr<ByteSource> source =
+          start_camera_source(std::make_unique<BrokenCamera>(bytes, fails), "camera://broken").value();
+      auto reader = open_recording(std::move(source), {.width = 64, .height = 48}).value();
+      const auto all = read_all(*reader);
+      ASSERT_TRUE(all.ok()) << all.error().text();
+      EXPECT_GE(all->events.size(), 2990u) << format;
+      EXPECT_EQ(reader->summary().live.failure, fails ? "camera://broken: unplugged" : "");
+      EXPECT_EQ(log.text().find("unplugged; what came before that is kept") != std::string::npos, fails) << log.text();
+      EXPECT_EQ(fails ? reader->summary().num_violations() : 0, 0u) << format;
+    }
+  }
+}
+
+TEST(Camera, OneThatFailsBeforeItsFirstByteIsAnError) {
+  const auto source =
+      start_camera_source(std::make_unique<BrokenCamera>(std::vector<uint8_t>(), true), "camera://broken").value();
+  const auto bytes = source->fetch(1);
+  ASSERT_FALSE(bytes.ok());
+  EXPECT_EQ(bytes.error().message, "unplugged");
+}
+
+TEST(Camera, EventsBehindDroppedBytesHaveTheirOwnTimesAndRows) {
+  // 100 MB at once for a reader that begins later: what does not fit into 64 MiB is dropped in the middle.
+  class Flood final : public Camera {
+   public:
+    Flood(std::vector<uint8_t> bytes, size_t header_bytes) : bytes_(std::move(bytes)), header_bytes_(header_bytes) {}
+    Result<void> start() override { return {}; }
+    Result<bool> read(std::vector<uint8_t>& bytes) override {
+      if (done_ == bytes_.size()) return false;
+      const size_t count = done_ == 0 ? header_bytes_ : std::min<size_t>(60'000, bytes_.size() - done_);
+      // The last tenth comes when there is room again.
+      if (done_ > bytes_.size() / 10 * 9 && !is_late_) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+        is_late_ = true;
+      }
+      bytes.assign(bytes_.begin() + static_cast<ptrdiff_t>(done_),
+                   bytes_.begin() + static_cast<ptrdiff_t>(done_ + count));
+      done_ += count;
+      return true;
+    }
+    void stop() override {}
+
+   private:
+    std::vector<uint8_t> bytes_;
+    size_t header_bytes_;
+    size_t done_ = 0;
+    bool is_late_ = false;
+  };
+  // Each event tells its time by its place.
+  EventBatch batch;
+  std::vector<uint8_t> bytes;
+  auto writer = create_recording(make_memory_sink(bytes), "evt3", kInfo).value();
+  const size_t header_bytes = bytes.size();
+  const auto x_of = [](int64_t t) { return static_cast<uint16_t>(t % 64); };
+  const auto y_of = [](int64_t t) { return static_cast<uint16_t>(t / 64 % 48); };
+  for (int64_t t = 0; bytes.size() < 100'000'000; ++t) {
+    batch.events.push_back({x_of(t), y_of(t), 1, t});
+    if (batch.events.size() < 100'000) continue;
+    ASSERT_TRUE(writer->write(batch).ok());
+    batch.clear();
+  }
+  const TestLog log;
+  auto source = start_camera_source(std::make_unique<Flood>(bytes, header_bytes), "camera://flood").value();
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  auto reader = open_recording(std::unique_ptr<ByteSource>(std::move(source))).value();
+  uint64_t count = 0;
+  int64_t last_us = -1;
+  while (reader->read(batch).value()) {
+    for (size_t i = 0; i < batch.events.size(); ++i) {
+      const Event event = batch.events[i];
+      ASSERT_GT(event.t, last_us);
+      ASSERT_EQ(event.x, x_of(event.t));
+      ASSERT_EQ(event.y, y_of(event.t));
+      last_us = event.t;
+    }
+    count += batch.events.size();
+  }
+  const DecodeSummary summary = reader->summary();
+  EXPECT_GT(summary.live.dropped_bytes, 10'000'000u);
+  EXPECT_EQ(summary.live.pauses, 1u);
+  EXPECT_EQ(summary.of(Violation::kMisaligned).count, 1u);
+  ASSERT_GE(summary.num_gaps, 1u);
+  EXPECT_GT(summary.gaps[0].end_us - summary.gaps[0].begin_us, 1'000'000);
+  EXPECT_GT(count, 1'000'000u);
+}
+
+TEST(Camera, TheEndThatIsAskedForComesThoughNothingArrives) {
+  add_camera_plugin({"scripted", "for tests", ScriptedCamera::open});
+  ScriptedCamera::script = {'x'};
+  ScriptedCamera::piece = 1;
+  auto source = open_camera_bytes("camera://scripted").value();
+  const auto begin = Clock::now();
+  source->end_at(begin + std::chrono::milliseconds(200));
+  EXPECT_EQ(source->fetch(2).value().size(), 1u);
+  source->consume(1);
+  EXPECT_TRUE(source->fetch(1).value().empty());
+  EXPECT_GE(Clock::now() - begin, std::chrono::milliseconds(200));
+}
+
+TEST(Camera, SettingsOfACameraAreRefusedWhereThereAreNone) {
+  add_camera_plugin({"scripted", "for tests", ScriptedCamera::open});
+  const auto reader = open_camera("camera://scripted", {.camera = {.trigger_channels = {"main"}}});
+  ASSERT_FALSE(reader.ok());
+  EXPECT_EQ(reader.error().code, ErrorCode::kUnsupported);
 }
 
 TEST(Camera, NamesThatAreNoneSayWhatThereIs) {
@@ -148,6 +283,25 @@ TEST(PipeCamera, AStopThatCameBeforeTheFirstByteIsSeen) {
   EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
 }
 
+TEST(PipeCamera, AStopLosesNothingThatHadCome) {
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const std::vector<uint8_t> script(60'000, 7);
+  ASSERT_EQ(::write(ends[1], script.data(), script.size()), 60'000);
+  auto camera = open_pipe_camera("/proc/self/fd/" + std::to_string(ends[0])).value();
+  camera->stop();
+  std::vector<uint8_t> all, bytes;
+  while (camera->read(bytes).value()) {
+    all.insert(all.end(), bytes.begin(), bytes.end());
+    // A sender that goes on does not keep it from ending.
+    ASSERT_EQ(::write(ends[1], script.data(), 5000), 5000);
+    ASSERT_LE(all.size(), script.size());
+  }
+  EXPECT_EQ(all, script);
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
 TEST(PipeCamera, GivesWhatIsWrittenUntilTheWriterLeaves) {
   const TestFolder folder;
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
@@ -161,7 +315,8 @@ TEST(PipeCamera, GivesWhatIsWrittenUntilTheWriterLeaves) {
 }
 
 /// A recording of `cycles` pattern cycles in `path`; its events.
-EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, const cycles::SynthesisOptions& synthesis) {
+EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, const cycles::SynthesisOptions& synthesis,
+                        const std::string& format = "hdf5") {
   EventBatch all;
   for (uint64_t number = 0; number < cycles; ++number) {
     capture::EventImages images(synthesis.schedule.num_images(), 48, 64);
@@ -170,7 +325,7 @@ EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, cons
     all.events.append(cycle.batch.events);
     all.triggers.insert(all.triggers.end(), cycle.batch.triggers.begin(), cycle.batch.triggers.end());
   }
-  auto writer = create_recording(path, "hdf5", kInfo).value();
+  auto writer = create_recording(path, format, kInfo).value();
   EXPECT_TRUE(writer->write(all).ok() && writer->finish().ok());
   return all;
 }
@@ -187,6 +342,25 @@ TEST(ReplayCamera, GivesTheSameEventsAtRecordedSpeed) {
   EXPECT_EQ(played.events, all.events);
   EXPECT_EQ(played.triggers, all.triggers);
   EXPECT_GE(duration_us, all.events.t.back() - all.events.t.front());
+}
+
+TEST(ReplayCamera, DeliversARawRecordingByteForByteAtRecordedSpeed) {
+  const TestFolder folder;
+  cycles::SynthesisOptions synthesis;
+  synthesis.schedule = cycles::plain_schedule(4, 10000);
+  const EventBatch all = write_cycles(folder / "a.raw", 3, synthesis, "evt3");
+  auto camera = open_replay_camera(folder / "a.raw").value();
+  const auto begin = Clock::now();
+  ASSERT_TRUE(camera->start());
+  std::vector<uint8_t> bytes, delivered;
+  size_t reads = 0;
+  for (; camera->read(bytes).value(); ++reads) delivered.insert(delivered.end(), bytes.begin(), bytes.end());
+  const auto duration_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin).count();
+  EXPECT_EQ(delivered, read_file(folder / "a.raw").value());
+  EXPECT_GE(duration_us, all.events.t.back() - all.events.t.front() - 5000);
+  EXPECT_GT(reads, 20U);
+  auto reader = open_camera("replay:" + (folder / "a.raw").string()).value();
+  EXPECT_EQ(read_all(*reader).value().events, all.events);
 }
 
 TEST(ReplayCamera, CyclesCarryTheirArrival) {

@@ -6,22 +6,27 @@
 
 #include "e2lf/recordings/live/camera.h"
 
-// The plugins that come with the library; see the table in camera_registry.cpp.
+// The plugins of the library; camera_registry.cpp contains their table.
 namespace e2lf::recordings {
 
-/// A recording of any format that we read, delivered as EVT3 words when its events are due: what a camera would do.
-/// Fails as open_recording() does, and with kInvalidValue for a sensor that EVT3 cannot hold.
+/// Opens a recording of any readable format and delivers it as EVT3 words at the times of its events, as a camera
+/// would. A RAW recording in EVT3 is delivered byte for byte. Fails as open_recording() does, and with kInvalidValue
+/// (the sensor is too large for EVT3).
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path);
 
-/// What comes through the named pipe at `address`, or through standard input where it is empty. Waits for the first
-/// byte; fails with kCancelled when a stop is asked for before, and with kNotFound or kIo when it cannot be opened.
+/// Opens the named pipe at `address`, or standard input if it is empty, and waits for the first byte. Fails with
+/// kCancelled if a stop is requested before, and with kNotFound or kIo if it cannot be opened.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address);
 
-/// A sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
+/// Connects to a sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address);
 
-/// A camera of Prophesee's open hardware layer (OpenEB's HAL), by serial number, or the first. Only in builds that
-/// found it. It compiles against the HAL's headers and has not been run with a camera.
-[[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& serial);
+/// Creates a camera of Prophesee's open hardware layer (OpenEB's HAL), which start() opens by serial number or full
+/// name, or the first one if `address` is empty. Only in builds that found the HAL. This code is tested with a
+/// simulated HAL of the same interface, but has not been run with a camera.
+[[nodiscard]] Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& address);
+
+/// Returns the full names of the cameras that the HAL finds. Fails with kIo.
+[[nodiscard]] Result<std::vector<std::string>> list_metavision_cameras();
 
 }  // namespace e2lf::recordings

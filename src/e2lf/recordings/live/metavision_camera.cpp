@@ -1,26 +1,22 @@
 // SPDX-License-Identifier: MIT
-// Compiled only where the vendor's open HAL is found. Its exceptions stop here.
+// Compiled only if the vendor's open HAL is found. Its exceptions are caught here.
 #include <atomic>
-#include <exception>
-#include <metavision/hal/device/device.h>
-#include <metavision/hal/device/device_discovery.h>
+#include <chrono>
 #include <metavision/hal/facilities/i_events_stream.h>
-#include <metavision/hal/facilities/i_geometry.h>
-#include <metavision/hal/facilities/i_hw_identification.h>
+#include <metavision/hal/utils/hal_connection_exception.h>
+#include <thread>
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/live/cameras.h"
+#include "e2lf/recordings/live/metavision_device.h"
 
 namespace e2lf::recordings {
 namespace {
 
-/// "EVT3" or "EVT3;height=720;..." as the version number of a RAW header.
-std::string version_of(const std::string& format) {
-  if (format.starts_with("EVT3")) return "3.0";
-  return format.starts_with("EVT21") || format.starts_with("EVT2.1") ? "2.1" : "2.0";
-}
+using namespace std::chrono_literals;
 
-/// The newest bytes of a stream: as a pointer and a length in OpenEB 4, as a buffer from OpenEB 5 on.
+/// Returns the next bytes of a stream: a pointer and a length before OpenEB 4.6, then a shared pointer, and a buffer
+/// since OpenEB 5.
 template <typename Stream>
 void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
   if constexpr (requires(long count) { stream.get_latest_raw_data(count); }) {
@@ -29,19 +25,35 @@ void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
     bytes.assign(data, data + count);
   } else {
     const auto buffer = stream.get_latest_raw_data();
-    bytes.assign(buffer.data(), buffer.data() + buffer.size());
+    if constexpr (requires { buffer->data(); }) {
+      if (buffer != nullptr) bytes.assign(buffer->data(), buffer->data() + buffer->size());
+    } else {
+      if (buffer.size() > 0) bytes.assign(buffer.data(), buffer.data() + buffer.size());
+    }
   }
 }
 
+/// The HAL loses what waits in its queue when it is stopped and when the camera is unplugged. So everything is taken
+/// out of it at once, and it is stopped only when nothing waits there any more.
 class MetavisionCamera final : public Camera {
  public:
-  explicit MetavisionCamera(std::unique_ptr<Metavision::Device> device)
-      : device_(std::move(device)), stream_(device_->get_facility<Metavision::I_EventsStream>()) {}
+  explicit MetavisionCamera(std::string address) : address_(std::move(address)) {}
+  MetavisionCamera(const MetavisionCamera&) = delete;
+  MetavisionCamera& operator=(const MetavisionCamera&) = delete;
+  ~MetavisionCamera() override { end_stream(); }
 
-  [[nodiscard]] bool can_stream() const { return stream_ != nullptr; }
+  Result<void> set_up(const CameraSetup& setup) override {
+    setup_ = setup;
+    return {};
+  }
 
   Result<void> start() override try {
-    header_ = make_header();
+    E2LF_ASSIGN_OR_RETURN(device_, open_device(address_, setup_.encoding));
+    stream_ = device_->get_facility<Metavision::I_EventsStream>();
+    if (stream_ == nullptr) return Error{ErrorCode::kUnsupported, "the camera gives no stream of events", name()};
+    E2LF_RETURN_IF_ERROR(set_up_device(*device_, setup_));
+    header_ = device_header(*device_);
+    biases_ = device_biases(*device_);
     stream_->start();
     return {};
   } catch (const std::exception& error) {
@@ -55,55 +67,69 @@ class MetavisionCamera final : public Camera {
       header_.clear();
       return true;
     }
-    if (is_stopped_ || stream_->wait_next_buffer() < 0) return false;
-    copy_latest(*stream_, bytes);
+    while (bytes.empty()) {
+      const bool is_stopped = is_stopped_;
+      const short state = stream_->poll_buffer();  // waiting could only be ended by stopping the HAL
+      const bool is_late = is_stopped && Clock::now() > stop_time_.load() + kLongestDrain;
+      if (is_stopped && (state <= 0 || is_late)) {
+        end_stream();
+        return false;
+      }
+      if (state < 0) return Error{ErrorCode::kIo, "the camera's stream has ended by itself; start it again", name()};
+      if (state == 0) {
+        std::this_thread::sleep_for(kPoll);
+      } else {
+        copy_latest(*stream_, bytes);
+      }
+    }
     return true;
+  } catch (const Metavision::HalConnectionException& error) {
+    return Error{ErrorCode::kIo, cat("the connection to the camera is lost (", hal_text(error), "); check its cable"),
+                 name()};
   } catch (const std::exception& error) {
     return failure(error);
   }
 
   void stop() override {
+    stop_time_ = Clock::now();
     is_stopped_ = true;
+  }
+
+  std::string bias_file_text() const override { return biases_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto kPoll = 500us;
+  static constexpr auto kLongestDrain = 1s;  ///< a camera goes on sending
+
+  [[nodiscard]] std::string name() const { return "camera://metavision" + (address_.empty() ? "" : "/" + address_); }
+
+  [[nodiscard]] Error failure(const std::exception& error) const {
+    return {ErrorCode::kIo, cat("the camera's driver failed (", hal_text(error), "); check its connection"), name()};
+  }
+
+  void end_stream() {
+    if (stream_ == nullptr) return;
     try {
       stream_->stop();
     } catch (const std::exception&) {  // NOLINT: a camera that is gone has stopped
     }
   }
 
- private:
-  static Error failure(const std::exception& error) {
-    return {ErrorCode::kIo, cat("the camera's driver failed (", error.what(), "); check its connection"), "metavision"};
-  }
-
-  [[nodiscard]] std::string make_header() const {
-    const auto* geometry = device_->get_facility<Metavision::I_Geometry>();
-    const auto* identity = device_->get_facility<Metavision::I_HW_Identification>();
-    std::string header =
-        "% evt " + version_of(identity != nullptr ? identity->get_current_data_encoding_format() : "EVT3");
-    if (identity != nullptr) header += "\n% serial_number " + identity->get_serial();
-    if (geometry != nullptr) header += cat("\n% geometry ", geometry->get_width(), "x", geometry->get_height());
-    return header + "\n% end\n";
-  }
-
+  std::string address_;
+  CameraSetup setup_;
   std::unique_ptr<Metavision::Device> device_;
-  Metavision::I_EventsStream* stream_;
-  std::string header_;
+  Metavision::I_EventsStream* stream_ = nullptr;
+  std::string header_, biases_;
   std::atomic<bool> is_stopped_ = false;
+  std::atomic<Clock::time_point> stop_time_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& serial) try {
-  auto device = Metavision::DeviceDiscovery::open(serial);
-  if (device == nullptr) {
-    return Error{ErrorCode::kNotFound, "no such camera; check its connection and the HAL's plugins", serial};
-  }
-  auto opened = std::make_unique<MetavisionCamera>(std::move(device));
-  if (!opened->can_stream()) return Error{ErrorCode::kUnsupported, "the camera gives no stream of events", serial};
-  std::unique_ptr<Camera> camera = std::move(opened);
+Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& address) {
+  std::unique_ptr<Camera> camera = std::make_unique<MetavisionCamera>(address);
   return camera;
-} catch (const std::exception& error) {
-  return Error{ErrorCode::kIo, cat("the camera cannot be opened (", error.what(), "); check its connection"), serial};
 }
 
 }  // namespace e2lf::recordings

@@ -6,13 +6,14 @@
 #include <thread>
 
 #include "e2lf/recordings/live/cameras.h"
+#include "e2lf/recordings/live/raw_replay.h"
 
 namespace e2lf::recordings {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Events are delivered in stretches of this length, as a camera's buffers are.
+/// Events are delivered in intervals of this length, like the buffers of a camera.
 constexpr int64_t kStretchUs = 1000;
 constexpr size_t kBatchEvents = size_t{1} << 16;
 
@@ -20,7 +21,7 @@ class ReplayCamera final : public Camera {
  public:
   explicit ReplayCamera(std::unique_ptr<RecordingReader> reader) : reader_(std::move(reader)) {}
 
-  /// Makes the encoder; its header is the first thing that is delivered.
+  /// Creates the encoder, whose header is delivered first.
   Result<void> open() {
     RecordingInfo info = reader_->info();
     info.format = "evt3";
@@ -54,7 +55,7 @@ class ReplayCamera final : public Camera {
   }
 
  private:
-  /// Puts the events and triggers of the next stretch of time that has some into stretch_.
+  /// Fills stretch_ with the events and triggers of the next interval that contains any.
   Result<bool> next_stretch() {
     stretch_.clear();
     if (event_ == batch_.events.size() && trigger_ == batch_.triggers.size()) {
@@ -82,7 +83,7 @@ class ReplayCamera final : public Camera {
     return true;
   }
 
-  /// Sleeps until a time of the recording has come, in naps short enough to be stopped.
+  /// Sleeps until a time of the recording is reached, in steps that are short enough to be stopped.
   void wait_until(int64_t t_us) const {
     constexpr auto kNap = std::chrono::milliseconds(50);
     const Clock::time_point due = begin_ + std::chrono::microseconds(t_us - origin_us_);
@@ -93,7 +94,7 @@ class ReplayCamera final : public Camera {
   std::unique_ptr<RecordingWriter> writer_;
   std::vector<uint8_t> encoded_;
   EventBatch batch_, stretch_;
-  size_t event_ = 0, trigger_ = 0;  ///< of batch_, not yet delivered
+  size_t event_ = 0, trigger_ = 0;  ///< first ones of batch_ that were not delivered yet
   bool has_begun_ = false;
   int64_t origin_us_ = 0, end_us_ = 0;
   Clock::time_point begin_;
@@ -105,7 +106,10 @@ class ReplayCamera final : public Camera {
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path) {
-  // Who reads the camera tells of what is left out.
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
+  E2LF_ASSIGN_OR_RETURN(const bool is_evt3, is_evt3_recording(*source));
+  if (is_evt3) return make_raw_replay(std::move(source));
+  // The reader of the camera reports what is left out.
   E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::filesystem::path(path), {.policy = DecodePolicy::kSkip}));
   auto replay = std::make_unique<ReplayCamera>(std::move(reader));
   E2LF_RETURN_IF_ERROR(replay->open());

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <optional>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "e2lf/base/stop.h"
@@ -15,9 +18,9 @@ namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kCameraReadBytes = size_t{1} << 16;
-constexpr int kPollMs = 100;  // how long a stop may take
+constexpr int kPollMs = 100;  // longest delay of a stop
 
-/// Bytes of a pipe or socket as they come.
+/// Delivers the bytes of a pipe or socket as they arrive.
 class DescriptorCamera final : public Camera {
  public:
   DescriptorCamera(int descriptor, bool owned, std::string name)
@@ -31,18 +34,24 @@ class DescriptorCamera final : public Camera {
   Result<void> start() override { return {}; }
 
   Result<bool> read(std::vector<uint8_t>& bytes) override {
-    while (!is_stopped_) {
+    for (;;) {
+      const bool is_stopped = is_stopped_;
+      if (is_stopped && !left_bytes_) left_bytes_ = unread_bytes();
+      if (is_stopped && *left_bytes_ == 0) return false;
       pollfd waiting = {descriptor_, POLLIN, 0};
-      const int ready = ::poll(&waiting, 1, kPollMs);
+      const int ready = ::poll(&waiting, 1, is_stopped ? 0 : kPollMs);
+      if (ready == 0 && is_stopped) return false;
       if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
-      bytes.resize(kCameraReadBytes);
+      bytes.resize(std::min(kCameraReadBytes, left_bytes_.value_or(kCameraReadBytes)));
       const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
       if (count < 0 && errno == EINTR) continue;
-      if (count < 0) return Error{ErrorCode::kIo, cat("cannot read (", std::strerror(errno), ")"), name_};
+      if (count < 0)
+        return Error{ErrorCode::kIo,
+                     cat("the sender broke off (", std::strerror(errno), "); look there for the reason"), name_};
       bytes.resize(static_cast<size_t>(count));
+      if (left_bytes_) *left_bytes_ -= bytes.size();
       return count > 0;
     }
-    return false;
   }
 
   void stop() override { is_stopped_ = true; }
@@ -50,13 +59,20 @@ class DescriptorCamera final : public Camera {
   bool keeps_unread() const override { return true; }
 
  private:
+  /// What had come and was not read yet; a sender may go on for ever.
+  [[nodiscard]] size_t unread_bytes() const {
+    int bytes = 0;
+    return ::ioctl(descriptor_, FIONREAD, &bytes) == 0 && bytes > 0 ? static_cast<size_t>(bytes) : 0;
+  }
+
   int descriptor_;
   bool owned_;
+  std::optional<size_t> left_bytes_;  ///< to be read after stop()
   std::string name_;
   std::atomic<bool> is_stopped_ = false;
 };
 
-/// Returns when there is something to read or whoever wrote has left. Fails when a stop is asked for before.
+/// Returns when there are bytes to read or the writer has closed. Fails if a stop is requested before.
 Result<void> wait_for_bytes(int descriptor, const std::string& address) {
   pollfd waiting = {descriptor, POLLIN, 0};
   while (::poll(&waiting, 1, kPollMs) <= 0) {
@@ -76,7 +92,7 @@ Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
     camera = std::make_unique<DescriptorCamera>(STDIN_FILENO, /*owned=*/false, "stdin");
     return camera;
   }
-  // A pipe opened to wait would wait in the kernel. A signal just before that would end nothing.
+  // A blocking open would wait in the kernel, and a signal just before it would have no effect.
   const int descriptor = ::open(address.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;

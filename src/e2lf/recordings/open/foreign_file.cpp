@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// What begins a kind of file, and what it is.
+/// The first bytes of a kind of file, and its description.
 struct Beginning {
   std::string_view bytes;
   size_t offset;
@@ -38,17 +38,17 @@ constexpr Beginning kBeginnings[] = {
     {"\x4D\x3C\xB2\xA1"sv, 0, "a capture of network packets (pcap); record the events with the camera's own software"},
     {"\x0A\x0D\x0D\x0A"sv, 0,
      "a capture of network packets (pcapng); record the events with the camera's own software"},
-    {"AVI "sv, 8, "a film (AVI) and no recording of events"},
-    {"ftyp"sv, 4, "a film (MP4) and no recording of events"},
-    {"\x1A\x45\xDF\xA3"sv, 0, "a film (Matroska or WebM) and no recording of events"},
-    {"\x89PNG"sv, 0, "a picture (PNG) and no recording of events"},
-    {"\xFF\xD8\xFF"sv, 0, "a picture (JPEG) and no recording of events"},
-    {"GIF8"sv, 0, "a picture (GIF) and no recording of events"},
+    {"AVI "sv, 8, "a film (AVI) and not a recording of events"},
+    {"ftyp"sv, 4, "a film (MP4) and not a recording of events"},
+    {"\x1A\x45\xDF\xA3"sv, 0, "a film (Matroska or WebM) and not a recording of events"},
+    {"\x89PNG"sv, 0, "an image (PNG) and not a recording of events"},
+    {"\xFF\xD8\xFF"sv, 0, "an image (JPEG) and not a recording of events"},
+    {"GIF8"sv, 0, "an image (GIF) and not a recording of events"},
     {"MATLAB 5.0"sv, 0, "a MATLAB file that holds neither event images nor a light field"},
     {"\x7F"
      "ELF"sv,
-     0, "a program and no recording of events"},
-    {"%PDF"sv, 0, "a PDF document and no recording of events"},
+     0, "a program and not a recording of events"},
+    {"%PDF"sv, 0, "a PDF document and not a recording of events"},
 };
 
 }  // namespace
@@ -58,8 +58,9 @@ std::optional<std::string> foreign_file_text(std::span<const uint8_t> head) {
   for (const Beginning& beginning : kBeginnings) {
     if (text.size() < beginning.offset || !text.substr(beginning.offset).starts_with(beginning.bytes)) continue;
     const std::string_view what = beginning.text;
-    return what.find(';') != std::string_view::npos ? std::string(what)
-                                                    : cat(what, "; give a recording, as .raw, .hdf5, .aedat4 or .csv");
+    return what.find(';') != std::string_view::npos
+               ? std::string(what)
+               : cat(what, "; give a recording, e.g. .raw, .hdf5, .aedat4 or .csv");
   }
   return std::nullopt;
 }
@@ -74,8 +75,8 @@ std::optional<std::string> foreign_records_text(std::span<const uint8_t> head, c
     if (t_us < last_us) return std::nullopt;
     last_us = t_us;
   }
-  return "events of 5 bytes each, as in N-MNIST and N-Caltech101, by the look of it; convert it, e.g. with the Python "
-         "package tonic, to an array of x, y, p, t (.npy)";
+  return "probably events of 5 bytes each, as in N-MNIST and N-Caltech101; convert them, e.g. with the Python package "
+         "tonic, to an array of x, y, p, t (.npy)";
 }
 
 }  // namespace e2lf::recordings

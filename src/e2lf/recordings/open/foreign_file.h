@@ -8,12 +8,13 @@
 
 namespace e2lf::recordings {
 
-/// Says what a file is that begins with `head` and is no recording that can be read, and what to do with it, as "a zip
-/// archive; unpack it and give the recording in it"; nothing where the bytes do not tell. Names of files do not matter.
+/// Describes a file that begins with `head` and is not a readable recording, and what to do with it, e.g. "a zip
+/// archive; unpack it, then give the recording in it". Returns nothing if the bytes are not conclusive. Names of files
+/// do not matter.
 [[nodiscard]] std::optional<std::string> foreign_file_text(std::span<const uint8_t> head);
 
-/// The same for a file that no format claims, by its name and by what its records would be: those of N-MNIST have
-/// nothing at their beginning that tells.
+/// Describes a file that no format recognises by its extension and the plausibility of its records: those of N-MNIST
+/// have no distinctive beginning.
 [[nodiscard]] std::optional<std::string> foreign_records_text(std::span<const uint8_t> head,
                                                               const std::string& extension);
 

@@ -15,17 +15,31 @@ bool is_live_recording(const std::string& name) {
   return name == "-" || is_camera_name(name) || is_stream(name);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name, const OpenOptions& options) {
-  if (is_camera_name(name)) return open_camera(name, options);
-  if (is_stream(name)) {
-    E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Camera> camera, open_pipe_camera(name));
-    E2LF_ASSIGN_OR_RETURN(std::unique_ptr<ByteSource> source, start_camera_source(std::move(camera), name));
-    return open_recording(std::move(source), options);
+Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, const CameraSetup& setup) {
+  if (is_camera_name(name)) return open_camera_bytes(name, setup);
+  if (name == "-") return open_camera_bytes("camera://pipe", setup);
+  if (!is_stream(name)) {
+    return Error{ErrorCode::kInvalidValue,
+                 "this is no live input; name a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named pipe "
+                 "or -",
+                 name};
   }
+  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Camera> camera, open_pipe_camera(name));
+  return start_camera_source(std::move(camera), name, setup);
+}
+
+Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name, const OpenOptions& options) {
   struct stat input {};
   const bool is_pipe =
       name == "-" && ::fstat(STDIN_FILENO, &input) == 0 && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode));
-  return is_pipe ? open_camera("camera://pipe", options) : open_recording(std::filesystem::path(name), options);
+  if (is_pipe || (name != "-" && is_live_recording(name))) {
+    E2LF_ASSIGN_OR_RETURN(std::unique_ptr<ByteSource> source, open_live_bytes(name, options.camera));
+    return open_recording(std::move(source), options);
+  }
+  if (options.camera != CameraSetup()) {
+    return Error{ErrorCode::kInvalidValue, "a file has no settings of a camera; leave them out", name};
+  }
+  return open_recording(std::filesystem::path(name), options);
 }
 
 }  // namespace e2lf::recordings

@@ -43,7 +43,7 @@ std::deque<Codec> built_in_codecs() {
        .side_file = dat::trigger_path},
       {.name = "raw",
        .extensions = {".raw"},
-       .description = "Prophesee RAW in the encoding its header names",
+       .description = "Prophesee RAW in the encoding that its header names",
        .detect = is_raw_header,
        .open = open_raw,
        .create = create_raw},
@@ -80,14 +80,14 @@ std::deque<Codec> built_in_codecs() {
       {.name = "aedat3", .description = "AEDAT 3 of cAER", .detect = aedat::detect_aedat3, .open = aedat::open_aedat3},
       {.name = "rosbag",
        .extensions = {".db3"},
-       .description = "bag of ROS 2, stored by SQLite",
+       .description = "ROS 2 bag, stored with SQLite",
        .detect = rosbag::detect_sqlite,
        .open = rosbag::open_sqlite,
        .is_folder = rosbag::is_bag_folder,
        .open_folder = rosbag::open_folder},
       {.name = "mcap",
        .extensions = {".mcap"},
-       .description = "bag of ROS 2, stored as MCAP",
+       .description = "ROS 2 bag, stored as MCAP",
        .detect = rosbag::detect_mcap,
        .open = rosbag::open_mcap},
       {.name = "npy",
@@ -127,7 +127,7 @@ std::deque<Codec> built_in_codecs() {
   };
 }
 
-/// A codec stays where it is once it is in the table: others point to it.
+/// Codecs in the table never move, because others point to them.
 struct Table {
   std::mutex mutex;
   std::deque<Codec> codecs = built_in_codecs();
@@ -137,6 +137,27 @@ Table& codec_table() {
   static Table instance;
   return instance;
 }
+
+/// Hands on what another one gives, which others look at too.
+class SharedSource final : public ByteSource {
+ public:
+  explicit SharedSource(std::shared_ptr<ByteSource> source) : source_(std::move(source)) {}
+  Result<std::span<const uint8_t>> fetch(size_t wanted) override { return source_->fetch(wanted); }
+  void consume(size_t count) override { source_->consume(count); }
+  uint64_t position() const override { return source_->position(); }
+  Result<void> seek(uint64_t position) override { return source_->seek(position); }
+  bool seekable() const override { return source_->seekable(); }
+  std::optional<uint64_t> size() const override { return source_->size(); }
+  std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
+  bool pass_break() override { return source_->pass_break(); }
+  DecodeSummary left_out() const override { return source_->left_out(); }
+  std::string name() const override { return source_->name(); }
+  std::filesystem::path path() const override { return source_->path(); }
+  std::filesystem::path logical_path() const override { return source_->logical_path(); }
+
+ private:
+  std::shared_ptr<ByteSource> source_;
+};
 
 std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -163,13 +184,14 @@ std::string codec_names() {
 
 Result<const Codec*> detect_codec(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
-  if (head.empty()) return Error{ErrorCode::kTruncated, "nothing came: the input is empty", source.name()};
+  if (head.empty())
+    return Error{ErrorCode::kTruncated, "the input is empty; check whether it was written completely", source.name()};
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
   const std::filesystem::path path = source.logical_path();
   const Codec* const by_extension = codec_of_extension(path);
-  // An archive of arrays whose names say nothing is still one of arrays.
+  // An archive of arrays without known names is still an archive of arrays.
   const bool is_npz = by_extension != nullptr && by_extension->name == "npz" && head.front() == 'P';
   if (const auto text = foreign_file_text(head); text && !is_npz) {
     return Error{ErrorCode::kUnsupported, cat("this is ", *text), source.name()};
@@ -178,8 +200,9 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   if (const auto text = foreign_records_text(head, lower_extension(path))) {
     return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
   }
-  return Error{ErrorCode::kFormat, cat("not a recording of a known format; name its format, one of ", codec_names()),
-               source.name(), Setting::kInputFormat};
+  return Error{ErrorCode::kFormat,
+               cat("this is not a recording of a known format; name its format, one of ", codec_names()), source.name(),
+               Setting::kInputFormat};
 }
 
 std::string names_to_write() {
@@ -193,11 +216,10 @@ std::string names_to_write() {
 Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
   if (!format.empty()) return find_codec(format);
   if (const Codec* codec = codec_of_extension(path)) return codec;
-  return Error{
-      ErrorCode::kInvalidValue,
-      cat("no format has the extension of this name; take another, as .raw or .hdf5, or name the format, one of ",
-          names_to_write()),
-      path.string(), Setting::kOutputFormat};
+  return Error{ErrorCode::kInvalidValue,
+               cat("no format has this extension; use another, e.g. .raw or .hdf5, or name the format, one of ",
+                   names_to_write()),
+               path.string(), Setting::kOutputFormat};
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
@@ -229,7 +251,7 @@ Result<const Codec*> find_codec(const std::string& name) {
 
 namespace {
 
-/// Only a format that may hold several streams lists them.
+/// Only formats that may contain several streams list them.
 Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingReader> reader) {
   const RecordingInfo& info = reader->info();
   if (reader->options().stream.empty() || !info.streams.empty()) return reader;
@@ -249,8 +271,13 @@ bool is_recording_folder(const std::filesystem::path& path) {
 Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
                                                         const OpenOptions& options) {
   std::shared_ptr<DecodeSummary> losses;
-  // No more bytes than needed: a live source of a format that is named may not have more for a while.
+  // No more bytes than needed: a live source of a named format may not have more for a while.
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
+  std::shared_ptr<ByteSource> live;  // what it loses is counted while it is read
+  if (source->arrival()) {
+    live = std::move(source);
+    source = std::make_unique<SharedSource>(live);
+  }
   if (is_packed(head)) {
     losses = std::make_shared<DecodeSummary>();
     E2LF_ASSIGN_OR_RETURN(source, make_unpacked_source(std::move(source), losses));
@@ -260,7 +287,8 @@ Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSour
   if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
   if (!codec->is_table) E2LF_RETURN_IF_ERROR(refuse_table_options(options, codec->name, source->name()));
   E2LF_ASSIGN_OR_RETURN(auto reader, codec->open(std::move(source), options));
-  if (losses != nullptr) reader->count_losses_of(std::move(losses));
+  if (losses != nullptr) reader->count_losses([losses] { return *losses; });
+  if (live != nullptr) reader->count_losses([live] { return live->left_out(); });
   return check_stream(std::move(reader));
 }
 
@@ -286,7 +314,7 @@ Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem:
   if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
     return Error{
         ErrorCode::kUnsupported,
-        cat("the format ", codec->name, " goes back in its file, which a pipe or device cannot do; name a file"),
+        cat("the format ", codec->name, " requires seeking, which a pipe or device does not support; name a file"),
         path.string()};
   }
   if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info);

@@ -11,25 +11,26 @@
 
 namespace e2lf::recordings {
 
-/// One format: how it is found, opened and created. The table of those that are built in is in registry.cpp.
+/// A format: how it is detected, opened and created. registry.cpp contains the table of the built-in formats.
 struct Codec {
-  std::string name = {};                     ///< OpenOptions::format, RecordingInfo::format
-  std::vector<std::string> extensions = {};  ///< lower case, with the dot; the first codec of the table with one wins
-  std::string description = {};              ///< for help texts
+  std::string name = {};  ///< OpenOptions::format and RecordingInfo::format
+  std::vector<std::string> extensions =
+      {};                        ///< lower case, with the dot; the first codec in the table takes precedence
+  std::string description = {};  ///< for help texts
 
-  /// Whether the columns and the unit of time are not fixed: OpenOptions::columns and time_unit are refused elsewhere.
+  /// Whether the columns and the unit of time vary; other formats refuse OpenOptions::columns and time_unit.
   bool is_table = false;
 
-  /// Whether a file that begins with `head` is of this format; null = by extension or by name only.
+  /// Returns whether a file that begins with `head` has this format; null = selected only by extension or name.
   bool (*detect)(std::span<const uint8_t> head) = nullptr;
 
-  /// Null where the format cannot be read / written.
+  /// Null if the format cannot be read or written, respectively.
   Result<std::unique_ptr<RecordingReader>> (*open)(std::unique_ptr<ByteSource> source,
                                                    const OpenOptions& options) = nullptr;
   Result<std::unique_ptr<RecordingWriter>> (*create)(std::unique_ptr<ByteSink> sink,
                                                      const RecordingInfo& info) = nullptr;
 
-  /// For formats that write their file themselves (in place of `create`).
+  /// For formats that write their file themselves, instead of `create`.
   Result<std::unique_ptr<RecordingWriter>> (*create_file)(const std::filesystem::path& path,
                                                           const RecordingInfo& info) = nullptr;
 
@@ -38,26 +39,26 @@ struct Codec {
   Result<std::unique_ptr<RecordingReader>> (*open_folder)(const std::filesystem::path& path,
                                                           const OpenOptions& options) = nullptr;
 
-  /// Where the triggers of a file are that the format has no place for, when the reader looks for them there.
+  /// Returns the path of the file with triggers that the format cannot hold, if the reader looks for it.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
 
-  /// Whether the writer holds all in memory until finish().
+  /// Whether the writer keeps everything in memory until finish().
   bool is_written_at_end = false;
 
-  /// Makes what a writer that was killed left a file that can be read; null = it can be read as it is.
+  /// Makes the file of a killed writer readable; null if it is readable as it is.
   Result<void> (*recover)(const std::filesystem::path& path) = nullptr;
 };
 
-/// All formats, in the order in which detection asks them. What they point to stays.
+/// Returns all formats in the order of detection. The pointers remain valid.
 [[nodiscard]] std::vector<const Codec*> codecs();
 
-/// Adds a format for this process. It is asked before all others, so it also takes the place of one of its name.
+/// Adds a format for this process. It is tried before all others, and thus also replaces a format with the same name.
 void add_codec(Codec codec);
 
-/// Whether a folder is a recording, as a bag of ROS 2 is.
+/// Returns whether a folder is a recording, such as a ROS 2 bag.
 [[nodiscard]] bool is_recording_folder(const std::filesystem::path& path);
 
-/// The codec of that name. Fails with kInvalidValue and the nearest name.
+/// Returns the codec with this name. Fails with kInvalidValue, suggesting the nearest name.
 [[nodiscard]] Result<const Codec*> find_codec(const std::string& name);
 
 }  // namespace e2lf::recordings

@@ -9,8 +9,8 @@
 namespace e2lf::recordings::table {
 namespace {
 
-/// The words of a text in lower case, where a capital behind a small letter begins one ("timestampNs"); the Greek
-/// letter of "us" becomes a Latin one, and "micro seconds" one word.
+/// Returns the words of a text in lower case. A capital after a small letter begins a word ("timestampNs"), the Greek
+/// letter of "us" is replaced by a Latin one, and "micro seconds" becomes one word.
 std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words(1);
   for (size_t i = 0; i < text.size(); ++i) {
@@ -116,7 +116,7 @@ ColumnName parse_column_name(std::string_view name) {
   for (const KnownName& known : kNames) {
     const bool fits = known.is_prefix ? words[0].starts_with(known.name) : words[0] == known.name;
     if (!fits) continue;
-    // Another second word makes it another thing: "t_offset".
+    // Any other second word changes the meaning: "t_offset".
     if (words.size() == 2 && (known.field != Field::kT || result.unit == TimeUnit::kAuto)) return result;
     result.field = known.field;
     result.rank = static_cast<size_t>(&known - kNames);

@@ -9,16 +9,16 @@
 namespace e2lf::recordings::table {
 namespace {
 
-/// Of a column's values so many may be damaged.
+/// Share of the values of a column that may be damaged.
 constexpr double kMaxDamaged = 0.1;
-/// A column that falls so rarely may be times out of order; coordinates fall more often than kFallsOften.
+/// Columns that decrease this rarely may be times out of order; coordinates decrease more often than kFallsOften.
 constexpr double kFallsRarely = 0.1, kFallsOften = 0.25;
 /// No sensor is wider (px).
 constexpr size_t kWidestSensor = 8192;
-/// Fewer rows rise by chance.
+/// Fewer rows may increase by chance.
 constexpr size_t kFewRows = 8;
 
-/// The share of values that cannot be coordinates below a limit.
+/// Returns the share of values that cannot be coordinates below a limit.
 double share_beyond(const std::vector<double>& values, size_t limit) {
   const double most = limit == 0 ? 65536.0 : static_cast<double>(limit);
   const auto beyond = std::count_if(values.begin(), values.end(), [most](double value) {
@@ -46,7 +46,7 @@ Steps steps_of(const std::vector<double>& values) {
   return {static_cast<double>(falls) / static_cast<double>(values.size()), rises > 0};
 }
 
-/// The orders that names leave.
+/// Returns the orders that the names permit.
 std::vector<ColumnsOfFields> orders_of(const OrderHints& hints) {
   const bool has_names =
       std::any_of(hints.named.begin(), hints.named.end(), [](const auto& field) { return field.has_value(); });
@@ -72,7 +72,7 @@ std::string letters_of(const ColumnsOfFields& order) {
   return letters;
 }
 
-/// Keeps those of `orders` for which `keep` holds, unless it holds for none.
+/// Keeps the `orders` for which `keep` is true, unless it is true for none.
 template <typename Keep>
 void narrow(std::vector<ColumnsOfFields>& orders, const Keep& keep) {
   std::vector<ColumnsOfFields> kept;
@@ -91,7 +91,7 @@ std::optional<OrderGuess> find_order(std::span<const std::vector<double>> column
     steps[i] = steps_of(columns[i]);
     is_polarity[i] = are_polarities(columns[i]);
   }
-  // Of few events one outside the sensor is many.
+  // Among few events, a single one outside the sensor has too much weight.
   const size_t width = rows < kFewRows ? 0 : hints.width, height = rows < kFewRows ? 0 : hints.height;
   const auto fits = [&](const ColumnsOfFields& order, size_t most_x, size_t most_y) {
     return share_beyond(columns[order[of(Field::kX)]], most_x) <= kMaxDamaged &&
@@ -102,7 +102,7 @@ std::optional<OrderGuess> find_order(std::span<const std::vector<double>> column
   });
   if (orders.empty()) return std::nullopt;
   narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, kWidestSensor, kWidestSensor); });
-  // A sensor that is too small for every order leaves out events, which is said elsewhere.
+  // If the sensor is too small for every order, events are left out, which is reported elsewhere.
   narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, width, height); });
 
   const auto time_of = [](const ColumnsOfFields& order) { return order[of(Field::kT)]; };
@@ -127,7 +127,7 @@ std::optional<OrderGuess> find_order(std::span<const std::vector<double>> column
     if (usual == orders.end()) return std::nullopt;
     return OrderGuess{*usual, true};
   }
-  // The polarity stands last, or behind the coordinates where times are last.
+  // The polarity is last, or follows the coordinates if times are last.
   for (const std::string_view likely : {"txyp", "xytp", "xypt"}) {
     narrow(orders, [&](const auto& order) { return letters_of(order) == likely; });
   }

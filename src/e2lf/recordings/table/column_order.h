@@ -12,24 +12,24 @@
 
 namespace e2lf::recordings::table {
 
-/// Which column holds which field, by Field.
+/// The index of the column of each field, by Field.
 using ColumnsOfFields = std::array<size_t, kNumFields>;
 
-/// What is known of four columns before their values are looked at.
+/// What is known about four columns before their values are inspected.
 struct OrderHints {
-  std::array<std::optional<Field>, kNumFields> named = {};  ///< by column; x, y, t, p in some order where none is
-  size_t width = 0, height = 0;                             ///< of the sensor in px; 0 = not known
-  std::string usual;                                        ///< the order where the values leave several, as "xypt"
+  std::array<std::optional<Field>, kNumFields> named = {};  ///< by column; x, y, t, p in some order if none is named
+  size_t width = 0, height = 0;                             ///< of the sensor, px; 0 = unknown
+  std::string usual;  ///< the order to use if the values permit several, e.g. "xypt"
 };
 
 struct OrderGuess {
   ColumnsOfFields columns = {};
-  bool is_usual = false;  ///< the usual order, because the values leave several
+  bool is_usual = false;  ///< whether the usual order was used because the values permit several
 };
 
-/// Tells four columns of equal length apart by their values: polarities are of one code, coordinates are whole and on
-/// the sensor, times do not fall or are no coordinates. Without names, y follows x. Some values may be damaged. Nothing
-/// where the values leave several orders and none is usual, or none.
+/// Determines the order of four columns of equal length from their values: polarities follow one code, coordinates are
+/// integers on the sensor, and times do not decrease or cannot be coordinates. Without names, y follows x. Some values
+/// may be damaged. Returns nothing if the values permit no order, or several of which none is the usual one.
 [[nodiscard]] std::optional<OrderGuess> find_order(std::span<const std::vector<double>> columns,
                                                    const OrderHints& hints);
 

@@ -6,7 +6,7 @@
 
 namespace e2lf::recordings::table {
 
-/// A number of an event.
+/// The fields of an event.
 enum class Field : size_t { kX, kY, kP, kT };
 inline constexpr size_t kNumFields = 4;
 
@@ -15,7 +15,7 @@ constexpr size_t of(Field field) {
   return static_cast<size_t>(field);
 }
 
-/// The letters by which orders of columns are written, by field.
+/// The letters of the fields in column orders.
 inline constexpr std::string_view kFieldLetters = "xypt";
 
 }  // namespace e2lf::recordings::table

@@ -10,7 +10,7 @@
 namespace e2lf::recordings::table {
 namespace {
 
-/// Who said how a part of a table is to be read.
+/// The origin of the interpretation of a part of a table.
 enum class Reason { kOption, kFile, kFormat, kValues };
 
 const char* reason_text(Reason reason) {
@@ -34,7 +34,7 @@ Error undecided(std::string message, const std::string& location, Setting settin
 Result<ColumnsOfFields> order_of_option(const std::string& order, const TableSample& sample,
                                         const std::string& location) {
   if (!sample.is_ordered) {
-    return undecided("the columns have names and no order; leave the option out", location, Setting::kColumns);
+    return undecided("the columns have names but no order; leave the option out", location, Setting::kColumns);
   }
   ColumnsOfFields columns = {};
   bool fits = order.size() == sample.columns.size();
@@ -45,8 +45,8 @@ Result<ColumnsOfFields> order_of_option(const std::string& order, const TableSam
   }
   fits = fits && order.find_first_not_of("xypt-") == std::string::npos;
   if (fits) return columns;
-  return undecided(cat("\"", order, "\" is no order of the ", sample.columns.size(),
-                       " columns; write each of t, x, y, p once, as txyp, and - for a column to be passed over"),
+  return undecided(cat("\"", order, "\" is not an order of the ", sample.columns.size(),
+                       " columns; write each of t, x, y, p once, e.g. txyp, and - for a column to skip"),
                    location, Setting::kColumns);
 }
 
@@ -75,8 +75,8 @@ Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& opt
     return Columns{{*named[0], *named[1], *named[2], *named[3]}, Reason::kFile};
   }
   const Error error = undecided(
-      cat("neither names nor values tell which of the ", sample.columns.size(),
-          " columns are t, x, y and p; name them, as ", std::string("txyp-----").substr(0, sample.columns.size())),
+      cat("neither names nor values determine which of the ", sample.columns.size(),
+          " columns are t, x, y and p; name them, e.g. ", std::string("txyp-----").substr(0, sample.columns.size())),
       location, Setting::kColumns);
   if (sample.columns.size() != kNumFields) return error;
   OrderHints hints{{}, info.width, info.height, sample.usual_order};
@@ -91,7 +91,7 @@ Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& opt
   return Columns{guess->columns, guess->is_usual ? Reason::kFormat : Reason::kValues};
 }
 
-/// The unit of times that are not whole. Nothing where they cannot well be seconds.
+/// Returns the unit of times that are not integers, or nothing if they are unlikely to be seconds.
 std::optional<TimeUnit> unit_of_fractions(const std::vector<double>& times) {
   constexpr double kLatestS = 1e11;  // 3,000 years
   constexpr size_t kManyEvents = 100;
@@ -107,7 +107,7 @@ std::optional<TimeUnit> unit_of_fractions(const std::vector<double>& times) {
   return TimeUnit::kSeconds;
 }
 
-/// Where the sample's times are one value that says nothing, another one further on.
+/// If the times of the sample have a single value, which is not conclusive, adds a later one.
 Result<void> complete_times(TableSample& sample, size_t column) {
   TableSample::Column& times = sample.columns[column];
   const auto is_zero = [](double time) { return time == 0; };
@@ -139,10 +139,10 @@ Result<Unit> decide_unit(TableSample& sample, size_t column, const OpenOptions& 
     fractions += time != std::trunc(time);
     large += std::fabs(time) >= kLatestUs;
   }
-  // A few may be damaged.
+  // A few values may be damaged.
   if (fractions > 0 && 10 * fractions >= set) {
     if (const auto unit = unit_of_fractions(times.values)) return Unit{*unit, Reason::kValues, "not whole numbers"};
-    return undecided("the times are not whole numbers and too far apart for seconds; name their unit", location,
+    return undecided("the times are not integers, and too far apart for seconds; name their unit", location,
                      Setting::kTimeUnit);
   }
   const bool are_ns = 2 * large > times.values.size();
@@ -152,7 +152,7 @@ Result<Unit> decide_unit(TableSample& sample, size_t column, const OpenOptions& 
 
 struct Polarity {
   PolarityCode code;
-  std::string warning;  ///< what remains doubtful
+  std::string warning;  ///< remaining doubt
 };
 
 std::string values_text(const std::vector<double>& values) {
@@ -177,7 +177,7 @@ Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::
     const double known = guess.has_on ? guess.code.on : guess.code.off;
     const auto is_other = [known](double value) { return value != known && is_polarity(value); };
     E2LF_ASSIGN_OR_RETURN(const auto other, sample.find_further(column, is_other));
-    // As many as there are of the one, so that none is an exception.
+    // As often as the other one, so that neither is an exception.
     if (other) values.insert(values.end(), values.size(), *other);
     guess = guess_polarity(values);
   }
@@ -234,7 +234,7 @@ Result<void> require_mostly_events(uint64_t events, uint64_t bad, const Recordin
   const std::string columns = info.table ? info.table->columns : "t, x, y, p";
   return Error{ErrorCode::kFormat,
                cat(bad, " of ", bad + events, " rows cannot be read as ", columns, " (the first ", first_bad,
-                   "); name the columns or mend the file"),
+                   "); name the columns or correct the file"),
                location, Setting::kColumns};
 }
 

@@ -13,7 +13,7 @@
 namespace e2lf::recordings::table {
 namespace {
 
-/// Calls visit(T{}) with the type of the code; false for a code that is none.
+/// Calls visit(T{}) with the type of the code; returns false for an unknown code.
 template <typename Visit>
 bool with_number_type(std::string_view code, Visit&& visit) {
   if (code == "u1" || code == "b1") return visit(uint8_t{}), true;
@@ -29,7 +29,7 @@ bool with_number_type(std::string_view code, Visit&& visit) {
   return false;
 }
 
-/// One number as To; true where it does not fit.
+/// Converts a number to To; returns true if it does not fit.
 template <typename From, typename To>
 bool convert_one(From value, To& out) {
   if constexpr (std::is_floating_point_v<From>) {
@@ -60,7 +60,7 @@ double us_per(TimeUnit unit) {
   return 1.0;
 }
 
-/// A time in microseconds; true where it is none.
+/// Converts a time to microseconds; returns true if it is invalid.
 template <typename From>
 bool convert_time(From value, TimeUnit unit, int64_t& out) {
   if constexpr (std::is_floating_point_v<From>) {

@@ -12,49 +12,49 @@
 
 namespace e2lf::recordings::table {
 
-/// Where one number of an event is within records `stride` bytes apart; a plain column has offset 0.
+/// The position of one field of an event in records that are `stride` bytes apart; a separate column has offset 0.
 struct NumberField {
   std::string type;  ///< numpy code: "u1".."u8", "i1".."i8", "b1", "f4", "f8"
   size_t offset = 0;
   size_t stride = 0;
 };
 
-/// The numbers of an event within records.
+/// The fields of an event in records.
 struct RecordFields {
   NumberField x, y, p, t;
   TimeUnit unit = TimeUnit::kMicroseconds;
   PolarityCode polarity = {};
 };
 
-/// True for the types that to_column reads.
+/// Returns whether to_column() reads a type.
 [[nodiscard]] bool is_number_type(const std::string& type);
 
-/// The number of each of `count` records as T. Those that do not fit, or are not whole, set bad[i].
+/// Converts a field of `count` records to T. Sets bad[i] for values that do not fit or are not integers.
 template <typename T>
 void to_column(const uint8_t* records, const NumberField& field, size_t count, T* out, uint8_t* bad);
 
-/// Times in microseconds, rounded (whole nanoseconds are rounded down); kAuto is microseconds. Those beyond
-/// kTimeLimitUs set bad[i].
+/// Converts times to microseconds, rounded (integral nanoseconds are rounded down). kAuto is microseconds. Sets bad[i]
+/// for times beyond kTimeLimitUs.
 void to_times(const uint8_t* records, const NumberField& field, TimeUnit unit, size_t count, int64_t* out,
               uint8_t* bad);
 
-/// The events of `count` records; returns how many of them are none.
+/// Appends the events of `count` records, and returns the number of records that are not events.
 size_t to_events(const uint8_t* records, const RecordFields& fields, size_t count, EventColumns& events);
 
-/// The polarity of each of `count` records, 0 or 1. Those that `code` does not know set bad[i].
+/// Converts the polarities of `count` records to 0 or 1. Sets bad[i] for values that `code` does not contain.
 void to_polarities(const uint8_t* records, const NumberField& field, const PolarityCode& code, size_t count,
                    uint8_t* out, uint8_t* bad);
 
-/// The number of each of `count` records, for decide_layout().
+/// Returns the field of `count` records as doubles, for decide_layout().
 [[nodiscard]] std::vector<double> to_doubles(const uint8_t* records, const NumberField& field, size_t count);
 
-/// Whether numbers of a type are whole.
+/// Returns whether numbers of a type are integers.
 [[nodiscard]] bool is_integer_type(const std::string& type);
 
-/// Removes the events whose bad[i] is set from the columns, from `begin` on; returns how many.
+/// Removes the events from `begin` on whose bad[i] is set, and returns their number.
 size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad);
 
-/// So many rows tell columns, units and polarities.
+/// Number of rows from which columns, units and polarities are determined.
 inline constexpr size_t kSampledRows = 4096;
 
 }  // namespace e2lf::recordings::table

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMinusOneOf64Bits = 18446744073709551616.0;  // the nearest double to 2^64 - 1
 
-/// Of codes that explain equally much the first is taken.
+/// Of codes that match equally many values, the first is used.
 constexpr PolarityCode kCodes[] = {{0, -1, 1},
                                    {1, 1, 2},
                                    {0, 0, 255},
@@ -40,7 +40,7 @@ PolarityGuess guess_polarity(std::span<const double> values) {
     }
     if (guess.explained > best.explained) best = guess;
   }
-  // One code serves 0/1 and -1/1.
+  // The same code is used for 0/1 and -1/1.
   if (best.code.off_too == -1 && std::count(values.begin(), values.end(), -1.0) > 0 &&
       std::count(values.begin(), values.end(), 0.0) == 0) {
     std::swap(best.code.off, best.code.off_too);

@@ -14,7 +14,7 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr OpenOptions kPlain = {.policy = DecodePolicy::kSkip};
+const OpenOptions kPlain = {.policy = DecodePolicy::kSkip};
 
 /// 1,000 events on 64x48 px within 30 ms.
 EventColumns events() {

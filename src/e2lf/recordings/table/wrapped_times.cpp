@@ -35,10 +35,10 @@ class UnwrappedBlocks final : public EventBlocks {
     return unit == TimeUnit::kSeconds ? 1'000'000 : unit == TimeUnit::kMilliseconds ? 1000 : 1;
   }
 
-  /// In the units of the times; of nanoseconds in whole microseconds.
+  /// In the units of the times; nanoseconds are in whole microseconds.
   [[nodiscard]] int64_t circle() const { return is_ns_ ? kCircle / 1000 : kCircle; }
 
-  /// How often the clock has wrapped before a time.
+  /// Returns how often the clock has wrapped around before a time.
   int64_t loops_at(int64_t time, DecodeSummary& summary) {
     if (time < -circle() / 2 || time > circle()) return loops_;  // not of 32 bits
     if (!last_) last_ = time;
@@ -54,7 +54,7 @@ class UnwrappedBlocks final : public EventBlocks {
       return loops_;
     }
     if (step > 3 * quarter && loops_ > 0) return loops_ - 1;
-    // Damage, or a pause where many say so.
+    // Damage, or a pause if many times agree.
     if (++odd_ == kMaxOdd) last_.reset();
     return loops_;
   }

@@ -28,7 +28,7 @@ uint32_t load_big_endian(const uint8_t* bytes) {
   return __builtin_bswap32(load_le<uint32_t>(bytes));
 }
 
-/// Where an address keeps what, for one kind of camera.
+/// The layout of the bits of an address, for one kind of camera.
 struct AddressBits {
   uint32_t impossible;  ///< bits that are always zero
   uint32_t no_event;    ///< frames and inertial data
@@ -39,7 +39,7 @@ struct AddressBits {
 constexpr AddressBits kDvs128 = {0x7FFF0000, 0, 0x80008000, 1, 0x7F, 8, 0x7F, 0, true};
 constexpr AddressBits kDavis = {0, 0x80000000, 0x400, 12, 0x3FF, 22, 0x1FF, 11, false};
 
-/// What the low bits of an external event of a DAVIS say; others are rising edges or pulses.
+/// The low bits of an external event of a DAVIS; other values are rising edges or pulses.
 constexpr uint32_t kFallingEdge = 2, kEdgeMask = 0x7;
 
 class Aedat2Blocks final : public EventBlocks {
@@ -94,7 +94,7 @@ class Aedat2Blocks final : public EventBlocks {
       block.triggers.push_back({t_us, 0, static_cast<uint8_t>(is_falling ? 0 : 1)});
       return;
     }
-    // A column or row beyond the sensor stays beyond it.
+    // A column or row beyond the sensor remains outside it.
     const uint32_t x = address >> bits_.x_shift & bits_.x_mask, y = address >> bits_.y_shift & bits_.y_mask;
     const bool is_on = (address >> bits_.p_shift & 1) != (bits_.on_is_zero ? 1 : 0);
     block.events.push_back({x < width_ ? static_cast<uint16_t>(width_ - 1 - x) : uint16_t{UINT16_MAX},
@@ -114,7 +114,8 @@ struct Camera {
   AddressBits bits = kDavis;
 };
 
-/// What the first addresses say of a camera that the header does not name: those of a DVS128 have 16 bits.
+/// Determines the kind of a camera that the header does not name from the first addresses: those of a DVS128 have 16
+/// bits.
 const char* name_by_addresses(std::span<const uint8_t> records) {
   uint32_t x_end = 0, y_end = 0, high_bits = 0;
   for (size_t i = 0; (i + 1) * kRecordBytes <= records.size(); ++i) {
@@ -139,7 +140,7 @@ Result<Camera> find_camera(ByteSource& source, const TextHeader& header, const O
   if (!find_camera_model(chip)) {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kDetectBytes));
     chip = name_by_addresses(bytes.first(std::min(bytes.size(), kDetectBytes)));
-    info.assumptions.push_back({cat("the header names no camera that is known; by its addresses it is a ", chip)});
+    info.assumptions.push_back({cat("the header names no known camera; its addresses are those of a ", chip)});
   }
   const CameraModel model = *find_camera_model(chip);
   camera.bits = model.is_davis ? kDavis : kDvs128;
@@ -163,7 +164,7 @@ Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource>
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersionLine)) {
-    return Error{ErrorCode::kFormat, cat("not an AEDAT 2 recording; its first line would be ", kVersionLine), name};
+    return Error{ErrorCode::kFormat, cat("this is not an AEDAT 2 recording, whose first line is ", kVersionLine), name};
   }
   E2LF_ASSIGN_OR_RETURN(Camera camera, find_camera(*source, header, options));
   auto blocks = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height);

@@ -24,11 +24,11 @@ constexpr int16_t kAnySource = -1;
 
 struct Packet {
   int16_t type = 0, source = 0;
-  size_t bytes = 0;         ///< behind its header
-  int64_t overflow_us = 0;  ///< what is added to its times
+  size_t bytes = 0;         ///< size of the content after the header
+  int64_t overflow_us = 0;  ///< added to its times
 };
 
-/// Nothing where the bytes are no header of a packet. Packets of other types may hold events of any size.
+/// Returns nothing if the bytes are not the header of a packet. Packets of other types may contain events of any size.
 std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) {
   const auto word = [&](size_t place) { return load_le<int32_t>(bytes.data() + place); };
   const Packet packet{load_le<int16_t>(bytes.data()), load_le<int16_t>(bytes.data() + 2),
@@ -40,7 +40,7 @@ std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) {
   return packet;
 }
 
-/// What a type of special events is to us; types not listed are no external signal.
+/// The meaning of a type of special events; types that are not listed are not external signals.
 struct TriggerMeaning {
   uint32_t type;
   uint16_t id;
@@ -51,7 +51,7 @@ constexpr TriggerMeaning kMeanings[] = {{2, 0, 1}, {3, 0, 0},  {4, 0, 1},  {6, 1
 
 class Aedat3Blocks final : public EventBlocks {
  public:
-  /// `flip_height` is the sensor's height where rows count from the bottom, else 0.
+  /// `flip_height` is the height of the sensor if rows are counted from the bottom, otherwise 0.
   Aedat3Blocks(std::unique_ptr<ByteSource> source, int16_t chosen, bool has_chosen, size_t flip_height)
       : source_(std::move(source)),
         chosen_(chosen),
@@ -68,7 +68,7 @@ class Aedat3Blocks final : public EventBlocks {
     const auto packet = parse_packet(bytes);
     // A recording that was appended with its header.
     if (!packet && detect_aedat3(bytes)) return read_text_header(*source_) ? Result<bool>(true) : Result<bool>(false);
-    // Nothing tells where the next packet begins.
+    // The position of the next packet is unknown.
     if (!packet) return give_up(Violation::kMisaligned, summary);
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(kPacketHeader + packet->bytes));
     const size_t whole = std::min(bytes.size() - kPacketHeader, packet->bytes) / kEventBytes * kEventBytes;
@@ -95,7 +95,7 @@ class Aedat3Blocks final : public EventBlocks {
   void append_events(std::span<const uint8_t> packet, int64_t overflow_us, EventColumns& events) const {
     for (size_t i = 0; i < packet.size(); i += kEventBytes) {
       const auto data = load_le<uint32_t>(&packet[i]);
-      if ((data & 1) == 0) continue;  // what a filter took away
+      if ((data & 1) == 0) continue;  // removed by a filter
       const uint32_t y = data >> 2 & 0x7FFF;
       const uint32_t from_top = flip_height_ == 0 ? y : y < flip_height_ ? flip_height_ - 1 - y : UINT16_MAX;
       events.push_back({static_cast<uint16_t>(data >> 17), static_cast<uint16_t>(from_top),
@@ -126,7 +126,7 @@ class Aedat3Blocks final : public EventBlocks {
   bool has_given_up_ = false;
 };
 
-/// The sources of the header, "Source 1: DVS128", by number.
+/// Returns the sources in the header, "Source 1: DVS128", by number.
 std::map<int16_t, std::string> sources_of(const TextHeader& header) {
   constexpr std::string_view kKey = "Source ";
   std::map<int16_t, std::string> sources;
@@ -151,7 +151,8 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersion)) {
-    return Error{ErrorCode::kFormat, cat("not an AEDAT 3 recording; its first line would begin with ", kVersion), name};
+    return Error{ErrorCode::kFormat, cat("this is not an AEDAT 3 recording, whose first line begins with ", kVersion),
+                 name};
   }
   const std::string format = header.find("Format:").value_or("RAW");
   if (format != "RAW" && format != "PNGFrames") {
@@ -174,7 +175,7 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
   if (const auto start = header.find("Start-Time:")) info.header.emplace_back("start_time", one_line(*start));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   const bool is_from_bottom = ("#" + header.lines[0]).starts_with("#!AER-DAT3.0");
-  // Of one source all packets are, whatever number they bear.
+  // If there is a single source, all packets belong to it, whatever their number.
   const int16_t number = sources.size() == 1 ? kAnySource : chosen_source->first;
   auto blocks = std::make_unique<Aedat3Blocks>(std::move(source), number, !options.stream.empty(),
                                                is_from_bottom ? info.height : 0);

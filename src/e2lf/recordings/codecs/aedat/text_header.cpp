@@ -50,7 +50,7 @@ Result<TextHeader> read_text_header(ByteSource& source) {
     const size_t end = rest.find('\n');
     if (end == std::string_view::npos && rest.starts_with('#') && is_text(rest) && bytes.size() >= wanted) {
       if (wanted >= kMaxHeaderBytes) {
-        return Error{ErrorCode::kFormat, "the AEDAT header does not end; record or copy the file again", source.name()};
+        return Error{ErrorCode::kFormat, "the AEDAT header has no end; record or copy the file again", source.name()};
       }
       wanted *= 2;
       E2LF_ASSIGN_OR_RETURN(bytes, source.fetch(wanted));

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kCompressionField = 0, kTableField = 1, kInfoField = 2;
 
-/// The value of attribute `key` in a tag, e.g. path in <node name="0" path="/outInfo/0/">.
+/// Returns the value of attribute `key` in a tag, e.g. path in <node name="0" path="/outInfo/0/">.
 std::string_view attribute(std::string_view tag, std::string_view key) {
   const size_t begin = tag.find(cat(" ", key, "=\""));
   if (begin == std::string_view::npos) return {};
@@ -20,7 +20,7 @@ std::string_view attribute(std::string_view tag, std::string_view key) {
   return end == std::string_view::npos ? std::string_view() : tag.substr(value, end - value);
 }
 
-/// The number of a path ".../outInfo/<number>/" or ".../outInfo/<number>/info/".
+/// Returns the number in a path ".../outInfo/<number>/" or ".../outInfo/<number>/info/".
 std::optional<int32_t> stream_of_path(std::string_view path) {
   const size_t place = path.find("/outInfo/");
   if (place == std::string_view::npos) return std::nullopt;

@@ -16,29 +16,30 @@ struct Stream {
   int32_t id = 0;
   std::string type;  ///< "EVTS", "TRIG", "FRME", "IMUS"
   size_t width = 0, height = 0;
-  std::string source;  ///< the camera
-  std::string output;  ///< what its module calls it, as "events"
+  std::string source;  ///< name of the camera
+  std::string output;  ///< name of the stream in its module, e.g. "events"
 };
 
 struct Header {
   Compression compression = Compression::kNone;
-  uint64_t table_position = 0;  ///< where packets end; 0 = unknown, at the end of the file
+  uint64_t table_position = 0;  ///< offset of the end of the packets; 0 = unknown, at the end of the file
   std::vector<Stream> streams;
-  size_t bytes = 0;  ///< where the packets begin
+  size_t bytes = 0;  ///< offset of the packets
 };
 
 inline constexpr std::string_view kVersionLine = "#!AER-DAT4.0\r\n";
 
-/// Largest header that is believed, in bytes.
+/// Largest plausible header, in bytes.
 inline constexpr size_t kMaxHeaderBytes = size_t{1} << 22;
 
-/// How many bytes of the file the header takes, from its first 18; nothing when it is no AEDAT 4 file.
+/// Returns the size of the header in bytes from its first 18 bytes, or nothing if it is not an AEDAT 4 file.
 [[nodiscard]] std::optional<size_t> header_size(std::span<const uint8_t> head);
 
-/// Reads the header from bytes that hold it whole. Fails with kFormat.
+/// Parses the header from bytes that contain all of it. Fails with kFormat.
 [[nodiscard]] Result<Header> parse_header(std::span<const uint8_t> bytes, const std::string& name);
 
-/// The streams in the header's XML: nodes /mainloop/.../outInfo/<id>/ with typeIdentifier, sizeX, sizeY and source.
+/// Parses the streams in the header's XML: nodes /mainloop/.../outInfo/<id>/ with typeIdentifier, sizeX, sizeY and
+/// source.
 [[nodiscard]] std::vector<Stream> parse_streams(std::string_view xml);
 
 }  // namespace e2lf::recordings::aedat4

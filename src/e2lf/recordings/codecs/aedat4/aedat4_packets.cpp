@@ -10,7 +10,7 @@ constexpr size_t kSizePrefix = 4;
 constexpr size_t kEventBytes = 16;  // i64 t, i16 x, i16 y, u8 on, padding
 constexpr size_t kElementsField = 0, kTriggerTimeField = 0, kTriggerTypeField = 1;
 
-/// What a trigger type of the format is to us; types not listed are no external signal.
+/// The meaning of a trigger type of the format; types that are not listed are not external signals.
 struct TriggerMeaning {
   int8_t type;
   uint16_t id;

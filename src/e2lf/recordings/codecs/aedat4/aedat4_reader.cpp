@@ -21,15 +21,15 @@ namespace {
 
 constexpr size_t kPacketHeader = 8;
 
-/// Packets whose times are looked at before they are bisected.
+/// Number of packets whose times are inspected before they are bisected.
 constexpr size_t kProbes = 64;
 
-/// Packets that are noted for seeking; those behind them are found by reading on.
+/// Number of packets whose positions are stored for seeking; later ones are found by reading on.
 constexpr size_t kMaxNoted = size_t{1} << 20;
 
 enum class Use : uint8_t { kEvents, kTriggers, kLeftOut, kNone };
 
-/// What a stream is to one who reads the events of another; `has_chosen` = by its name.
+/// Returns how a stream is used when the events of another are read; `has_chosen` is true if that was selected by name.
 Use use_of_stream(const Stream& stream, const Stream& events, bool has_several_cameras, bool has_chosen) {
   if (stream.id == events.id) return Use::kEvents;
   const bool is_trigger = stream.type == "TRIG";
@@ -61,7 +61,8 @@ class Aedat4Blocks final : public EventBlocks {
     if (bytes.size() < kPacketHeader) return give_up(Violation::kTruncated, summary);
     const auto packet = parse_packet(bytes);
     if (!packet && begins_header(bytes)) return read_appended_header();
-    // Without a file table, a foreign packet is where a proper end would be; nothing tells where the next begins.
+    // Without a file table, a foreign packet occurs where a regular end would be. The position of the next packet is
+    // unknown.
     if (!packet) return give_up(Violation::kMisaligned, summary);
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
     if (bytes.size() < packet->bytes) return give_up(Violation::kTruncated, summary);
@@ -76,7 +77,7 @@ class Aedat4Blocks final : public EventBlocks {
     return true;
   }
 
-  /// Goes from packet header to packet header once, unpacking nothing, then bisects the packets of events.
+  /// Visits all packet headers once without decompressing anything, then bisects the packets of events.
   Result<void> seek_before(int64_t t_us) override {
     has_given_up_ = false;
     header_.table_position = first_table_position_;
@@ -84,12 +85,12 @@ class Aedat4Blocks final : public EventBlocks {
     const auto time_at = [&](uint64_t i) -> Result<int64_t> {
       E2LF_ASSIGN_OR_RETURN(const EventBatch packet, read_packet(event_packets_[i], Use::kEvents));
       const auto& times = packet.events.t;
-      // What cannot be read counts as late: the search then ends in front of it.
+      // Unreadable packets are treated as late, so that the search ends before them.
       if (times.empty()) return INT64_MAX;
       return median_time({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
     };
     uint64_t position = header_.bytes;
-    // Where the clock starts again, only the first part could be bisected.
+    // If the clock starts again, only the first part could be bisected.
     bool is_rising = true;
     int64_t last_us = INT64_MIN;
     for (size_t i = 0; i < kProbes && is_rising && !event_packets_.empty(); ++i) {
@@ -99,7 +100,7 @@ class Aedat4Blocks final : public EventBlocks {
     }
     if (is_rising && !event_packets_.empty()) {
       E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(event_packets_.size(), t_us, time_at));
-      // The first place stands for the start: packets of triggers may come before it.
+      // The first position represents the start, since packets of triggers may precede it.
       if (place > 0) position = event_packets_[place];
     }
     E2LF_ASSIGN_OR_RETURN(position, before_late_triggers(position, t_us));
@@ -149,10 +150,10 @@ class Aedat4Blocks final : public EventBlocks {
 
   struct Packet {
     Use use = Use::kNone;
-    size_t bytes = 0;  ///< with its header
+    size_t bytes = 0;  ///< size including the header
   };
 
-  /// The packet that begins with these bytes; nothing when it is none of this file.
+  /// Returns the packet that begins with these bytes, or nothing if it does not belong to this file.
   std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) const {
     const auto id = load_le<int32_t>(bytes.data()), size = load_le<int32_t>(bytes.data() + 4);
     const Use* const use = use_of(id);
@@ -160,7 +161,7 @@ class Aedat4Blocks final : public EventBlocks {
     return Packet{*use, kPacketHeader + static_cast<size_t>(size)};
   }
 
-  /// Notes where packets of events and triggers begin.
+  /// Stores the positions of the packets of events and triggers.
   Result<void> note_packets() {
     event_packets_.clear();
     trigger_packets_.clear();
@@ -183,7 +184,7 @@ class Aedat4Blocks final : public EventBlocks {
     return {};
   }
 
-  /// What is in a packet; nothing where it is damaged.
+  /// Returns the content of a packet, or an empty batch if it is damaged.
   Result<EventBatch> read_packet(uint64_t position, Use use) {
     E2LF_RETURN_IF_ERROR(source_->seek(position));
     E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
@@ -197,7 +198,7 @@ class Aedat4Blocks final : public EventBlocks {
     return is_whole ? contents : EventBatch();
   }
 
-  /// Goes back over packets of triggers in front of `position` that reach to t_us.
+  /// Moves back over packets of triggers before `position` that extend to t_us.
   Result<uint64_t> before_late_triggers(uint64_t position, int64_t t_us) {
     auto after = std::lower_bound(trigger_packets_.begin(), trigger_packets_.end(), position);
     for (; after != trigger_packets_.begin(); --after) {
@@ -220,10 +221,11 @@ class Aedat4Blocks final : public EventBlocks {
     if (!decompressor_->unpack(packed, unpacked_)) return false;
     if (use == Use::kEvents) return append_events(unpacked_, block.events);
     const bool is_whole = append_triggers(unpacked_, block.triggers);
-    // Several trigger streams may overlap in time; one that lies before what was handed out is damaged. Those in front
-    // of damage are looked at like all others.
+    // Several trigger streams may overlap in time; a trigger before what was already returned is damaged. Packets
+    // before the damage are treated like all others.
     std::erase_if(block.triggers, [this](const Trigger& trigger) {
-      // One that falls far may be of a clock that has started again, as the events will tell.
+      // A trigger whose time decreases by much may belong to a clock that has started again, which the events will
+      // show.
       const bool is_late = trigger.t < last_trigger_us_ && trigger.t > last_trigger_us_ - kMinRestartUs;
       if (is_late || !is_time(trigger.t)) return true;
       last_trigger_us_ = trigger.t;
@@ -232,7 +234,7 @@ class Aedat4Blocks final : public EventBlocks {
     return is_whole;
   }
 
-  /// The packets end here.
+  /// Ends the packets here.
   Result<bool> give_up(Violation violation, DecodeSummary& summary) {
     if (!std::exchange(has_given_up_, true)) summary.add(violation, source_->position());
     return false;
@@ -244,13 +246,13 @@ class Aedat4Blocks final : public EventBlocks {
   std::unique_ptr<Decompressor> decompressor_;
   std::vector<std::pair<int32_t, Use>> uses_;
   std::vector<uint8_t> unpacked_;
-  std::vector<uint64_t> event_packets_, trigger_packets_;  ///< where they begin, once has_noted_
+  std::vector<uint64_t> event_packets_, trigger_packets_;  ///< their positions, once has_noted_
   bool has_noted_ = false;
   bool has_given_up_ = false;
   int64_t last_trigger_us_ = INT64_MIN;
 };
 
-/// The streams of events, by their numbers.
+/// Returns the streams of events, by their numbers.
 std::vector<Stream> streams_of_events(const Header& header) {
   std::vector<Stream> streams;
   std::copy_if(header.streams.begin(), header.streams.end(), std::back_inserter(streams),
@@ -270,7 +272,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kVersionLine.size() + 4));
   const auto size = header_size(bytes);
   if (!size || *size > kMaxHeaderBytes) {
-    return Error{ErrorCode::kFormat, "not an AEDAT4 recording, or its header is damaged", name};
+    return Error{ErrorCode::kFormat, "this is not an AEDAT4 recording, or its header is damaged", name};
   }
   E2LF_ASSIGN_OR_RETURN(bytes, source->fetch(*size));
   E2LF_ASSIGN_OR_RETURN(Header header, parse_header(bytes, name));

@@ -10,21 +10,21 @@
 
 namespace e2lf::recordings::aedat4 {
 
-/// Reads a FlatBuffer field by field; every offset is checked against the buffer, so that damage gives nothing instead
-/// of a wrong place. (A table begins with the distance back to its vtable, which lists the fields' places; strings,
-/// vectors and sub-tables lie behind u32 offsets.)
+/// Reads the fields of a FlatBuffer. Every offset is checked against the buffer, so that damage yields nothing instead
+/// of a wrong value. (A table begins with the distance back to its vtable, which lists the offsets of the fields.
+/// Strings, vectors and sub-tables are referenced by u32 offsets.)
 class FlatBuffer {
  public:
   explicit FlatBuffer(std::span<const uint8_t> bytes) : bytes_(bytes) {}
 
-  /// The place of the root table when the buffer's identifier is `id` (four characters).
+  /// Returns the position of the root table if the identifier of the buffer is `id` (four characters).
   [[nodiscard]] std::optional<size_t> root(std::string_view id) const {
     const auto place = follow(0);
     if (!place || bytes_.size() < 8 || text(4, 4) != id) return std::nullopt;
     return place;
   }
 
-  /// Where field number `field` of the table is; nothing when it has its default value, or is damaged.
+  /// Returns the position of field number `field` of the table, or nothing if it has its default value or is damaged.
   [[nodiscard]] std::optional<size_t> field(size_t table, size_t field) const {
     const auto back = number<int32_t>(table);
     if (!back) return std::nullopt;
@@ -44,14 +44,14 @@ class FlatBuffer {
     return load_le<T>(bytes_.data() + place);
   }
 
-  /// A number field, or its default.
+  /// Returns the value of a numeric field, or its default.
   template <typename T>
   [[nodiscard]] T number_field(size_t table, size_t index, T default_value) const {
     const auto place = field(table, index);
     return place ? number<T>(*place).value_or(default_value) : default_value;
   }
 
-  /// The elements of a vector (or the characters of a string) field of `element_size` bytes each.
+  /// Returns the elements of a vector field, or the characters of a string field, with `element_size` bytes each.
   [[nodiscard]] std::optional<std::span<const uint8_t>> vector_field(size_t table, size_t index,
                                                                      size_t element_size) const {
     const auto place = field(table, index);
@@ -61,14 +61,14 @@ class FlatBuffer {
     return bytes_.subspan(*vector + 4, *count * element_size);
   }
 
-  /// The place that the u32 offset at `place` points to.
+  /// Returns the position to which the u32 offset at `place` points.
   [[nodiscard]] std::optional<size_t> follow(size_t place) const {
     const auto offset = number<uint32_t>(place);
     if (!offset || *offset > bytes_.size() - place) return std::nullopt;
     return place + *offset;
   }
 
-  /// The place of an element of a vector that vector_field returned.
+  /// Returns the position of an element of a vector that vector_field() returned.
   [[nodiscard]] size_t place_of(const uint8_t* element) const { return static_cast<size_t>(element - bytes_.data()); }
 
  private:

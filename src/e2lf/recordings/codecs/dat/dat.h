@@ -10,26 +10,27 @@
 
 namespace e2lf::recordings::dat {
 
-/// Prophesee DAT: a text header, a byte each for record type and size, then 8-byte records: u32 time in us, u32 place.
-/// Times wrap after 71.6 minutes; the reader unwraps them, so gaps between records must stay below 17 minutes there.
-/// Seeking goes by the times of a few records (dat_seek.h).
-/// Triggers are in a second file: name_cd.dat or name.dat has name_trigger.dat, read when it is there.
+/// Prophesee DAT: a text header, one byte each for the type and the size of records, then 8-byte records (u32 time in
+/// us, u32 coordinates and polarity). Times wrap around after 71.6 minutes; the reader unwraps them, which requires
+/// gaps between records of less than 17 minutes. Seeking uses the times of a few records (dat_seek.h). Triggers are
+/// stored in a second file: name_trigger.dat for name_cd.dat or name.dat, which is read if it exists.
 
 [[nodiscard]] bool detect(std::span<const uint8_t> head);
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source,
                                                             const OpenOptions& options);
 
-/// Writes version 2 with the time unwrapped from its low 32 bits: the first event must be before 2^32 us (kInvalidValue
-/// otherwise; shift the recording to zero). Into a sink only events go; into a file, triggers go to their own file.
+/// Writes version 2 with the low 32 bits of the times. The first event must be before 2^32 us; otherwise writing fails
+/// with kInvalidValue, and the recording must be shifted to zero. Only events are written to a sink; with a file,
+/// triggers are written to a file of their own.
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
                                                               const RecordingInfo& info);
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path,
                                                                    const RecordingInfo& info);
 
-/// name_trigger.dat for name_cd.dat or name.dat.
+/// Returns name_trigger.dat for name_cd.dat or name.dat.
 [[nodiscard]] std::filesystem::path trigger_path(const std::filesystem::path& path);
 
-/// Whether a file begins as a name_trigger.dat does, and not as one of events.
+/// Returns whether a file begins like a name_trigger.dat and not like a file of events.
 [[nodiscard]] bool is_trigger_file(const std::filesystem::path& path);
 
 }  // namespace e2lf::recordings::dat

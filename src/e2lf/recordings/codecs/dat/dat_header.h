@@ -20,14 +20,14 @@ struct Header {
   RecordingInfo info;
   int version = 1;
   uint8_t type = kTypeCd;
-  size_t bytes = 0;  ///< where the records begin
+  size_t bytes = 0;  ///< offset of the records
 };
 
-/// Reads the text header and the two bytes behind it. Nothing when `head` is not the start of a DAT file: no "%" line,
-/// the keys of a RAW file, or another record type or size.
+/// Parses the text header and the two bytes after it. Returns nothing if `head` is not the start of a DAT file: no "%"
+/// line, the keys of a RAW file, or another record type or size.
 [[nodiscard]] std::optional<Header> parse_header(std::span<const uint8_t> head);
 
-/// The header of a version 2 file.
+/// Returns the header of a version 2 file.
 [[nodiscard]] std::string make_header(const RecordingInfo& info, uint8_t type);
 
 }  // namespace e2lf::recordings::dat

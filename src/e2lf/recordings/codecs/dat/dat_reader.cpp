@@ -17,14 +17,14 @@ namespace {
 
 constexpr size_t kTriggerBlock = 4096;
 
-/// Where a record's second word keeps x, y and p.
+/// The layout of x, y and p in the second word of a record.
 struct PlaceBits {
   uint32_t x_mask, y_shift, y_mask, p_shift, p_mask;
 };
 constexpr PlaceBits kVersion1 = {0x1FF, 9, 0xFF, 17, 0x1};
 constexpr PlaceBits kVersion2 = {0x3FFF, 14, 0x3FFF, 28, 0xF};
 
-/// Appends the records as events; one with p > 1 is dropped. Returns how many were dropped.
+/// Appends the records as events, except those with p > 1, and returns the number of these.
 size_t append_events(std::span<const uint8_t> records, const PlaceBits& bits, TimeUnwrapper& unwrap,
                      EventColumns& out) {
   const size_t begin = out.size(), count = records.size() / kRecordBytes;
@@ -53,7 +53,7 @@ Result<Header> read_header(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
   std::optional<Header> header = parse_header(head.first(std::min(head.size(), kDetectBytes)));
   if (!header) {
-    return Error{ErrorCode::kFormat, "not a DAT recording; a header of % lines and 8-byte records are needed",
+    return Error{ErrorCode::kFormat, "this is not a DAT recording, which has a header of % lines and 8-byte records",
                  source.name()};
   }
   source.consume(header->bytes);
@@ -63,7 +63,7 @@ Result<Header> read_header(ByteSource& source) {
 /// The records of a _trigger.dat file.
 class TriggerFile final : public TriggerSource {
  public:
-  /// `header_bytes` is where the records begin and the source stands.
+  /// `header_bytes` is the offset of the records and the position of the source.
   TriggerFile(std::unique_ptr<ByteSource> source, size_t header_bytes)
       : source_(std::move(source)), header_bytes_(header_bytes) {}
 
@@ -157,7 +157,7 @@ class DatBlocks final : public EventBlocks {
   TimeUnwrapper unwrap_;
 };
 
-/// A file of triggers opened as the recording itself.
+/// Reads a file of triggers that was opened as a recording.
 class DatTriggerReader final : public RecordingReader {
  public:
   DatTriggerReader(std::unique_ptr<ByteSource> source, const Header& header, const OpenOptions& options)

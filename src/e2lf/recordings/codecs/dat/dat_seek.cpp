@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint64_t kMaxProbes = 256;
 
-/// Records in front of the place that are read too, so that what is believable there is judged as in a scan.
+/// Number of records before the position that are also read, so that plausibility is judged as in a complete scan.
 constexpr uint64_t kMargin = 64;
 
 /// A record and its full time.
@@ -31,7 +31,7 @@ class Search {
     Probe low{0, first_us};
     if (first_us >= t_us) return Place();
     const uint64_t stride = std::max(kMinStride / 16, num_records_ / kMaxProbes);
-    // All of them, as the times in front of the place alone do not show that they are to be believed.
+    // All of them, because the times before the position alone do not show whether they are plausible.
     Probe last = low, high{num_records_, INT64_MAX};
     while (last.record + stride < num_records_) {
       E2LF_ASSIGN_OR_RETURN(const Probe next, probe(last.record + stride, last));
@@ -45,7 +45,7 @@ class Search {
   }
 
  private:
-  /// The middle one of the clock's low bits of some records.
+  /// Returns the median of the clock's low bits of some records.
   Result<int64_t> low_at(uint64_t record) {
     E2LF_RETURN_IF_ERROR(source_.seek(header_bytes_ + record * kRecordBytes));
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_.fetch(kTimesPerProbe * kRecordBytes));
@@ -56,7 +56,7 @@ class Search {
     return median_time(std::move(times));
   }
 
-  /// A record behind another one.
+  /// Reads a record after another one.
   Result<Probe> probe(uint64_t record, const Probe& before) {
     E2LF_ASSIGN_OR_RETURN(const int64_t low, low_at(record));
     return Probe{record, before.t_us + static_cast<uint32_t>(low - before.t_us)};
@@ -65,7 +65,7 @@ class Search {
   Result<Probe> bisect(Probe low, Probe high, int64_t t_us) {
     while (high.record - low.record > 1) {
       E2LF_ASSIGN_OR_RETURN(const Probe middle, probe(low.record + (high.record - low.record) / 2, low));
-      // Damaged: what is known so far will do.
+      // Damaged; what is known so far is sufficient.
       if (middle.t_us > high.t_us || middle.t_us - low.t_us > kMaxStepUs) break;
       (middle.t_us < t_us ? low : high) = middle;
     }
@@ -82,7 +82,7 @@ class Search {
 Result<Place> find_place_before(ByteSource& source, uint64_t header_bytes, int64_t t_us) {
   const uint64_t size = source.size().value_or(0);
   const uint64_t num_records = size > header_bytes ? (size - header_bytes) / kRecordBytes : 0;
-  // What is read at once is no faster found.
+  // A file that is read in one step is not searched faster.
   if (num_records <= kMinStride) return Place();
   return Search(source, header_bytes, num_records).run(t_us);
 }

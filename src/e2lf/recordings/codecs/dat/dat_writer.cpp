@@ -20,7 +20,7 @@ std::span<const uint8_t> bytes_of(const std::string& text) {
 
 class DatWriter final : public RecordingWriter {
  public:
-  /// `trigger_file` empty = triggers are not kept.
+  /// If `trigger_file` is empty, triggers are dropped.
   DatWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info, std::filesystem::path trigger_file)
       : sink_(std::move(sink)),
         info_(info),
@@ -52,7 +52,7 @@ class DatWriter final : public RecordingWriter {
   }
 
  private:
-  /// The sensor's size, as far as the format's coordinates reach; 0 = unknown.
+  /// Limits the sensor's size to the coordinates of the format; 0 = unknown.
   static size_t most_pixels(size_t size) {
     constexpr size_t kMost = kMaxCoordinate + size_t{1};
     return size == 0 ? kMost : std::min(size, kMost);
@@ -78,15 +78,15 @@ class DatWriter final : public RecordingWriter {
     return trigger_sink_->write(buffer_);
   }
 
-  /// The reader of the low 32 bits must come to the same time.
+  /// Checks that a reader of the low 32 bits will obtain the same time.
   Result<void> check_time(int64_t t_us, TimeUnwrapper& unwrap) const {
     if (unwrap(static_cast<uint32_t>(t_us)) == t_us) [[likely]] {
       return {};
     }
-    return Error{
-        ErrorCode::kInvalidValue,
-        cat("time ", t_us, " us cannot be told from its low 32 bits; begin at zero or write another format, as .hdf5"),
-        sink_->name(), Setting::kShiftTime};
+    return Error{ErrorCode::kInvalidValue,
+                 cat("time ", t_us,
+                     " us cannot be recovered from its low 32 bits; begin at zero or write another format, e.g. .hdf5"),
+                 sink_->name(), Setting::kShiftTime};
   }
 
   std::unique_ptr<ByteSink> sink_;

@@ -5,13 +5,14 @@
 
 namespace e2lf::recordings::dat {
 
-/// Full times from the 32 low bits that records hold. A step of less than a quarter of the circle (17 minutes) forwards
-/// may wrap the clock; one backwards is a straggler and may lie before the wrap; a longer one is damage. Where kMaxOdd
-/// records in a row say so, they are right: there was a pause, or the step before them was the damage.
+/// Computes full times from the low 32 bits in records. A forward step of less than a quarter of the range (17 minutes)
+/// may wrap the clock; a backward step of this size is a late event, possibly from before the wrap; larger steps are
+/// damage. If kMaxOdd records in a row contradict this, they are correct: there was a pause, or the step before them
+/// was the damage.
 class TimeUnwrapper {
  public:
   TimeUnwrapper() = default;
-  /// Goes on behind a record of this time.
+  /// Continues after a record with this time.
   explicit TimeUnwrapper(int64_t t_us)
       : base_us_(t_us & ~int64_t{UINT32_MAX}), last_(static_cast<uint32_t>(t_us)), has_begun_(true) {}
 
@@ -39,7 +40,7 @@ class TimeUnwrapper {
   static constexpr int kMaxOdd = 16;
   int64_t base_us_ = 0;
   uint32_t last_ = 0;
-  int num_odd_ = 0;  ///< records in a row that do not go on from last_
+  int num_odd_ = 0;  ///< number of consecutive records that do not continue from last_
   bool has_begun_ = false;
 };
 

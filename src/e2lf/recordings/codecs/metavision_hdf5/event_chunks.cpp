@@ -14,7 +14,7 @@ namespace {
 constexpr uint64_t kBlockEvents = 8 * kChunkEvents;
 constexpr size_t kMaxChunkBytes = size_t{1} << 26;
 
-/// Drops events [from, to) of the columns.
+/// Removes the events [from, to) from the columns.
 void erase(EventColumns& events, size_t from, size_t to) {
   const auto cut = [from, to](auto& column) {
     column.erase(column.begin() + static_cast<ptrdiff_t>(from), column.begin() + static_cast<ptrdiff_t>(to));
@@ -80,7 +80,8 @@ Result<EventChunks::Chunk> EventChunks::fetch(uint64_t index) const {
   return chunk;
 }
 
-/// Puts the chunk's events at `begin`, where there is room for chunk.count; says in chunk.count how many there are.
+/// Writes the events of a chunk from `begin` on, where there is room for chunk.count events, and sets chunk.count to
+/// their number.
 void EventChunks::decode(Chunk& chunk, EventColumns& events, size_t begin) {
   const size_t wanted = std::exchange(chunk.count, 0);
   if (chunk.error) return;
@@ -106,7 +107,7 @@ void EventChunks::decode(Chunk& chunk, EventColumns& events, size_t begin) {
     chunk.count = chunk.error ? 0 : *stored;
     return;
   }
-  // The last chunk of a file may be stored at full length, with filling behind its events.
+  // The last chunk of a file may be stored at full length, with padding after its events.
   EventColumns full;
   full.resize(*stored);
   if (const auto done = decode_into(full, 0); !done) {
@@ -151,7 +152,7 @@ void EventChunks::decode_block(std::vector<Chunk>& chunks, const std::vector<siz
   }
 }
 
-/// Cuts [begin, end), the room of a chunk, down to the events that were decoded and may be right.
+/// Reduces [begin, end), the room of a chunk, to the events that were decoded and are plausible.
 void EventChunks::keep_believable(const Chunk& chunk, const Chunk* after, size_t begin, size_t end,
                                   EventColumns& events, DecodeSummary& summary) const {
   const uint64_t first_event = chunk.index * shape_.chunk_length;
@@ -179,7 +180,7 @@ Result<bool> EventChunks::next(EventBatch& block, DecodeSummary& summary) {
   for (const Chunk& chunk : chunks) begins.push_back(begins.back() + chunk.count);
   events.resize(begins.back());
   decode_block(chunks, begins, events);
-  // From the last chunk to the first, so that the places of those before stay as they are.
+  // From the last chunk to the first, so that the positions of earlier ones do not change.
   for (size_t i = chunks.size(); i-- > 0;) {
     const Chunk* const after = i + 1 < chunks.size() ? &chunks[i + 1] : ahead_ ? &*ahead_ : nullptr;
     keep_believable(chunks[i], after, begins[i], begins[i + 1], events, summary);

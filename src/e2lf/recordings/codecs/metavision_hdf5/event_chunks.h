@@ -12,27 +12,28 @@
 
 namespace e2lf::recordings::hdf5_events {
 
-/// Reads /CD/events block by block. ECF chunks are fetched as stored and decoded here, several at once; anything else
-/// goes through the HDF5 library.
+/// Reads /CD/events in blocks. ECF chunks are fetched in their stored form and decoded here, several in parallel; all
+/// others are decoded by the HDF5 library.
 class EventChunks final : public EventBlocks {
  public:
-  /// Fails like open_dataset, and with kMissingDependency for a filter that neither we nor the library have.
+  /// Opens the events. Fails as open_dataset() does, and with kMissingDependency for a filter that neither e2lf nor the
+  /// library has.
   [[nodiscard]] static Result<std::unique_ptr<EventBlocks>> open(hid_t file, const std::string& location, int threads);
 
-  /// A chunk that cannot be decoded is counted as kBadRecord and skipped; of a damaged chunk, events later than the
-  /// next chunk's first time are dropped (kTimeJump).
+  /// Reads the next block. A chunk that cannot be decoded is counted as kBadRecord and skipped. In a damaged chunk,
+  /// events that are later than the first time of the next chunk are dropped (kTimeJump).
   [[nodiscard]] Result<bool> next(EventBatch& block, DecodeSummary& summary) override;
 
-  /// Goes to the last chunk whose first event is before t_us.
+  /// Seeks to the last chunk whose first event is before t_us.
   [[nodiscard]] Result<void> seek_before(int64_t t_us) override;
 
  private:
   struct Chunk {
     uint64_t index = 0;
-    size_t count = 0;  ///< events it should hold
+    size_t count = 0;  ///< expected number of events
     bool is_stored_raw = false;
     std::vector<uint8_t> bytes;
-    std::optional<int64_t> first_us;  ///< nothing when too short to have one
+    std::optional<int64_t> first_us;  ///< empty if the chunk is too short to have one
     std::optional<Error> error;
   };
 
@@ -47,10 +48,10 @@ class EventChunks final : public EventBlocks {
   DatasetShape shape_;
   std::string location_;
   int threads_ = 1;
-  bool is_direct_ = false;  ///< chunks are ECF or plain records
+  bool is_direct_ = false;  ///< whether chunks are ECF or uncompressed records
   bool is_cut_untold_ = false;
   uint64_t next_event_ = 0;
-  std::optional<Chunk> ahead_;  ///< fetched to know its first time
+  std::optional<Chunk> ahead_;  ///< fetched in advance for its first time
   std::vector<EventRecord> records_;
 };
 

@@ -12,7 +12,7 @@ inline constexpr H5Z_filter_t kEcfFilter = 0x8ECF;
 inline constexpr uint64_t kChunkEvents = 16384;
 inline constexpr int64_t kIndexPeriodUs = 2000;
 
-/// Records as they lie in the file; the padding is the compiler's, as in the vendor's library.
+/// Records as stored in the file; their padding is that of the compiler, as in the vendor's library.
 struct EventRecord {
   uint16_t x = 0, y = 0;
   int16_t p = 0;
@@ -29,12 +29,12 @@ struct IndexRecord {
 };
 static_assert(sizeof(EventRecord) == 16 && sizeof(TriggerRecord) == 24 && sizeof(IndexRecord) == 16);
 
-/// The HDF5 compound types of the records.
+/// Return the HDF5 compound types of the records.
 [[nodiscard]] Handle event_type();
 [[nodiscard]] Handle trigger_type();
 [[nodiscard]] Handle index_type();
 
-/// Sets events [begin, begin + count) of `events`, which must have room, from records.
+/// Copies records to the events [begin, begin + count) of `events`, which must be large enough.
 void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin);
 
 }  // namespace e2lf::recordings::hdf5_events

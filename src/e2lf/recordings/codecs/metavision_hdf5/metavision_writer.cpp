@@ -16,13 +16,14 @@ using e2lf::hdf5::CheckedFile;
 
 namespace {
 
-/// Chunks that are compressed at once, each on a thread.
+/// Number of chunks that are compressed in parallel, each by one thread.
 constexpr size_t kBlockChunks = 16;
 
-/// The longest time without an element: half a gigabyte of index, 19 hours.
+/// The longest time without an element, 19 hours, which needs half a gigabyte of index.
 constexpr int64_t kMaxPauseUs = int64_t{1} << 36;
 
-/// An index data set: for every 2 ms after the first element, the number and time of the first element at or after it.
+/// An index data set, which contains for every 2 ms after the first element the number and time of the first element at
+/// or after it.
 class TimeIndex {
  public:
   static Result<TimeIndex> create(hid_t group) {
@@ -31,7 +32,7 @@ class TimeIndex {
     return index;
   }
 
-  /// Adds elements; `time_of(i)` is the time of the i-th of `count`, ascending.
+  /// Adds elements; `time_of(i)` returns the time of the i-th of `count`, in ascending order.
   template <typename TimeOf>
   Result<void> add(size_t count, const TimeOf& time_of) {
     if (count == 0) return {};
@@ -53,7 +54,7 @@ class TimeIndex {
       if (since_first_us - next_us_ > kMaxPauseUs) {
         return Error{ErrorCode::kInvalidValue,
                      cat("a pause of ", since_first_us - next_us_, " us up to ", time_of(i),
-                         " us would fill the time index; split the recording or write npz"),
+                         " us would make the time index too large; split the recording or write npz"),
                      "indexes"};
       }
       entries_.push_back({number_ + i, since_first_us});
@@ -168,7 +169,7 @@ Result<void> MetavisionWriter::write(const EventBatch& batch) {
   return hdf5_file_.check();
 }
 
-/// What ecf::can_encode() says, without looking again at what the check of batches has seen.
+/// Returns the same as ecf::can_encode() without repeating the checks of the batch.
 bool MetavisionWriter::can_encode(const ecf::ChunkColumns& columns) const {
   if (!has_small_sensor_) return ecf::can_encode(columns);
   return columns.t.front() >= 0 && columns.t.back() < ecf::kEndOfTime;
@@ -184,7 +185,7 @@ void MetavisionWriter::encode(const EventColumns& events, size_t begin, size_t e
     out.size = ecf::encode(columns, out.bytes);
     return;
   }
-  // Without the filter a chunk has its full length.
+  // Without the filter, a chunk has its full length.
   std::vector<EventRecord> records(kChunkEvents);
   for (size_t i = 0; i < count; ++i) {
     records[i] = {columns.x[i], columns.y[i], static_cast<int16_t>(columns.p[i]), columns.t[i]};
@@ -207,7 +208,7 @@ Result<void> MetavisionWriter::write_chunks(bool is_last) {
     E2LF_RETURN_IF_ERROR(
         events_.append_chunk(chunk.bytes, chunk.size, end_of(i) - i * kChunkEvents, chunk.is_filtered));
   }
-  // Not by a new set of columns: fresh memory costs more than encoding.
+  // In place, because allocating new columns costs more than encoding.
   const auto drop = [events](auto& column) {
     column.erase(column.begin(), column.begin() + static_cast<ptrdiff_t>(events));
   };

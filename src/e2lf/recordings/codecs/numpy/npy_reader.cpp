@@ -24,12 +24,12 @@ namespace {
 constexpr size_t kBlockBytes = size_t{1} << 20;
 constexpr size_t kMaxRecordBytes = 4096;
 
-/// Whether an array is [events, 4].
+/// Returns whether an array is [events, 4].
 bool has_four_columns(const NpyArray& array) {
   return array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && table::is_number_type(array.type);
 }
 
-/// Whether records have fields that can be those of events.
+/// Returns whether records have fields that can be those of events.
 bool has_event_fields(const NpyArray& array) {
   const auto names_time = [](const NpyField& field) {
     return table::parse_column_name(field.name).field == table::Field::kT;
@@ -77,7 +77,7 @@ class NpyBlocks final : public EventBlocks {
   Result<void> seek_before(int64_t t_us) override {
     const size_t item = header_.array.item_size;
     is_cut_told_ = false;
-    // No more than there is: the header alone is not believed.
+    // Limited to the actual size, because the header may be wrong.
     const uint64_t stored = source_->size().value_or(0) / item;
     const uint64_t count = std::min<uint64_t>(header_.array.shape[0], stored);
     E2LF_ASSIGN_OR_RETURN(next_, find_place_before(count, t_us, [&](uint64_t i) { return time_at(i); }));
@@ -85,7 +85,7 @@ class NpyBlocks final : public EventBlocks {
   }
 
  private:
-  /// The time at record i; that of the end is later than any.
+  /// Returns the time of record i; that of the end is later than any.
   Result<int64_t> time_at(uint64_t i) {
     const size_t item = header_.array.item_size;
     E2LF_RETURN_IF_ERROR(source_->seek(header_.data_offset + i * item));
@@ -120,16 +120,15 @@ Result<NpyHeader> read_header(std::span<const uint8_t> head, const std::string& 
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(head, name));
   if (has_four_columns(header.array) && !header.fortran_order) return header;
   if (header.array.shape.size() != 1 || header.array.fields.empty() || header.array.item_size > kMaxRecordBytes) {
-    return Error{
-        ErrorCode::kShape,
-        "neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4] in C order; "
-        "store one of them",
-        name};
+    return Error{ErrorCode::kShape,
+                 "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4] "
+                 "in C order; store one of them",
+                 name};
   }
   return header;
 }
 
-/// OpenEB's records, which e2lf writes: their times are microseconds.
+/// Returns whether records are those of OpenEB, which e2lf writes and whose times are microseconds.
 bool is_openeb(const NpyArray& array) {
   const std::vector<NpyField>& fields = array.fields;
   constexpr std::pair<const char*, const char*> kFields[] = {{"x", "u2"}, {"y", "u2"}, {"p", "i2"}, {"t", "i8"}};
@@ -138,7 +137,7 @@ bool is_openeb(const NpyArray& array) {
          });
 }
 
-/// The columns of records, or of the rows of an array [events, 4], which become records.
+/// Returns the columns of records, or of the rows of an array [events, 4], which become records.
 std::vector<NpyField> columns_of(NpyHeader& header) {
   if (!has_four_columns(header.array)) return header.array.fields;
   const size_t number_bytes = header.array.item_size;
@@ -152,7 +151,7 @@ std::vector<NpyField> columns_of(NpyHeader& header) {
   return columns;
 }
 
-/// The first records, little-endian; the source stands at the first.
+/// Returns the first records, little-endian; the source is positioned at the first.
 Result<std::vector<uint8_t>> first_records(ByteSource& source, const NpyHeader& header) {
   const size_t record_bytes = header.array.item_size;
   E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kSampledRows * record_bytes));
@@ -162,7 +161,7 @@ Result<std::vector<uint8_t>> first_records(ByteSource& source, const NpyHeader& 
   return records;
 }
 
-/// The first number behind the sample that is wanted. Leaves the source at the first record.
+/// Returns the first number after the sample that is wanted. Leaves the source at the first record.
 Result<std::optional<double>> find_further(ByteSource& source, const NpyHeader& header, const NpyField& column,
                                            const table::TableSample::IsWanted& is_wanted) {
   const size_t item = header.array.item_size;
@@ -182,7 +181,8 @@ Result<std::optional<double>> find_further(ByteSource& source, const NpyHeader& 
   return found;
 }
 
-/// Where the numbers of an event are, and how they are to be read; the source stands at the first record.
+/// Determines the positions of the fields of an event and how to read them; the source is positioned at the first
+/// record.
 Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& options, NpyHeader& header,
                                    RecordingInfo& info) {
   const std::string name = source.name();
@@ -212,14 +212,14 @@ Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& option
   return RecordFields{fields[x], fields[y], fields[p], fields[t], layout.unit, layout.polarity};
 }
 
-/// Fails where a file goes on behind the events that its header counts: it was never finished, or its header is wrong.
+/// Fails if a file contains more events than its header counts: it was never finished, or its header is wrong.
 Result<void> check_count(const NpyHeader& header, const ByteSource& source) {
   const uint64_t bytes = source.size().value_or(0);
   const uint64_t stored = bytes < header.data_offset ? 0 : (bytes - header.data_offset) / header.array.item_size;
   if (stored <= header.array.shape[0]) return {};
   return Error{ErrorCode::kFormat,
-               cat("the header says ", header.array.shape[0], " events, and the file holds ", stored,
-                   ": it was not finished; write it again, or correct the shape in its header"),
+               cat("the header says ", header.array.shape[0], " events, but the file holds ", stored,
+                   ": writing was not finished; write it again, or correct the shape in its header"),
                source.name()};
 }
 

@@ -19,7 +19,7 @@ struct Record {
 };
 static_assert(sizeof(Record) == 16);
 
-/// The header before and after the number of events is known has one length.
+/// Fixed length of the header, before and after the number of events is known.
 constexpr size_t kHeaderBytes = 256;
 constexpr size_t kPlainHeaderBytes = 10;  // magic, version, length
 
@@ -103,8 +103,7 @@ Result<void> recover_npy(const std::filesystem::path& path) {
   const bool is_read = static_cast<bool>(file.read(reinterpret_cast<char*>(head.data()), size_of(head)));
   if (is_read && head == header_bytes(events)) return {};
   if (!is_read || head != header_bytes(0)) {
-    return Error{ErrorCode::kFormat, "this is no array of events whose writing was cut off; record to .raw",
-                 path.string()};
+    return Error{ErrorCode::kFormat, "this is not an unfinished array of events; record to .raw", path.string()};
   }
   head = header_bytes(events);
   file.seekp(0);

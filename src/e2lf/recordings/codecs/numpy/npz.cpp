@@ -26,11 +26,12 @@ namespace {
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
 constexpr uint64_t kEventBytes = 13;  // of its columns x, y, p, t
-constexpr const char* kReadRemedy = "an .npz is read whole: store the events as .npy, .csv or .hdf5, or in parts";
+constexpr const char* kReadRemedy =
+    "an .npz file is read as a whole: store the events as .npy, .csv or .hdf5, or in parts";
 
 using Names = std::initializer_list<const char*>;
 
-/// A column of the archive under one of its names, checked to be one-dimensional and of numbers.
+/// Returns a column of the archive under one of its names, after checking that it is one-dimensional and numeric.
 Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const std::string& name) {
   for (const char* key : names) {
     const auto found = arrays.find(key);
@@ -52,10 +53,10 @@ Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const 
 Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const std::string& name, size_t count) {
   E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name));
   if (count == array->shape[0]) return array;
-  return Error{ErrorCode::kShape, cat("array \"", *names.begin(), "\" differs in length; store it whole"), name};
+  return Error{ErrorCode::kShape, cat("array \"", *names.begin(), "\" has a different length; store all of it"), name};
 }
 
-/// Reads a column of `count` rows; those that do not fit T set their place in `bad`.
+/// Reads a column of `count` rows; sets `bad` for values that do not fit T.
 template <typename T>
 Result<Column<T>> read_column(const NpzArrays& arrays, Names names, const std::string& name, size_t count,
                               Column<uint8_t>& bad) {
@@ -65,7 +66,7 @@ Result<Column<T>> read_column(const NpzArrays& arrays, Names names, const std::s
   return column;
 }
 
-/// Reads a column of times, in microseconds then.
+/// Reads a column of times and converts them to microseconds.
 Result<Column<int64_t>> read_times(const NpzArrays& arrays, Names names, const std::string& name, size_t count,
                                    TimeUnit unit, Column<uint8_t>& bad) {
   E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name, count));
@@ -74,8 +75,8 @@ Result<Column<int64_t>> read_times(const NpzArrays& arrays, Names names, const s
   return column;
 }
 
-/// The triggers, sorted, their times in `unit` where they are floating-point numbers; those that cannot be read are
-/// added to `num_bad`.
+/// Returns the triggers, sorted. Their times are in `unit` if they are floating-point numbers. Adds the number of
+/// unreadable ones to `num_bad`.
 Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::string& name, TimeUnit unit,
                                            size_t& num_bad) {
   std::vector<Trigger> triggers;
@@ -97,7 +98,8 @@ Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::s
   return triggers;
 }
 
-/// Refuses an archive whose events have no room: its arrays, their columns, and these once more where they are sorted.
+/// Fails if there is not enough memory for the events of an archive: its arrays, their columns, and these again if they
+/// are sorted.
 Result<void> check_memory(std::span<const uint8_t> archive, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, peek_npz(archive, name));
   uint64_t bytes = 0, most_rows = 0;
@@ -108,7 +110,7 @@ Result<void> check_memory(std::span<const uint8_t> archive, const std::string& n
   return require_memory(bytes + 2 * kEventBytes * most_rows, kReadRemedy, name);
 }
 
-/// A whole recording in memory, handed out block by block.
+/// A complete recording in memory, which is returned in blocks.
 class MemoryBlocks final : public EventBlocks {
  public:
   MemoryBlocks(EventBatch all, size_t bad) : all_(std::move(all)), bad_(bad) {}
@@ -141,7 +143,7 @@ class MemoryBlocks final : public EventBlocks {
  private:
   EventBatch all_;
   size_t bad_;
-  bool has_begun_ = false;  ///< triggers and damage have been handed out
+  bool has_begun_ = false;  ///< whether triggers and damage were returned
   size_t next_ = 0;
 };
 
@@ -181,26 +183,27 @@ class NpzWriter final : public RecordingWriter {
     put("trigger_p", p);
     put("trigger_id", id);
     put("size", std::vector<int64_t>{static_cast<int64_t>(info_.width), static_cast<int64_t>(info_.height)});
-    // Stored: deflate takes longer than everything else together and wins little on such columns.
+    // Uncompressed, because deflate takes longer than everything else together and saves little on such columns.
     E2LF_RETURN_IF_ERROR(sink_->write(encode_npz(arrays, /*compress=*/false)));
     return sink_->commit();
   }
 
  private:
-  /// Where the columns grow to twice their size: room for these beside the old ones, or for the archive at the end.
+  /// Checks before the columns double in size that there is memory for them beside the old ones, or for the archive at
+  /// the end.
   Result<void> check_room(size_t more) {
     const size_t count = all_.events.size() + more;
     if (count <= room_) return {};
     room_ = std::max(2 * count, kBlockEvents);
-    return require_memory(2 * kEventBytes * room_, "an .npz is written whole: write .raw, .npy or .hdf5 instead",
-                          sink_->name());
+    return require_memory(2 * kEventBytes * room_,
+                          "an .npz file is written as a whole: write .raw, .npy or .hdf5 instead", sink_->name());
   }
 
   std::unique_ptr<ByteSink> sink_;
   RecordingInfo info_;
   BatchCheck check_;
   EventBatch all_;
-  size_t room_ = 0;  ///< events for which there was memory
+  size_t room_ = 0;  ///< number of events for which there is memory
 };
 
 void read_size(const NpzArrays& arrays, RecordingInfo& info) {
@@ -212,14 +215,14 @@ void read_size(const NpzArrays& arrays, RecordingInfo& info) {
   info.height = static_cast<size_t>((*size)[1]);
 }
 
-/// One column of the events of an archive, in an array of its own or within its rows.
+/// One column of the events of an archive, as a separate array or as part of rows.
 struct NpzColumn {
   std::string name;
   const NpyArray* array = nullptr;
   NumberField field;
 };
 
-/// The columns of the rows of an array: its fields, or four without names.
+/// Returns the columns of the rows of an array: its fields, or four without names.
 std::vector<NpzColumn> columns_of_rows(const NpyArray& array) {
   std::vector<NpzColumn> columns;
   for (const NpyField& field : array.fields) {
@@ -233,8 +236,8 @@ std::vector<NpzColumn> columns_of_rows(const NpyArray& array) {
   return columns;
 }
 
-/// The arrays that are named as the numbers of an event are; of two for one number the better name. An array "xy" holds
-/// both coordinates.
+/// Returns the arrays whose names denote the fields of an event; of two for the same field, the better name is used. An
+/// array "xy" contains both coordinates.
 Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std::string& name) {
   std::array<std::pair<size_t, std::string>, table::kNumFields> best{};
   std::vector<NpzColumn> columns;
@@ -261,7 +264,7 @@ Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std:
   return columns;
 }
 
-/// The columns that numpy.savez() was given without names, in their order; none where there are other arrays.
+/// Returns the columns that numpy.savez() was given without names, in their order, or none if there are other arrays.
 std::vector<NpzColumn> columns_without_names(const NpzArrays& arrays) {
   std::vector<NpzColumn> columns;
   for (size_t i = 0; i < arrays.size(); ++i) {
@@ -277,12 +280,12 @@ std::vector<NpzColumn> columns_without_names(const NpzArrays& arrays) {
 Result<void> check_lengths(const std::vector<NpzColumn>& columns, const std::string& name) {
   for (const NpzColumn& column : columns) {
     if (column.array->shape[0] == columns[0].array->shape[0]) continue;
-    return Error{ErrorCode::kShape, cat("array \"", column.name, "\" differs in length; store it whole"), name};
+    return Error{ErrorCode::kShape, cat("array \"", column.name, "\" has a different length; store all of it"), name};
   }
   return {};
 }
 
-/// Makes columns of arrays [n, 1] and [1, n], and single precision of half.
+/// Converts arrays [n, 1] and [1, n] to columns, and half to single precision.
 Result<void> simplify(NpzArrays& arrays, const std::string& name) {
   for (auto& [key, array] : arrays) {
     const std::vector<size_t>& shape = array.shape;
@@ -297,7 +300,7 @@ Result<void> simplify(NpzArrays& arrays, const std::string& name) {
   return {};
 }
 
-/// Reads the events of some columns. Sets `unit` to that of their times.
+/// Reads the events from columns and sets `unit` to that of their times.
 Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is_ordered, const OpenOptions& options,
                                   const std::string& name, RecordingInfo& info, TimeUnit& unit, size_t& num_bad) {
   const size_t count = columns.empty() ? 0 : columns[0].array->shape[0];
@@ -340,8 +343,7 @@ bool are_rows_of_events(const NpyArray& array) {
   return are_rows || are_records;
 }
 
-/// The array [events, 4] or of records of an archive that is called events or is the only one; null where there is
-/// none.
+/// Returns the array [events, 4] or of records of an archive that is named events or is the only one, or null.
 const NpyArray* find_rows(const NpzArrays& arrays) {
   const auto named = arrays.find("events");
   if (named != arrays.end() && are_rows_of_events(named->second)) return &named->second;
@@ -350,7 +352,7 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
   return std::count_if(arrays.begin(), arrays.end(), are_rows) == 1 ? &first->second : nullptr;
 }
 
-/// A reader of decoded arrays; `info` says format and size.
+/// Creates a reader of decoded arrays; `info` contains format and size.
 Result<std::unique_ptr<RecordingReader>> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
                                                      const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));

@@ -7,11 +7,11 @@
 
 namespace e2lf::recordings {
 
-/// Opens a Prophesee RAW recording: EVT2, EVT2.1 (either byte order) or EVT3, as its header or options.format says.
+/// Opens a Prophesee RAW recording: EVT2, EVT2.1 (either byte order) or EVT3, as its header or options.format states.
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> source,
                                                                 const OpenOptions& options);
 
-/// Writes a RAW recording in info.format, or in EVT3 when that is another format.
+/// Creates a RAW recording in info.format, or in EVT3 if that is not a RAW encoding.
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_raw(std::unique_ptr<ByteSink> sink,
                                                                   const RecordingInfo& info);
 

@@ -20,7 +20,8 @@ bool is_bag_file(const fs::path& path) {
   return extension == ".db3" || extension == ".mcap";
 }
 
-/// The names below "relative_file_paths:"; files lie in the folder, whatever stands in front of their names.
+/// Returns the names below "relative_file_paths:". The files are in the folder itself, regardless of any path before
+/// their names.
 std::vector<fs::path> files_of_metadata(const fs::path& folder) {
   std::vector<fs::path> files;
   std::ifstream metadata(folder / "metadata.yaml");
@@ -107,7 +108,7 @@ bool is_bag_folder(const fs::path& path) {
 Result<std::unique_ptr<Bag>> open_bag_folder(const fs::path& folder) {
   std::vector<fs::path> files = files_of_metadata(folder);
   if (files.empty()) files = files_of_folder(folder);
-  if (files.empty()) return Error{ErrorCode::kNotFound, "the folder holds no files of a bag", folder.string()};
+  if (files.empty()) return Error{ErrorCode::kNotFound, "the folder contains no files of a bag", folder.string()};
   auto bag = std::make_unique<BagFiles>(std::move(files));
   E2LF_RETURN_IF_ERROR(bag->open(0));
   std::unique_ptr<Bag> result = std::move(bag);

@@ -8,8 +8,9 @@
 
 namespace e2lf::recordings::rosbag {
 
-/// Opens the files of a bag's folder one after the other, as one bag: those of metadata.yaml in its order, or where
-/// there is none all of them by name. Files compressed as a whole are unpacked. Fails with kNotFound and as they do.
+/// Opens the files of a bag's folder as one bag: those that metadata.yaml lists in its order, or, without it, all of
+/// them sorted by name. Files that are compressed as a whole are decompressed. Fails with kNotFound, and as opening the
+/// files does.
 [[nodiscard]] Result<std::unique_ptr<Bag>> open_bag_folder(const std::filesystem::path& folder);
 
 }  // namespace e2lf::recordings::rosbag

@@ -12,10 +12,10 @@ constexpr size_t kWordBytes = 8;  // of all encodings but libcaer_cmp
 constexpr int64_t kNsPerUs = 1000;
 constexpr const char* kList = "list";
 
-/// Reads the fields of a message in CDR, little-endian: each is aligned to its size.
+/// Reads the fields of a little-endian CDR message, each of which is aligned to its size.
 class Fields {
  public:
-  /// `place` is where the bytes begin behind the message's own header.
+  /// `place` is the offset of the bytes after the header of the message.
   explicit Fields(std::span<const uint8_t> bytes, size_t place = 0) : bytes_(bytes), place_(place) {}
 
   template <typename T>
@@ -56,7 +56,7 @@ bool is_packet_type(const std::string& type) {
   return type.starts_with("event_camera_msgs/") || type.starts_with("event_array_msgs/");
 }
 
-/// Words of 64 bits: 32 of time in ns since the base, 16 of x, 15 of y, polarity.
+/// Appends the events of 64-bit words: 32 bits of time in ns since the base, 16 of x, 15 of y, and the polarity.
 void append_mono(uint64_t word, int64_t base_ns, EventBatch& batch) {
   const int64_t t_us = (base_ns + static_cast<int64_t>(word & UINT32_MAX)) / kNsPerUs;
   batch.events.push_back({static_cast<uint16_t>(word >> 32), static_cast<uint16_t>(word >> 48 & 0x7FFF),
@@ -68,14 +68,14 @@ void append_trigger(uint64_t word, int64_t base_ns, EventBatch& batch) {
   batch.triggers.push_back({t_us, static_cast<uint16_t>(word >> 48 & 0x7FFF), static_cast<uint8_t>(word >> 63)});
 }
 
-/// Polarity events of libcaer: validity, polarity, y and x from bit 2 and 17 on, then 31 bits of time in us, which may
-/// wrap within a message.
+/// Appends polarity events of libcaer: validity, polarity, y from bit 2 and x from bit 17 on, then 31 bits of time in
+/// us, which may wrap within a message.
 void append_libcaer(std::span<const uint8_t> words, int64_t base_ns, EventBatch& batch) {
   int64_t loop_us = 0, last_us = 0;
   for (size_t i = 0; i + kWordBytes <= words.size(); i += kWordBytes) {
     const auto data = load_le<uint32_t>(&words[i]);
     const int64_t low_us = load_le<uint32_t>(&words[i + 4]) & INT32_MAX;
-    // Half of the circle: a smaller step back is a straggler.
+    // Half of the range; a smaller backward step is a late event.
     if (low_us + (int64_t{1} << 30) < last_us) loop_us += int64_t{1} << 31;
     last_us = low_us;
     batch.events.push_back({static_cast<uint16_t>(data >> 17), static_cast<uint16_t>(data >> 2 & 0x7FFF),
@@ -83,8 +83,8 @@ void append_libcaer(std::span<const uint8_t> words, int64_t base_ns, EventBatch&
   }
 }
 
-/// Words of 16 bits, their kind in the upper 4: the time since the base in us, columns, and rows one by one or as
-/// eight bits above a first row.
+/// Appends the events of 16-bit words, with the kind in the upper 4 bits: the time since the base in us, columns, and
+/// rows, either single or as eight bits above a first row.
 void append_libcaer_cmp(std::span<const uint8_t> words, int64_t base_ns, EventBatch& batch) {
   enum Kind { kTimeHigh, kTimeLow, kColumn, kRow, kFirstRow, kEightRows };
   int64_t high_us = 0, low_us = 0;
@@ -124,7 +124,7 @@ void append_libcaer_cmp(std::span<const uint8_t> words, int64_t base_ns, EventBa
   }
 }
 
-/// Events one by one: x, y, seconds and nanoseconds since 1970, polarity.
+/// Appends individual events: x, y, seconds and nanoseconds since 1970, polarity.
 bool append_list(const EventMessage& message, EventBatch& batch) {
   Fields fields(message.payload, message.place);
   for (uint32_t i = 0; i < message.count; ++i) {
@@ -153,7 +153,7 @@ std::optional<EventMessage> parse_message(const std::string& type, std::span<con
   constexpr uint8_t kLittleEndian = 1;
   if (message.size() < kHeaderBytes || message[0] != 0 || (message[1] & 1) != kLittleEndian) return std::nullopt;
   Fields fields(message.subspan(kHeaderBytes));
-  fields.number<int32_t>();  // when it was stamped
+  fields.number<int32_t>();  // time stamp
   fields.number<uint32_t>();
   fields.text();  // the camera's frame
   EventMessage result;

@@ -11,17 +11,17 @@
 #include "e2lf/recordings/codecs/rosbag/rosbag.h"
 #include "e2lf/recordings/io/decompress.h"
 
-/// MCAP as specified at mcap.dev: records of a kind (u8), a length (u64) and contents; chunks hold records.
+/// MCAP as specified at mcap.dev: records with a kind (u8), a length (u64) and content; chunks contain records.
 namespace e2lf::recordings::rosbag {
 namespace {
 
 constexpr std::string_view kMagic = "\x89MCAP0\r\n";
 constexpr size_t kRecordHeader = 9, kFooterBytes = 20;
 constexpr uint8_t kFooter = 0x02, kSchema = 0x03, kChannel = 0x04, kMessage = 0x05, kChunk = 0x06, kDataEnd = 0x0F;
-/// Topics that are believed; those behind them are passed over.
+/// Largest number of topics; further ones are skipped.
 constexpr size_t kMaxTopics = 1000;
 
-/// Takes fields off the front of a record's contents; what is not there is 0 or empty.
+/// Reads fields from the front of the content of a record; missing ones are 0 or empty.
 class Contents {
  public:
   explicit Contents(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -61,9 +61,10 @@ class McapBag final : public Bag {
 
   Result<void> open() {
     E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kMagic.size()));
-    if (!detect_mcap(head)) return Error{ErrorCode::kFormat, "not an MCAP file; is it whole?", source_->name()};
+    if (!detect_mcap(head))
+      return Error{ErrorCode::kFormat, "this is not an MCAP file, or it is incomplete", source_->name()};
     source_->consume(kMagic.size());
-    // In front of the first message stands its topic, which is then the first one.
+    // The topic of the first message precedes it and is then the first one.
     BagMessage first;
     E2LF_ASSIGN_OR_RETURN(const bool more, next(first, losses_of_first_));
     if (!source_->seekable()) {
@@ -99,7 +100,7 @@ class McapBag final : public Bag {
       const uint8_t kind = bytes[0];
       const auto length = load_le<uint64_t>(&bytes[1]);
       if (kind == kDataEnd || kind == kFooter) return end(std::nullopt, summary);
-      // Nothing tells where the next record begins.
+      // The position of the next record is unknown.
       if (kind == 0 || length > kMaxPacketBytes) return end(Violation::kMisaligned, summary);
       E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(kRecordHeader + length));
       if (bytes.size() < kRecordHeader + length) return end(Violation::kTruncated, summary);
@@ -126,7 +127,7 @@ class McapBag final : public Bag {
     Topic topic;
   };
 
-  /// Unpacks a chunk into records_; one that cannot be unpacked is counted.
+  /// Decompresses a chunk to records_; one that cannot be decompressed is counted.
   Result<void> open_chunk(std::span<const uint8_t> contents, DecodeSummary& summary) {
     Contents fields(contents);
     fields.take(28);  // times, size and check sum of the records
@@ -134,7 +135,7 @@ class McapBag final : public Bag {
     const auto compression = compression_of(name);
     if (!compression && !fields.is_cut()) {
       return Error{ErrorCode::kUnsupported,
-                   cat("the chunks are compressed by an algorithm that is not known; convert the bag to lz4 or zstd"),
+                   cat("the chunks are compressed with an unknown algorithm; convert the bag to lz4 or zstd"),
                    source_->name()};
     }
     const auto packed = fields.take(fields.number<uint64_t>());
@@ -153,7 +154,7 @@ class McapBag final : public Bag {
     return {};
   }
 
-  /// Takes the next record of the chunk; whether it is a message.
+  /// Reads the next record of the chunk; returns whether it is a message.
   bool next_in_chunk(BagMessage& message, DecodeSummary& summary) {
     Contents fields(records_);
     const auto kind = fields.number<uint8_t>();
@@ -167,7 +168,7 @@ class McapBag final : public Bag {
     return take_record(kind, contents, message);
   }
 
-  /// Notes schemas and channels; whether it is a message of a topic of events.
+  /// Stores schemas and channels; returns whether the record is a message of an event topic.
   bool take_record(uint8_t kind, std::span<const uint8_t> contents, BagMessage& message) {
     Contents fields(contents);
     const auto id = fields.number<uint16_t>();
@@ -186,7 +187,7 @@ class McapBag final : public Bag {
     return true;
   }
 
-  /// Takes schemas and channels from behind the messages, where the file has them there.
+  /// Reads schemas and channels from the end of the file, if they are there.
   Result<void> read_summary() {
     const uint64_t size = source_->size().value_or(0), tail = kRecordHeader + kFooterBytes + kMagic.size();
     if (size < tail + kMagic.size()) return {};
@@ -214,14 +215,14 @@ class McapBag final : public Bag {
 
   std::unique_ptr<ByteSource> source_;
   std::map<uint16_t, std::string> types_;
-  std::deque<Channel> channels_;     ///< of events, in the order in which the file names them
-  std::optional<BagMessage> first_;  ///< of a stream: read to know its topic, and not handed out yet
+  std::deque<Channel> channels_;     ///< event topics in the order in which the file names them
+  std::optional<BagMessage> first_;  ///< for a stream: read to determine its topic, and not returned yet
   DecodeSummary losses_of_first_;
   std::unique_ptr<Decompressor> decompressor_;
   std::optional<Compression> chunk_compression_;  ///< of decompressor_
   std::vector<uint8_t> unpacked_;
-  std::span<const uint8_t> records_;  ///< of the chunk, that were not taken yet
-  size_t used_ = 0;                   ///< bytes at hand that the last record takes
+  std::span<const uint8_t> records_;  ///< records of the chunk that were not read yet
+  size_t used_ = 0;                   ///< number of available bytes that the last record occupies
   uint64_t position_ = 0;             ///< of the last record
   bool has_ended_ = false;
 };

@@ -16,7 +16,7 @@
 namespace e2lf::recordings::rosbag {
 namespace {
 
-/// Messages that may come before the first of the topic that is read.
+/// Largest number of messages before the first one of the topic that is read.
 constexpr size_t kMaxHeldMessages = 10'000;
 
 std::string last_part(const std::string& topic) {
@@ -27,10 +27,10 @@ bool is_trigger_topic(const Topic& topic) {
   return last_part(topic.name).starts_with("trigger");
 }
 
-/// The messages of one topic of events and of the triggers beside it.
+/// The messages of one event topic and of the triggers beside it.
 class ChosenMessages {
  public:
-  /// `has_chosen` = by its name: then nothing is said of others.
+  /// `has_chosen` is true if the topic was selected by name; then others are not mentioned.
   ChosenMessages(std::unique_ptr<Bag> bag, Topic events, bool has_chosen)
       : bag_(std::move(bag)), events_(std::move(events)), has_chosen_(has_chosen) {
     const std::string space = events_.name.substr(0, events_.name.rfind('/') + 1);
@@ -40,7 +40,7 @@ class ChosenMessages {
     }
   }
 
-  /// The first message of the topic; it comes again from next(). Nothing where there is none.
+  /// Returns the first message of the topic, which next() will return again, or nothing if there is none.
   Result<std::optional<EventMessage>> first() {
     BagMessage message;
     while (held_.size() < kMaxHeldMessages) {
@@ -53,7 +53,8 @@ class ChosenMessages {
     return std::optional<EventMessage>();
   }
 
-  /// Goes to the next message and counts what is left out; false at the end. What it points to is valid until then.
+  /// Advances to the next message and counts what is left out; returns false at the end. Its data are valid until the
+  /// next call.
   Result<bool> next(EventMessage& message, DecodeSummary& summary) {
     summary.add_losses(std::exchange(losses_of_held_, {}));
     for (;;) {
@@ -122,18 +123,23 @@ class ChosenMessages {
 /// The words of all evt3 messages as one RAW recording.
 class Evt3Source final : public ByteSource {
  public:
-  Evt3Source(ChosenMessages messages, bool seekable, std::string header, std::string name)
-      : messages_(std::move(messages)), seekable_(seekable), header_(std::move(header)), name_(std::move(name)) {
+  Evt3Source(ChosenMessages messages, bool seekable, std::string header, std::string name,
+             std::shared_ptr<DecodeSummary> losses)
+      : messages_(std::move(messages)),
+        seekable_(seekable),
+        header_(std::move(header)),
+        name_(std::move(name)),
+        losses_(std::move(losses)) {
     begin();
   }
 
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
     while (buffer_.size() - used_ < wanted) {
       EventMessage message;
-      E2LF_ASSIGN_OR_RETURN(const bool more, messages_.next(message, losses_));
+      E2LF_ASSIGN_OR_RETURN(const bool more, messages_.next(message, *losses_));
       if (!more) break;
       if (message.encoding != "evt3") {
-        messages_.count_bad(losses_);
+        messages_.count_bad(*losses_);
         continue;
       }
       buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(std::exchange(used_, 0)));
@@ -161,7 +167,6 @@ class Evt3Source final : public ByteSource {
   }
   bool seekable() const override { return seekable_; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
-  DecodeSummary left_out() const override { return losses_; }
   std::string name() const override { return name_; }
 
  private:
@@ -169,7 +174,7 @@ class Evt3Source final : public ByteSource {
     buffer_.assign(header_.begin(), header_.end());
     used_ = 0;
     position_ = 0;
-    losses_ = {};
+    *losses_ = {};
   }
 
   ChosenMessages messages_;
@@ -178,7 +183,7 @@ class Evt3Source final : public ByteSource {
   std::vector<uint8_t> buffer_;
   size_t used_ = 0;
   uint64_t position_ = 0;
-  DecodeSummary losses_;
+  std::shared_ptr<DecodeSummary> losses_;
 };
 
 class MessageBlocks final : public EventBlocks {
@@ -200,7 +205,7 @@ class MessageBlocks final : public EventBlocks {
   ChosenMessages messages_;
 };
 
-/// The topics that can be read: those of triggers alone where there are no others.
+/// Returns the topics that can be read: those with only triggers if there are no others.
 std::vector<Topic> topics_to_read(const Bag& bag) {
   std::vector<Topic> topics = bag.topics();
   std::vector<Topic> events;
@@ -209,15 +214,15 @@ std::vector<Topic> topics_to_read(const Bag& bag) {
   return events.empty() ? topics : events;
 }
 
-/// Of a stream the topics are known once a first message has come: it is looked for, and comes again.
+/// The topics of a stream are known only after a first message, which is read here and returned again.
 Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool seekable, const std::string& format,
                                                   const std::string& name, const OpenOptions& options) {
   const std::vector<Topic> topics = topics_to_read(*bag);
   if (topics.empty()) {
-    return Error{ErrorCode::kFormat,
-                 "the bag has no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); is it the one "
-                 "that was meant?",
-                 name};
+    return Error{
+        ErrorCode::kFormat,
+        "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); name another bag",
+        name};
   }
   RecordingInfo info;
   info.format = format;
@@ -248,9 +253,10 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
   OpenOptions raw = options;
   raw.format = "evt3";
   raw.width = raw.height = 0;
-  E2LF_ASSIGN_OR_RETURN(
-      auto reader,
-      open_raw(std::make_unique<Evt3Source>(std::move(messages), seekable, header + "% end\n", name), raw));
+  const auto losses = std::make_shared<DecodeSummary>();
+  auto words = std::make_unique<Evt3Source>(std::move(messages), seekable, header + "% end\n", name, losses);
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_raw(std::move(words), raw));
+  reader->count_losses([losses] { return *losses; });
   reader->take_container(std::move(info));
   return reader;
 }

@@ -13,8 +13,8 @@ namespace e2lf::recordings::rosbag {
 #ifdef E2LF_HAVE_SQLITE
 namespace {
 
-/// A page of a damaged database may lead around in circles: a statement that takes more steps than this between two
-/// rows of this database is given up, and one is after a stop.
+/// Pages of a damaged database may form a cycle. A statement that takes more steps than this between two rows is
+/// aborted, and also after a stop request.
 constexpr int kStepsPerLook = 1'000'000;
 constexpr int kMaxLooks = 20;
 
@@ -25,7 +25,7 @@ struct Closer {
 using Database = std::unique_ptr<sqlite3, Closer>;
 using Statement = std::unique_ptr<sqlite3_stmt, Closer>;
 
-/// The path as a URI, whose special characters are written as numbers.
+/// Returns the path as a URI, in which special characters are escaped.
 std::string uri_of(const std::filesystem::path& path) {
   constexpr const char* kDigits = "0123456789ABCDEF";
   std::string uri = "file:";
@@ -37,7 +37,7 @@ std::string uri_of(const std::filesystem::path& path) {
       uri += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
     }
   }
-  // A recorder that was killed left the last messages in a journal, which only a database that may change has.
+  // A recorder that was killed left the last messages in a journal, which only a writable database reads.
   std::error_code error;
   std::filesystem::path journal = path;
   journal += "-wal";
@@ -57,7 +57,7 @@ class SqliteBag final : public Bag {
     database_.reset(database);
     if (state != SQLITE_OK) return failure();
     if (!is_file) E2LF_RETURN_IF_ERROR(read_into_memory());
-    // What a file asks for is not done: no code of its schema runs, and nothing larger than a message is allocated.
+    // The file has no control: no code of its schema is run, and nothing larger than a message is allocated.
     sqlite3_db_config(database, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(database, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
@@ -104,7 +104,7 @@ class SqliteBag final : public Bag {
   Error failure() const {
     const char* const why = database_ == nullptr ? "no memory" : sqlite3_errmsg(database_.get());
     return {ErrorCode::kFormat,
-            cat("SQLite cannot read this as a bag of ROS 2 (", why, "); is it one, and is it whole? Copy it again"),
+            cat("SQLite cannot read this as a bag of ROS 2 (", why, "); it is not one, or incomplete; copy it again"),
             name_};
   }
 
@@ -142,7 +142,7 @@ class SqliteBag final : public Bag {
   std::unique_ptr<ByteSource> source_;
   std::vector<uint8_t> bytes_;  ///< of a database that is in memory; outlives it
   Database database_;
-  Statement messages_;  ///< null behind the last one
+  Statement messages_;  ///< null after the last one
   std::map<int64_t, Topic> topics_;
   uint64_t row_ = 0;
   int looks_ = 0;

@@ -24,7 +24,7 @@ inline constexpr size_t kMaxChunkEvents = 65535;
 inline constexpr uint16_t kMaxCoordinate = 2047;  ///< x and y have 11 bits
 inline constexpr int64_t kEndOfTime = int64_t{1} << 62;
 
-/// Columns of one chunk; all of one length.
+/// The columns of one chunk, of equal length.
 struct ChunkColumns {
   std::span<const uint16_t> x, y;
   std::span<const uint8_t> p;
@@ -36,22 +36,22 @@ struct MutableChunkColumns {
   std::span<int64_t> t;
 };
 
-/// True when ECF can hold these events unchanged: times never fall and are not negative, coordinates have 11 bits,
-/// p is 0 or 1, and there are 1 to kMaxChunkEvents of them.
+/// Returns whether ECF can represent these events exactly: times are not negative and do not decrease, coordinates have
+/// 11 bits, p is 0 or 1, and there are 1 to kMaxChunkEvents of them.
 [[nodiscard]] bool can_encode(const ChunkColumns& events);
 
-/// The room `encode` may need for this many events, in bytes.
+/// Returns the maximum number of bytes that encode() writes for this many events.
 [[nodiscard]] size_t max_encoded_size(size_t events);
 
-/// Compresses one chunk into `out` and returns the bytes used. Contract: can_encode(events) and
-/// out.size() >= max_encoded_size(events.x.size()). Of the three layouts the smallest is taken.
+/// Compresses one chunk to `out` with the smallest of the three layouts, and returns the number of bytes used.
+/// Contract: can_encode(events) and out.size() >= max_encoded_size(events.x.size()).
 [[nodiscard]] size_t encode(const ChunkColumns& events, std::span<uint8_t> out);
 
-/// The number of events a compressed chunk claims to hold. Fails with kTruncated and kFormat.
+/// Returns the number of events that a compressed chunk states. Fails with kTruncated and kFormat.
 [[nodiscard]] Result<size_t> event_count(std::span<const uint8_t> chunk);
 
-/// Decompresses a chunk into columns of exactly event_count(chunk) events. Fails with kTruncated when the chunk ends
-/// early and with kFormat when a run exceeds the chunk or a time exceeds 2^62; the columns are then unspecified.
+/// Decompresses a chunk to columns of exactly event_count(chunk) events. Fails with kTruncated (the chunk ends early)
+/// and kFormat (a run exceeds the chunk, or a time exceeds 2^62); the columns are then unspecified.
 [[nodiscard]] Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& events);
 
 }  // namespace e2lf::recordings::ecf

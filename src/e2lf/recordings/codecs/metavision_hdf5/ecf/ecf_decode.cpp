@@ -18,7 +18,7 @@ Error overrun(const char* what) {
   return {ErrorCode::kFormat, cat("an ECF chunk has ", what, "; the file is damaged"), ""};
 }
 
-/// Little-endian reads that remember whether the chunk was long enough.
+/// Reads little-endian values and stores whether the chunk was long enough.
 class Cursor {
  public:
   explicit Cursor(std::span<const uint8_t> bytes) : next_(bytes.data()), begin_(next_), end_(next_ + bytes.size()) {}
@@ -41,7 +41,7 @@ class Cursor {
     next_ += 8;
     return true;
   }
-  /// The next `count` bytes, or null.
+  /// Returns the next `count` bytes, or null.
   const uint8_t* take(size_t count) {
     if (static_cast<size_t>(end_ - next_) < count) return nullptr;
     next_ += count;
@@ -53,7 +53,7 @@ class Cursor {
   const uint8_t *next_, *begin_, *end_;
 };
 
-/// Writes a run of equal values at `done` and moves it; false when the run does not fit.
+/// Writes a run of equal values at `done` and advances it; returns false if the run does not fit.
 template <typename T>
 bool fill_run(std::span<T> column, size_t& done, size_t count, T value) {
   if (count > column.size() - done) return false;
@@ -132,7 +132,8 @@ void unpack_yxp(uint32_t value, const MutableChunkColumns& e, size_t i) {
   unpack_xp(value, e, i);
 }
 
-/// Calls set(i, value) for the `count` values of `width` bits (12 or 24) packed by fours in three words of Word.
+/// Calls set(i, value) for the `count` values of `width` bits (12 or 24), of which four are packed in three words of
+/// type Word.
 template <typename Word, typename Set>
 void for_each_packed(const uint8_t* bytes, size_t count, Set&& set) {
   constexpr unsigned kBits = sizeof(Word) * 8, kQuarter = kBits / 4;

@@ -22,7 +22,7 @@ uint8_t* put_u32(uint8_t* out, uint32_t value) {
   return put_u16(put_u16(out, value), value >> 16);
 }
 
-/// Bit i is set where values[begin + i] differs from the value before it; begin > 0.
+/// Sets bit i if values[begin + i] differs from the value before it; begin > 0.
 template <typename T>
 uint64_t changes_at(std::span<const T> values, size_t begin) {
   std::array<uint8_t, 64> differs{};
@@ -33,14 +33,14 @@ uint64_t changes_at(std::span<const T> values, size_t begin) {
   for (size_t i = 0; i < 64; i += 8) {
     uint64_t bytes = 0;
     std::memcpy(&bytes, &differs[i], 8);
-    // Moves the lowest bits of eight bytes next to each other.
+    // Gathers the lowest bits of eight bytes.
     changes |= (bytes * 0x0102040810204080) >> 56 << i;
   }
   return changes;
 }
 
-/// Calls visit(begin, end) for each run of equal values. Where runs end is found for 64 values at a time, because no
-/// processor foresees the end of a short run.
+/// Calls visit(begin, end) for each run of equal values. The ends of runs are found for 64 values at a time, because
+/// processors cannot predict the end of a short run.
 template <typename T, typename Visit>
 void for_each_run(std::span<const T> values, const Visit& visit) {
   size_t begin = 0;
@@ -94,7 +94,7 @@ uint8_t* put_x_groups(std::span<const uint16_t> x, uint8_t* out) {
     const uint32_t base = x[i++];
     uint32_t mask = 0;
     for (uint32_t last = 0; i < x.size(); ++i) {
-      const uint32_t step = x[i] - base;  // wraps to a large number when x falls
+      const uint32_t step = x[i] - base;  // wraps to a large number if x decreases
       if (step <= last || step > 5) break;
       mask |= 1u << (5 - step);
       last = step;
@@ -104,7 +104,8 @@ uint8_t* put_x_groups(std::span<const uint16_t> x, uint8_t* out) {
   return out;
 }
 
-/// What put_x_groups() and put_p_runs() write at least: a step that no group holds begins the next one.
+/// Returns the minimum size of the output of put_x_groups() and put_p_runs(): a step that does not fit in a group
+/// begins the next one.
 size_t min_size_of_runs(const ChunkColumns& e) {
   const size_t n = e.x.size();
   uint32_t groups = 1, runs = 1;
@@ -164,8 +165,8 @@ size_t encode(const ChunkColumns& e, std::span<uint8_t> out) {
   uint8_t* const places = put_times(e.t, out.data() + 4);
   const size_t quads = (n + 3) / 4;
 
-  // Runs of y, then x groups with runs of p; each is given up when its packed form is smaller. Where that can be told
-  // beforehand, groups are not made: no processor foresees where they end.
+  // Encodes runs of y, then x groups with runs of p, and abandons each if its packed form is smaller. If this can be
+  // determined in advance, groups are not formed, because processors cannot predict where they end.
   uint32_t layout = 0;
   uint8_t* const after_y = put_y_runs(e.y, places);
   uint8_t* end = nullptr;

@@ -6,7 +6,7 @@
 
 namespace e2lf::recordings::evt2 {
 
-/// EVT2 for RawStream, see word_codec.h. check() and decode() are the vector versions where the CPU has one.
+/// EVT2 for RawStream; see word_codec.h. check() and decode() are vector versions if the CPU supports them.
 struct Codec : timed::Words<Layout> {
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);

@@ -6,7 +6,7 @@
 
 namespace e2lf::recordings::evt2 {
 
-/// Makes EVT2 words of events and triggers (the Encoder of RawWriter).
+/// Encodes events and triggers as EVT2 words (the Encoder of RawWriter).
 class Encoder {
  public:
   explicit Encoder(const RecordingInfo&) {}
@@ -21,7 +21,7 @@ class Encoder {
   timed::Clock clock_;
 };
 
-/// Writes a RAW recording of EVT2 words.
+/// Creates a RAW recording of EVT2 words.
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
                                                               const RecordingInfo& info);
 

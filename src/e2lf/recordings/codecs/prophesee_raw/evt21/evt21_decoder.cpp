@@ -12,14 +12,14 @@ constexpr timed::Encoding kEncoding =
 
 constexpr size_t kLookedAt = 512;
 
-/// How many words make no sense, of some.
+/// Returns the number of invalid words among some.
 template <ByteOrder kOrder>
 size_t bad_words(std::span<const uint8_t> words) {
   const size_t count = std::min(words.size() / 8, kLookedAt);
   return timed::Words<Layout<kOrder>>::count_bad(words.data(), count, count);
 }
 
-/// How many words make sense from the first on, in steps and up to some.
+/// Returns the number of valid words before the first invalid one, in steps and up to a limit.
 template <ByteOrder kOrder>
 size_t good_words(std::span<const uint8_t> words) {
   constexpr size_t kStep = 8;
@@ -53,7 +53,7 @@ ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hin
   size_t little = good_words<ByteOrder::kLittle>(words);
   size_t legacy = good_words<ByteOrder::kLegacy>(words);
   if (little == legacy) {
-    // A damaged word ends both, and says nothing of the others.
+    // A damaged word ends both counts and says nothing about the others.
     little = kLookedAt - bad_words<ByteOrder::kLittle>(words);
     legacy = kLookedAt - bad_words<ByteOrder::kLegacy>(words);
   }

@@ -9,7 +9,7 @@
 
 namespace e2lf::recordings::evt21 {
 
-/// EVT2.1 for RawStream, see word_codec.h. check() and decode() are the vector versions where the CPU has one.
+/// EVT2.1 for RawStream; see word_codec.h. check() and decode() are vector versions if the CPU supports them.
 template <ByteOrder kOrder>
 struct Codec : timed::Words<Layout<kOrder>> {
   using State = timed::State;
@@ -18,9 +18,9 @@ struct Codec : timed::Words<Layout<kOrder>> {
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
 };
 
-/// The byte order in which the first words make sense for longer, or where that is the same, in which fewer of them
-/// make none; headers are known to be silent about it, or wrong. `hint` (the header's "little", "legacy" or nothing)
-/// decides when both do. `words`: the first few kilobytes.
+/// Returns the byte order in which more of the first words are valid before the first invalid one, or else, in which
+/// fewer of them are invalid. Headers are known to omit it or to be wrong. `hint` (the header's "little", "legacy" or
+/// nothing) decides if both orders are equal. `words` are the first few kilobytes.
 [[nodiscard]] ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint);
 
 }  // namespace e2lf::recordings::evt21

@@ -6,9 +6,9 @@
 
 namespace e2lf::recordings::evt21 {
 
-/// Makes EVT2.1 words of events and triggers (the Encoder of RawWriter): one word for a run of events of one time, row,
-/// polarity and block of 32 pixels. Plain little-endian words, or halves in "legacy" order where info says so by the
-/// key `endianness`.
+/// Encodes events and triggers as EVT2.1 words (the Encoder of RawWriter): one word for a run of events with the same
+/// time, row, polarity and block of 32 pixels. Words are little-endian, or have their halves in "legacy" order if the
+/// key `endianness` of the info says so.
 class Encoder {
  public:
   explicit Encoder(const RecordingInfo& info) : legacy_(info.find("endianness") == "legacy") {}
@@ -26,7 +26,7 @@ class Encoder {
   timed::Clock clock_;
 };
 
-/// Writes a RAW recording of EVT2.1 words.
+/// Creates a RAW recording of EVT2.1 words.
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
                                                               const RecordingInfo& info);
 

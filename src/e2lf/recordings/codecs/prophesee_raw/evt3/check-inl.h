@@ -22,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 
-/// Bits of a mask over at most 32 lanes.
+/// Returns the bits of a mask over at most 32 lanes.
 template <typename D>
 HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
   alignas(8) uint8_t bytes[8] = {};
@@ -32,8 +32,8 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
 
 #if HWY_TARGET == HWY_AVX3_DL
 
-/// Whether the TIME_LOW words of a group (their lanes in `bits`, not 0) go on plausibly from `low` (not -1); takes over
-/// the last one.
+/// Returns whether the TIME_LOW words of a group (their lanes in `bits`, not 0) continue plausibly from `low` (not -1),
+/// which is set to the last one.
 HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
   const __m512i payload = _mm512_and_si512(_mm512_loadu_si512(words), _mm512_set1_epi16(kPayloadMask));
   const __m512i lows = _mm512_maskz_compress_epi16(bits, payload);
@@ -69,14 +69,14 @@ HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
 
 #endif
 
-/// The least and the largest lane of some words; is_wide when they are far apart within a group of eight lanes, or a
-/// group lies far below the one in front of it.
+/// The smallest and the largest lane of some words. is_wide is true if they are far apart within a group of eight
+/// lanes, or if a group lies far below the previous one.
 struct Range {
   int least, largest;
   bool is_wide;
 };
 
-/// The range of words that are chosen by all bits of their lane in `chosen`; empty (and not wide) when none is.
+/// Returns the range of the words whose lanes have all bits set in `chosen`; empty and not wide if there are none.
 template <typename D>
 HWY_INLINE Range range_of(D d, hn::Vec<D> word, hn::Vec<D> chosen) {
   if constexpr (hn::MaxLanes(D()) > kGroupWords) {
@@ -92,8 +92,9 @@ HWY_INLINE Range range_of(D d, hn::Vec<D> word, hn::Vec<D> chosen) {
   }
 }
 
-/// Whether the TIME_LOW words of a vector of words go on plausibly from `low` (-1 = not known), if there are any; takes
-/// over the last one. Most do because they are near each other, which does not need their order.
+/// Returns whether the TIME_LOW words of a vector of words, if there are any, continue plausibly from `low` (-1 =
+/// unknown), which is set to the last one. Most do because they are close to each other, which can be decided without
+/// their order.
 template <typename D>
 HWY_INLINE bool check_group_lows(const uint8_t* words, D d, hn::Vec<D> word, hn::Mask<D> is_low, int& low) {
   const uint32_t bits = bits_of(d, is_low);
@@ -108,7 +109,7 @@ HWY_INLINE bool check_group_lows(const uint8_t* words, D d, hn::Vec<D> word, hn:
   return true;
 }
 
-/// For every type the largest coordinate it may have, as two tables of bytes; -1 for words that need a closer look.
+/// The largest coordinate of every type, as two tables of bytes; -1 for words that need a closer look.
 struct CoordinateLimits {
   alignas(16) uint8_t low[16];
   alignas(16) uint8_t high[16];
@@ -138,7 +139,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
   const auto limits_high = hn::LoadDup128(d8, coordinates.high);
   const auto coordinate = hn::Set(d, static_cast<uint16_t>(kCoordinateMask));
   const auto byte = hn::Set(d, uint16_t{0xFF});
-  // Words that are all zero are looked at anyway, so that they serve where no time is known.
+  // Zero words are always inspected, so that they are handled where no time is known.
   const auto known_time_high = [&]() HWY_ATTR {
     return hn::Set(d, check.time_high == 0xFFFF ? uint16_t{0} : check.time_high);
   };

@@ -15,7 +15,7 @@ bool is_known(uint16_t word) {
   return ((kKnownTypes >> type_of(word)) & 1) != 0 || word == kPadding;
 }
 
-/// How far `to` is ahead of `from` on the 12-bit circle of TIME_HIGH words.
+/// Returns the number of steps from `from` to `to` on the 12-bit circle of TIME_HIGH words.
 uint32_t steps(uint16_t from, uint16_t to) {
   return (static_cast<uint32_t>(to) - from) & kPayloadMask;
 }
@@ -27,12 +27,12 @@ bool is_outside(uint16_t word, const SensorLimits& limits) {
   return (type == kAddrX || type == kVectBaseX) && coordinate >= limits.width;
 }
 
-/// Whether a word goes on with an OTHERS word.
+/// Returns whether a word continues an OTHERS word.
 bool is_payload(uint16_t word) {
   return type_of(word) == kContinued4 || type_of(word) == kContinued12;
 }
 
-/// Whether one word is plausible after what the check knows; takes it over if so. A run of zeros is no data.
+/// Returns whether a word is plausible given the state of the check, which is then updated. A run of zeros is not data.
 bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
   if (word == 0 && check.after_frame) return false;
   check.num_zeros = word == 0 ? check.num_zeros + 1 : 0;
@@ -58,7 +58,8 @@ bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
   }
 }
 
-/// A TIME_HIGH that steps back or far ahead is right if most of those behind it go on from it, and not from the last.
+/// A TIME_HIGH that steps back or far ahead is correct if most of the following ones continue from it rather than from
+/// the last one.
 Verdict judge_time_high(const uint8_t* words, size_t count, bool ended, const Check& check) {
   const auto word = load_le<uint16_t>(words);
   const bool is_first = check.time_high == 0xFFFF;
@@ -70,7 +71,7 @@ Verdict judge_time_high(const uint8_t* words, size_t count, bool ended, const Ch
     return judge_step_back(count, ended, check.time_high & kPayloadMask, kPayloadMask, kMinFall, check.num_rejected,
                            time_at);
   }
-  // A plain step needs one witness, so that live streams do not wait.
+  // A step by one needs a single witness, so that live streams do not wait.
   const size_t wanted = !is_first && steps(check.time_high, word) == 1 ? 1 : kJudges;
   const size_t seen = std::min(count, kJudgeWords);
   size_t judges = 0, in_favour = 0;
@@ -86,7 +87,8 @@ Verdict judge_time_high(const uint8_t* words, size_t count, bool ended, const Ch
   return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
 }
 
-/// A TIME_LOW that steps back or far ahead is right if most of those behind it go on from it, and not from the last.
+/// A TIME_LOW that steps back or far ahead is correct if most of the following ones continue from it rather than from
+/// the last one.
 Verdict judge_time_low(const uint8_t* words, size_t count, bool ended, const Check& check) {
   const int low = load_le<uint16_t>(words) & static_cast<int>(kPayloadMask);
   const size_t seen = std::min(count, kWindowWords);
@@ -94,7 +96,7 @@ Verdict judge_time_low(const uint8_t* words, size_t count, bool ended, const Che
   bool stepped = false;
   for (size_t i = 1; i < seen && judges < kJudges && !stepped; ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
-    // What follows another coarse time, be it that of a clock that starts again, says nothing of this one.
+    // Words after another coarse time, even that of a restarted clock, say nothing about this one.
     stepped = type_of(word) == kTimeHigh && steps(check.time_high, word) != 0;
     if (type_of(word) != kTimeLow) continue;
     const int next = word & static_cast<int>(kPayloadMask);

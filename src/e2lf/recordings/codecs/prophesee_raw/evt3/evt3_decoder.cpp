@@ -9,7 +9,8 @@ namespace {
 
 constexpr uint16_t kNone = 0xFFFF;
 
-/// The state's time after a TIME_HIGH word: another one starts its low part at 0. Steps back do not get this far.
+/// Updates the time of the state with a TIME_HIGH word: a different one resets the low part to 0. Backward steps do not
+/// occur here.
 void take_time_high(uint16_t word, State& state) {
   if (word == state.time_high) return;
   if (state.time_high == kNone) {
@@ -22,17 +23,7 @@ void take_time_high(uint16_t word, State& state) {
   state.low = 0;
 }
 
-void take_base(uint16_t word, State& state) {
-  state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
-  state.base_p = static_cast<uint8_t>((word >> 11) & 1);
-}
-
-/// The base behind a vector; far outside the sensor it stays where it is.
-void advance_base(uint32_t bits, State& state) {
-  if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
-}
-
-/// The part of a vector's mask that lies inside the sensor; moves the base on.
+/// Returns the part of a vector's mask that is inside the sensor, and advances the base.
 uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLimits& limits) {
   if (state.base_x == kNone) {
     state.num_outside += static_cast<uint64_t>(std::popcount(mask));
@@ -49,6 +40,15 @@ uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLim
 }
 
 }  // namespace
+
+void take_base(uint16_t word, State& state) {
+  state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
+  state.base_p = static_cast<uint8_t>((word >> 11) & 1);
+}
+
+void advance_base(uint32_t bits, State& state) {
+  if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
+}
 
 size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   sink.set_time(Codec::time(state));
@@ -116,7 +116,7 @@ size_t Codec::resynchronise(const uint8_t* words, size_t count, State& state, De
         state.need_low = false;
         break;
       case kTimeHigh:
-        // Low bits that came before a new high part do not belong to it.
+        // Low bits before a new high part do not belong to it.
         if (state.time_high != kNone && word != state.time_high) state.need_low = true;
         take_time_high(word, state);
         state.need_time_high = false;

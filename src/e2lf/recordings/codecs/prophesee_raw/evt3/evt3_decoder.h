@@ -12,44 +12,50 @@
 
 namespace e2lf::recordings::evt3 {
 
-/// What words depend on that came before them.
+/// The state on which the meaning of words depends.
 struct State {
-  int64_t high_us = 0;          ///< time without its low 12 bits, loops of the 24-bit clock included
+  int64_t high_us = 0;          ///< time without its low 12 bits, including loops of the 24-bit clock
   uint16_t time_high = 0xFFFF;  ///< the last TIME_HIGH word; 0xFFFF = none yet, events are dropped
   uint16_t low = 0;             ///< the last TIME_LOW payload
   uint16_t y = 0;
-  uint16_t base_x = 0xFFFF;  ///< of the next vector; 0xFFFF = none yet, vectors are dropped
+  uint16_t base_x = 0xFFFF;  ///< x of the next vector; 0xFFFF = none yet, vectors are dropped
   uint8_t base_p = 0;
-  uint64_t num_outside = 0;    ///< vector events dropped: outside the sensor, or without a base
-  bool need_time_high = true;  ///< drop events until such a word has come
+  uint64_t num_outside = 0;    ///< events of vectors that were dropped: outside the sensor, or without a base
+  bool need_time_high = true;  ///< events are dropped until such a word has arrived
   bool need_low = false;
   bool need_y = false;
   uint16_t report = 0;      ///< the OTHERS word whose payload may follow; 0 = none
-  uint8_t report_bits = 0;  ///< of the payload, so far
+  uint8_t report_bits = 0;  ///< number of payload bits so far
   bool operator==(const State&) const = default;
 };
 
-/// What the check of words runs ahead with.
+/// The state of the check of words, which runs ahead of decoding.
 struct Check {
   uint16_t time_high = 0xFFFF;  ///< as in State
   int32_t low = -1;             ///< the last TIME_LOW payload, -1 = unknown
-  uint32_t num_rejected = 0;    ///< unexpected TIME_HIGH words in a row
-  int64_t heartbeat = -4;       ///< repeated TIME_HIGH words less three for each that steps; 0 or more is a heartbeat
-  bool after_damage = false;    ///< the next TIME_HIGH may be noise
-  uint32_t num_zeros = 0;       ///< words that are all zero, up to here
-  bool after_frame = false;     ///< zeros may fill up the frame that has ended
+  uint32_t num_rejected = 0;    ///< number of consecutive unexpected TIME_HIGH words
+  int64_t heartbeat = -4;  ///< number of repeated TIME_HIGH words minus three for each step; 0 or more is a heartbeat
+  bool after_damage = false;  ///< the next TIME_HIGH may be noise
+  uint32_t num_zeros = 0;     ///< number of preceding words that are zero
+  bool after_frame = false;   ///< the frame has ended, so that zeros may fill it up
   bool operator==(const Check&) const = default;
 };
 
-/// A jump ahead within one TIME_HIGH that is worth a look at what follows.
+/// A forward step within one TIME_HIGH beyond which the following words are inspected.
 inline constexpr int kLongStepUs = 128;
 
-/// Whether one TIME_LOW may follow another, both of one TIME_HIGH; `last` -1 = unknown.
+/// Returns whether one TIME_LOW may follow another within the same TIME_HIGH; `last` is -1 if it is unknown.
 inline bool is_plausible_low(int last, int next) {
   return last < 0 || (next + kJitterUs >= last && next <= last + kLongStepUs);
 }
 
-/// EVT3 for RawStream, see word_codec.h for what each function means.
+/// Sets the base of the vectors that follow.
+void take_base(uint16_t word, State& state);
+
+/// Advances the base after a vector; far outside the sensor it is not changed.
+void advance_base(uint32_t bits, State& state);
+
+/// EVT3 for RawStream; word_codec.h describes the functions.
 struct Codec {
   using State = evt3::State;
   using Check = evt3::Check;
@@ -75,12 +81,17 @@ struct Codec {
   static int64_t time(const State& state) { return state.high_us | state.low; }
   static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us / kLoopUs); }
 
-  /// The vector version where the CPU has one, the scalar reference otherwise.
+  /// Skips the words up to the first one that may belong to a time outside the span, and returns their triggers, but
+  /// not their events. Returns the number of words used, which is 0 outside the span.
+  static size_t skip_events(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, TimeSpan span,
+                            ColumnSink& sink);
+
+  /// The vector version if the CPU supports it, otherwise the scalar reference.
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
 };
 
-/// The scalar reference: decodes checked words one by one. Returns `count`. Vector events outside the sensor are
-/// dropped.
+/// The scalar reference of Codec::decode(): decodes checked words one by one and returns `count`. Events of vectors
+/// outside the sensor are dropped.
 size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
 
 /// The scalar reference of Codec::check().

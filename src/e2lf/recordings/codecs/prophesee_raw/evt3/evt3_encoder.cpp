@@ -9,7 +9,7 @@ namespace e2lf::recordings::evt3 {
 namespace {
 
 constexpr int64_t kHeartbeatUs = 16;
-constexpr int64_t kMaxStep = 512;  // of TIME_HIGH, where loops are counted: a quarter of what reads as a step back
+constexpr int64_t kMaxStep = 512;  // of TIME_HIGH when loops are counted: a quarter of a step back
 constexpr uint32_t kVectorPixels = 32;
 
 uint16_t make_word(Type type, uint32_t payload) {
@@ -19,7 +19,7 @@ uint16_t make_word(Type type, uint32_t payload) {
 }  // namespace
 
 void Encoder::put_time_high(int64_t high, WordBuffer& out) {
-  // The clock has 24 bits: a recording that begins later counts its loops first.
+  // The clock has 24 bits, so a recording that begins later first counts its loops.
   for (int64_t step = kMaxStep; high_ < 0 && high > kPayloadMask && step < high; step += kMaxStep) {
     out.put(make_word(kTimeHigh, static_cast<uint32_t>(step & kPayloadMask)));
   }
@@ -42,7 +42,7 @@ void Encoder::put_time(int64_t t_us, WordBuffer& out) {
 
 void Encoder::put_row(const EventColumns& events, size_t begin, size_t end, WordBuffer& out) {
   const uint32_t p = events.p[begin];
-  uint32_t next_base = 0xFFFF;  // where a vector goes on without a new base
+  uint32_t next_base = 0xFFFF;  // x at which a vector continues without a new base
   for (size_t i = begin; i < end;) {
     const uint32_t x = events.x[i];
     const bool goes_on = x >= next_base && x < next_base + kVectorPixels && next_base + kVectorPixels <= width_;

@@ -8,17 +8,17 @@
 
 namespace e2lf::recordings::evt3 {
 
-/// Makes EVT3 words of events and triggers (the Encoder of RawWriter). Runs of events in one row and of one polarity
-/// become vectors (always as base, 12, 12, 8 pixels, which every reader takes) where that is shorter. TIME_HIGH comes
-/// at every step of it, and again when 16 us have passed.
+/// Encodes events and triggers as EVT3 words (the Encoder of RawWriter). Runs of events in one row with the same
+/// polarity become vectors (always a base and 12, 12 and 8 pixels, which every reader supports) if this is shorter.
+/// TIME_HIGH is written at every step, and repeated after 16 us.
 class Encoder {
  public:
   explicit Encoder(const RecordingInfo& info) : width_(static_cast<uint32_t>(info.width)) {}
 
-  /// Later starts need too many words that do nothing but count the loops of the 24-bit clock.
+  /// Later starts would need too many words that only count the loops of the 24-bit clock.
   static constexpr int64_t kMaxFirstUs = int64_t{1} << 41;
 
-  /// A pause is filled with time words, 2 bytes for every 4 ms: 32 MiB for the longest, 19 hours.
+  /// Pauses are filled with time words, 2 bytes per 4 ms: 32 MiB for the longest, 19 hours.
   static constexpr int64_t kMaxPauseUs = int64_t{1} << 36;
   static constexpr uint16_t kMaxTriggerId = 15;
 
@@ -32,12 +32,12 @@ class Encoder {
 
   uint32_t width_;
   int64_t high_ = -1;       ///< t >> 12 of the last TIME_HIGH
-  int64_t t_us_ = -1;       ///< the time the words so far say
+  int64_t t_us_ = -1;       ///< the time after the words so far
   int64_t high_at_us_ = 0;  ///< when the last TIME_HIGH was written
   uint32_t y_ = 0xFFFF;
 };
 
-/// Writes a RAW recording of EVT3 words.
+/// Creates a RAW recording of EVT3 words.
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
                                                               const RecordingInfo& info);
 

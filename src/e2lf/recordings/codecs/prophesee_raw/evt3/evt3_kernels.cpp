@@ -8,6 +8,7 @@
 #include <hwy/highway.h>
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/check-inl.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/find_words-inl.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/groups-inl.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/plain_words-inl.h"
 
@@ -22,6 +23,12 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
 }
 size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   return decode_scalar(words, count, state, limits, sink);
+}
+size_t find_mark_in(const uint8_t* words, size_t count, uint16_t time_high) {
+  return find_mark_scalar(words, count, time_high);
+}
+size_t find_last_in(const uint8_t* words, size_t count, TypeSet types) {
+  return find_last_scalar(words, count, types);
 }
 #else
 
@@ -41,6 +48,16 @@ namespace e2lf::recordings::evt3 {
 
 HWY_EXPORT(check_words);
 HWY_EXPORT(decode_columns);
+HWY_EXPORT(find_mark_in);
+HWY_EXPORT(find_last_in);
+
+size_t find_mark(const uint8_t* words, size_t count, uint16_t time_high) {
+  return HWY_DYNAMIC_DISPATCH(find_mark_in)(words, count, time_high);
+}
+
+size_t find_last(const uint8_t* words, size_t count, TypeSet types) {
+  return HWY_DYNAMIC_DISPATCH(find_last_in)(words, count, types);
+}
 
 size_t Codec::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
   return HWY_DYNAMIC_DISPATCH(check_words)(words, count, check, limits);

@@ -4,6 +4,7 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_skip.h"
 
 namespace e2lf::recordings::evt3 {
 namespace {
@@ -115,6 +116,61 @@ TEST(Evt3Kernels, GiveWhatTheScalarReferenceGives) {
     }
   }
   ASSERT_TRUE(set_max_isa(""));
+}
+
+TEST(Evt3Kernels, FindWhatTheScalarReferenceFinds) {
+  for (uint32_t seed = 0; seed < 120; ++seed) {
+    const auto words = WordMaker(seed).make(300 + seed);
+    for (const std::string& isa : available_isas()) {
+      ASSERT_TRUE(set_max_isa(isa));
+      for (size_t at = 0; at < words.size() / 2; at += 1 + seed % 13) {
+        const size_t count = words.size() / 2 - at;
+        const uint16_t time_high = static_cast<uint16_t>(kTimeHigh << 12 | (77 + seed % 3));
+        ASSERT_EQ(find_mark(&words[2 * at], count, time_high), find_mark_scalar(&words[2 * at], count, time_high));
+        for (const TypeSet types : {only(kAddrY), only(kVectBaseX), only(kTimeLow), kVectors}) {
+          ASSERT_EQ(find_last(words.data(), at, types), find_last_scalar(words.data(), at, types)) << isa;
+        }
+      }
+    }
+  }
+  ASSERT_TRUE(set_max_isa(""));
+}
+
+TEST(Evt3Kernels, SkippedWordsLeaveTheStateAndTheTriggersOfDecodedOnes) {
+  const SensorLimits limits{kWidth, kHeight};
+  uint64_t num_skipped = 0;
+  for (uint32_t seed = 0; seed < 120; ++seed) {
+    const auto words = WordMaker(seed).make(20'000);
+    const TimeSpan span = {(int64_t{77} << 12) + 500 * (seed % 9), (int64_t{77 + seed % 5} << 12) + 100};
+    const Decoded whole = decode_columns(words, [](auto&&... arguments) { return decode_scalar(arguments...); });
+    const Decoded part = decode_columns(
+        words, [&](const uint8_t* at, size_t count, State& state, const SensorLimits&, ColumnSink& sink) {
+          for (size_t used = 0; used < count;) {
+            const size_t block = std::min<size_t>(count - used, 1 + seed * 17);
+            const size_t skipped = Codec::skip_events(at + 2 * used, block, state, limits, span, sink);
+            Codec::decode(at + 2 * (used + skipped), block - skipped, state, limits, sink);
+            num_skipped += skipped;
+            used += block;
+          }
+          return count;
+        });
+    Decoded expected = whole;
+    expected.state.num_outside = part.state.num_outside;
+    ASSERT_EQ(part.state, expected.state) << seed;
+    ASSERT_EQ(part.batch.triggers.size(), whole.batch.triggers.size()) << seed;
+    // What lies outside the span is there, in order.
+    const auto& all = whole.batch.events;
+    size_t i = 0;
+    for (size_t k = 0; k < all.size(); ++k) {
+      const bool is_same = i < part.batch.events.size() && part.batch.events.t[i] == all.t[k] &&
+                           part.batch.events.x[i] == all.x[k] && part.batch.events.y[i] == all.y[k] &&
+                           part.batch.events.p[i] == all.p[k];
+      i += is_same ? 1 : 0;
+      ASSERT_TRUE(is_same || (all.t[k] >= span.begin_us && all.t[k] < span.end_us)) << seed << " " << all.t[k];
+    }
+    ASSERT_EQ(i, part.batch.events.size()) << seed;
+  }
+  EXPECT_GT(num_skipped, 100'000U);
 }
 
 TEST(Evt3Kernels, CheckStopsWhereTheScalarReferenceStops) {

@@ -7,7 +7,7 @@
 namespace e2lf::recordings::evt3 {
 
 enum Type : uint32_t {
-  kAddrY = 0x0,        ///< y in bits 10..0 of what follows
+  kAddrY = 0x0,        ///< y in bits 10..0, for the words that follow
   kAddrX = 0x2,        ///< one event: x in bits 10..0, polarity in bit 11
   kVectBaseX = 0x3,    ///< x and polarity of the vectors that follow
   kVect12 = 0x4,       ///< 12 validity bits: bit i is an event at base + i; then base += 12
@@ -23,26 +23,26 @@ enum Type : uint32_t {
 /// Some cameras pad their packets with this word.
 inline constexpr uint16_t kPadding = 0x9999;
 
-/// The OTHERS words that begin a count by the sensor: of the events that came in, and of those it sent. The count
-/// follows in CONTINUED words, its low bits first: 12, 12 and 4 bits.
+/// The OTHERS words that begin a count by the sensor: of the events that it generated, and of those that it sent. The
+/// count follows in CONTINUED words, lowest bits first: 12, 12 and 4 bits.
 inline constexpr uint16_t kCountIn = 0xE014;
 inline constexpr uint16_t kCountSent = 0xE016;
 
-/// The OTHERS word at the end of a MIPI frame; frames of one size are filled up with words that are zero.
+/// The OTHERS word at the end of a MIPI frame. Frames of fixed size are filled up with zero words.
 inline constexpr uint16_t kFrameEnd = 0xE019;
 
-/// Bit k is set where type k exists.
+/// Bit k is set if type k exists.
 inline constexpr uint32_t kKnownTypes = (1u << kAddrY) | (1u << kAddrX) | (1u << kVectBaseX) | (1u << kVect12) |
                                         (1u << kVect8) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kTimeHigh) |
                                         (1u << kTrigger) | (1u << kOthers) | (1u << kContinued12);
 
 inline constexpr uint32_t kCoordinateMask = 0x7FF;
 inline constexpr uint32_t kPayloadMask = 0xFFF;
-inline constexpr uint32_t kMinFall = 2;        ///< steps back of TIME_HIGH that may be a clock that starts again
-inline constexpr uint32_t kHalfCircle = 2048;  ///< a TIME_HIGH this far ahead or more is a step back
+inline constexpr uint32_t kMinFall = 2;  ///< smallest backward step of TIME_HIGH that may be a restart of the clock
+inline constexpr uint32_t kHalfCircle = 2048;  ///< a step of TIME_HIGH by this much or more is a step back
 inline constexpr int64_t kLoopUs = int64_t{1} << 24;
 
-/// Times may step back by this much without being damaged: real sensors do by some microseconds.
+/// Tolerated decrease of times: those of real sensors decrease by some microseconds.
 inline constexpr int kJitterUs = 64;
 
 }  // namespace e2lf::recordings::evt3

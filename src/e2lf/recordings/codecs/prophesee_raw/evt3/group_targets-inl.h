@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where groups of EVT3 words go: columns. Included once for each target.
+// The destination of groups of EVT3 words: columns. Included once for each target.
 #if defined(E2LF_EVENTS_EVT3_GROUP_TARGETS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_EVENTS_EVT3_GROUP_TARGETS_INL_H
 #undef E2LF_EVENTS_EVT3_GROUP_TARGETS_INL_H
@@ -26,7 +26,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using recordings::HWY_NAMESPACE::Columns;
 using recordings::HWY_NAMESPACE::expand_mask;
 
-/// Stores four times `low` with `high` as 64-bit values.
+/// Stores four values of `low`, combined with `high`, as 64-bit values.
 template <typename D64>
 HWY_INLINE void store_four_times(D64 d64, hn::Vec<hn::Full128<uint32_t> > low, int64_t high, int64_t* to) {
   const auto highs = hn::Set(d64, static_cast<uint64_t>(high));
@@ -53,14 +53,14 @@ class ToColumns {
  public:
   explicit ToColumns(ColumnSink& sink) : sink_(sink) {}
 
-  /// What follows is at times with these high bits.
+  /// Sets the high bits of the times that follow.
   void begin(int64_t high_us) {
     high_us_ = high_us;
     out_ = {sink_.x, sink_.y, sink_.p, sink_.t, sink_.count};
   }
   void end() { sink_.count = out_.count; }
 
-  /// Takes the lanes of a group that `events` has; polarity is in bit 11 of the word.
+  /// Appends the lanes of a group that are set in `events`; the polarity is bit 11 of the word.
   void put_events(hn::Vec<Group> word, hn::Vec<Group> x, hn::Vec<Group> y, hn::Vec<Group> low, uint32_t events) {
     const Group d;
     const SignedGroup di;

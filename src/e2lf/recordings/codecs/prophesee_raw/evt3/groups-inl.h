@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// EVT3 words in groups of eight, for CPUs that do not compress 16-bit lanes. Included once for each target.
+// Decodes EVT3 words in groups of eight, for CPUs that cannot compress 16-bit lanes. Included once for each target.
 #if defined(E2LF_EVENTS_EVT3_GROUPS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_EVENTS_EVT3_GROUPS_INL_H
 #undef E2LF_EVENTS_EVT3_GROUPS_INL_H
@@ -23,7 +23,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_AVX3_DL
 
-/// What words that bring events depend on.
+/// The state on which words with events depend.
 struct Cursor {
   uint32_t low;
   uint32_t y;
@@ -31,23 +31,24 @@ struct Cursor {
   uint32_t base_p;
 };
 
-/// 255 for the types that are not plain: plain are single events, what places them, and what is ignored.
+/// 255 for the types that are not plain. Plain types are single events, the words that determine their place, and
+/// ignored words.
 HWY_ALIGN constexpr uint8_t kNotPlain[16] = {0, 255, 0, 255, 255, 255, 0, 0, 255, 255, 255, 255, 255, 255, 0, 0};
 
-/// What bounds the words that are taken.
+/// The limits of the words that are decoded.
 struct Bounds {
   uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
-  uint32_t width;      ///< of the sensor
+  uint32_t width;      ///< width of the sensor
 };
 
-/// Words that take_vectors() may look at from one on.
+/// Number of words from a position on that take_vectors() may inspect.
 constexpr size_t kVectorWords = 4;
 
-/// Goes over the row and time words among `next` (four words, the first in its low bits) in front of a base. Returns
-/// how many there are; 0 when there is no base, or another word or an odd time in front of it.
+/// Processes the row and time words among `next` (four words, the first in its low bits) before a base, and returns
+/// their number; 0 if there is no base, or if another word or an implausible time precedes it.
 HWY_INLINE size_t take_places(uint64_t next, const Bounds& bounds, Cursor& cursor) {
   constexpr uint64_t kOnes = 0x0001000100010001;
-  // A lane's upper bit stays clear where its type is a base.
+  // The upper bit of a lane remains zero if its type is a base.
   const uint64_t type_or_none = (next >> 12 & 0xF * kOnes) ^ kVectBaseX * kOnes;
   const uint64_t bases = ~(type_or_none + 0x7FFF * kOnes) & 0x8000 * kOnes;
   if (bases == 0) return 0;
@@ -69,8 +70,8 @@ HWY_INLINE size_t take_places(uint64_t next, const Bounds& bounds, Cursor& curso
   return count;
 }
 
-/// Decodes vectors, their bases and what stands in front of these, up to another word or a vector that reaches beyond
-/// the sensor or has no base. Returns how many words were used.
+/// Decodes vectors, their bases and the words before these, up to any other word, or a vector that reaches beyond the
+/// sensor or has no base. Returns the number of words used.
 HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor,
                                ToColumns& target) {
   constexpr uint64_t kTripleTypes = 0xF000F000F000, kTriple = 0x500040004000;
@@ -104,8 +105,8 @@ HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds&
   return i;
 }
 
-/// Decodes words up to the first that needs a closer look, brings a time before the last one, or is
-/// among the last few. No branch depends on the order of plain words. Returns how many words were used.
+/// Decodes words up to the first that needs a closer look, contains a time before the last one, or is among the last
+/// few. No branch depends on the order of plain words. Returns the number of words used.
 HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor,
                              ToColumns& target) {
   const Group d;
@@ -154,12 +155,12 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& b
   return i;
 }
 
-/// Groups of words by the kernels above, what they leave by the scalar reference.
+/// Decodes groups of words with the kernels above, and the rest with the scalar reference.
 HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
                                ColumnSink& sink, ToColumns& target) {
   sink.set_time(Codec::time(state));
   for (size_t i = 0; i < count;) {
-    // The kernels take time as it comes: not while it is held up by an earlier event.
+    // The kernels use times as they are, so they cannot run while the time is raised to that of an earlier event.
     if (sink.time() == Codec::time(state)) {
       const Bounds bounds{state.time_high, limits.width};
       Cursor cursor{state.low, state.y, state.base_x, state.base_p};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// EVT3 words in groups of eight lanes. Included once for each target.
+// Operations on groups of eight lanes of EVT3 words. Included once for each target.
 #if defined(E2LF_EVENTS_EVT3_LANE_GROUPS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_EVENTS_EVT3_LANE_GROUPS_INL_H
 #undef E2LF_EVENTS_EVT3_LANE_GROUPS_INL_H
@@ -30,27 +30,27 @@ HWY_INLINE hn::Vec<Group> lanes_from(hn::Vec<Group> values, hn::Vec<GroupBytes> 
   return hn::BitCast(Group(), hn::TableLookupBytesOr0(hn::BitCast(GroupBytes(), values), bytes));
 }
 
-/// For each lane the value of the last lane of the set up to it; `before` in front of the first.
+/// Returns for each lane the value of the last lane of the set up to it, or `before` if there is none.
 HWY_INLINE hn::Vec<Group> fill_forward(hn::Vec<Group> values, uint32_t set, hn::Vec<Group> before) {
   const hn::Full128<int8_t> di8;
   const auto from = hn::Load(GroupBytes(), kLaneTables.fill[set]);
-  // Positions that are not there are negative.
+  // Positions that do not exist are negative.
   return hn::BitCast(Group(), hn::IfNegativeThenElse(hn::BitCast(di8, from), hn::BitCast(di8, before),
                                                      hn::BitCast(di8, lanes_from(values, from))));
 }
 
-/// The last lane in all lanes.
+/// Returns the last lane in all lanes.
 HWY_INLINE hn::Vec<Group> last_in_all(hn::Vec<Group> values) {
   return lanes_from(values, hn::BitCast(GroupBytes(), hn::Set(Group(), uint16_t{0x0F0E})));
 }
 
-/// Each lane less the one before it, in front of the first the last of `before`.
+/// Returns the difference of each lane and the one before it; before the first is the last lane of `before`.
 HWY_INLINE hn::Vec<SignedGroup> steps_of(hn::Vec<Group> values, hn::Vec<Group> before) {
   const auto previous = hn::CombineShiftRightBytes<14>(Group(), values, before);
   return hn::BitCast(SignedGroup(), hn::Sub(values, previous));
 }
 
-/// Which lanes of `first` are set (bits 0 to 7), and of `second` (bits 8 to 15); all bits of a lane are alike.
+/// Returns which lanes of `first` (bits 0 to 7) and of `second` (bits 8 to 15) are set; all bits of a lane are equal.
 HWY_INLINE uint32_t bits_of_two(hn::Vec<Group> first, hn::Vec<Group> second) {
 #if HWY_ARCH_X86
   return static_cast<uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(first.raw, second.raw)));
@@ -65,7 +65,7 @@ HWY_INLINE uint32_t bits_of_two(hn::Vec<Group> first, hn::Vec<Group> second) {
 
 #if HWY_TARGET == HWY_AVX3_DL
 
-/// The lanes moved up by one, with `first` in lane 0.
+/// Returns the lanes shifted up by one, with `first` in lane 0.
 HWY_INLINE __m512i move_up(__m512i values, int first) {
   const __m512i from =
       _mm512_setr_epi32(0x0000001F, 0x20001, 0x40003, 0x60005, 0x80007, 0xA0009, 0xC000B, 0xE000D, 0x10000F, 0x120011,

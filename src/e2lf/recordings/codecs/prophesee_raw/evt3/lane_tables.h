@@ -6,10 +6,11 @@
 
 namespace e2lf::recordings::evt3 {
 
-/// For every set of eight 16-bit lanes (a byte) the byte positions that a shuffle takes its lanes from; 0x80 = none.
+/// Shuffle tables for every set of eight 16-bit lanes (a byte): the byte positions from which a shuffle takes its
+/// lanes; 0x80 = none.
 struct LaneTables {
-  alignas(16) uint8_t fill[256][16];      ///< lane i from the last lane of the set up to i
-  alignas(16) uint8_t compress[256][16];  ///< lane k from the k-th lane of the set
+  alignas(16) uint8_t fill[256][16];      ///< lane i is the last lane of the set up to i
+  alignas(16) uint8_t compress[256][16];  ///< lane k is the k-th lane of the set
 };
 
 inline constexpr LaneTables kLaneTables = [] {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// EVT3 words in groups of 32, for CPUs that compress 16-bit lanes. Included once for each target.
+// Decodes EVT3 words in groups of 32, for CPUs that can compress 16-bit lanes. Included once for each target.
 #if defined(E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H
 #undef E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H
@@ -27,7 +27,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using recordings::HWY_NAMESPACE::Columns;
 using recordings::HWY_NAMESPACE::expand_mask;
 
-/// What plain words change: events and everything that leaves the loops out of them.
+/// The state that plain words change.
 struct Cursor {
   int64_t high;        ///< time without its low bits
   uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
@@ -35,12 +35,12 @@ struct Cursor {
   uint32_t y;
 };
 
-/// Types that are plain: events, what places them, and what is ignored. Others need a closer look.
+/// The plain types: events, the words that determine their place, and ignored words. Others need a closer look.
 constexpr uint32_t kPlainTypes =
     (1u << kAddrY) | (1u << kAddrX) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kOthers) | (1u << kContinued12);
 
-/// Decodes plain words up to the first that is not, or that moves time back. No branch depends on the
-/// order in which the types come. Returns how many words were used.
+/// Decodes plain words up to the first that is not plain or moves time back. No branch depends on the order of the
+/// types. Returns the number of words used.
 size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
   struct Effect {
     int64_t low_mask;
@@ -54,7 +54,7 @@ size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Colu
     effects[kAddrX].is_event = 1;
     return effects;
   }();
-  // Copies, because stores through a byte pointer could change anything that is not local.
+  // Local copies, because stores through a byte pointer could change anything that is not local.
   const Columns to = out;
   const Cursor from = cursor;
   size_t num_events = to.count;
@@ -66,7 +66,7 @@ size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Colu
     const uint32_t type = word >> 12;
     const Effect effect = kEffects[type];
     const int64_t next_low = (low & ~effect.low_mask) | (word & effect.low_mask);
-    // Signs in place of comparisons, of which the compiler would make branches that nothing can predict.
+    // Signs instead of comparisons, which the compiler would turn into unpredictable branches.
     const auto is_back = static_cast<uint64_t>(next_low - low) >> 63;
     const uint32_t is_heartbeat = ((word ^ from.time_high) - 1) >> 31;
     if ((((kPlainTypes >> type) & 1 & ~static_cast<uint32_t>(is_back)) | is_heartbeat) == 0) break;
@@ -84,7 +84,7 @@ size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Colu
   return i;
 }
 
-/// How many lanes up to each lane, itself included, are set in `bits`.
+/// Returns for each lane the number of lanes up to and including it that are set in `bits`.
 HWY_INLINE __m512i count_up_to_lane(uint32_t bits) {
   const __m512i all = _mm512_set1_epi32(static_cast<int>(bits));
   const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -95,7 +95,8 @@ HWY_INLINE __m512i count_up_to_lane(uint32_t bits) {
   return _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi32_epi16(first)), _mm512_cvtepi32_epi16(second), 1);
 }
 
-/// For each lane `values` of the last lane set in `bits`, itself included; `before` for lanes in front of the first.
+/// Returns for each lane the value of the last lane up to and including it that is set in `bits`, or `before` if there
+/// is none.
 HWY_INLINE __m512i fill_forward(__m512i values, uint32_t bits, uint32_t before) {
   const __m512i index = _mm512_sub_epi16(count_up_to_lane(bits), _mm512_set1_epi16(1));
   const __m512i filled = _mm512_permutexvar_epi16(index, _mm512_maskz_compress_epi16(bits, values));
@@ -103,7 +104,8 @@ HWY_INLINE __m512i fill_forward(__m512i values, uint32_t bits, uint32_t before) 
   return _mm512_mask_mov_epi16(filled, in_front, _mm512_set1_epi16(static_cast<int16_t>(before)));
 }
 
-/// take_plain_words() for 32 words at a time, while 32 are left; events of a group are compressed to the front.
+/// Does the same as take_plain_words() for 32 words at a time, while 32 remain. The events of a group are compressed to
+/// the front.
 size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
   const __m512i coordinate_mask = _mm512_set1_epi16(kCoordinateMask);
   size_t i = 0;
@@ -166,7 +168,8 @@ HWY_INLINE size_t take_plain(const uint8_t* words, size_t count, Cursor& cursor,
   return used + take_plain_words(words + 2 * used, count - used, cursor, out);
 }
 
-/// The 32-bit mask of a vector of 12, 12 and 8 pixels that begins here; false when another word is among the three.
+/// Computes the 32-bit mask of a vector of 12, 12 and 8 pixels that begins here; returns false if another word is among
+/// the three.
 HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
   const auto a = load_le<uint16_t>(words);
   const auto b = load_le<uint16_t>(words + 2);
@@ -175,7 +178,7 @@ HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
   return (a >> 12) == kVect12 && (b >> 12) == kVect12 && (c >> 12) == kVect8;
 }
 
-/// Events to the columns of a sink.
+/// Appends events to the columns of a sink.
 struct ToColumns {
   ColumnSink& sink;
   Columns out;
@@ -188,13 +191,14 @@ struct ToColumns {
   }
 };
 
-/// Runs of plain words and of vectors by the kernels above, the rest by the scalar reference, word by word.
+/// Decodes runs of plain words and of vectors with the kernels above, and the rest with the scalar reference, word by
+/// word.
 HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
                                ColumnSink& sink, ToColumns& target) {
   sink.set_time(Codec::time(state));
   size_t i = 0;
   while (i < count) {
-    // The kernels take time as it comes: not while it is held up by an earlier event.
+    // The kernels use times as they are, so they cannot run while the time is raised to that of an earlier event.
     const int64_t time = Codec::time(state);
     if (sink.time() == time) {
       Cursor cursor{state.high_us, state.time_high, state.low, state.y};

@@ -72,7 +72,7 @@ inline constexpr BitPositions kBitPositions = [] {
   return positions;
 }();
 
-/// Writes 16 times the same y, p and t.
+/// Writes the same y, p and t 16 times.
 HWY_INLINE void store_same(uint16_t* HWY_RESTRICT to_y, uint8_t* HWY_RESTRICT to_p, int64_t* HWY_RESTRICT to_t,
                            uint32_t y, uint32_t p, int64_t t) {
   const hn::CappedTag<uint16_t, 16> d16;

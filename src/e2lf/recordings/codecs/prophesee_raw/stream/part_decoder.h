@@ -11,8 +11,9 @@
 
 namespace e2lf::recordings {
 
-/// Decodes consecutive parts of a RAW stream at once. What a part depends on is guessed from the words before it; the
-/// part counts only when the one in front of it has come to just that state, so the result is that of one thread.
+/// Decodes consecutive parts of a RAW stream in parallel. The state at the start of a part is guessed from the words
+/// before it. A part is accepted only if the previous part ends in exactly this state, so that the result is that of a
+/// single thread.
 template <WordCodec Codec>
 class PartDecoder {
  public:
@@ -22,24 +23,24 @@ class PartDecoder {
     explicit Part(const SensorLimits& limits) : stream(limits), guess(limits) {}
 
     PendingBatch batch;
-    DecodeSummary summary;          ///< of this part alone, events and triggers not counted
-    Stream stream;                  ///< behind the part
-    size_t end = 0;                 ///< how many of the bytes are done with
-    int64_t latest_us = INT64_MIN;  ///< time of the last event or trigger up to here
+    DecodeSummary summary;          ///< of this part only, without the counts of events and triggers
+    Stream stream;                  ///< state after the part
+    size_t end = 0;                 ///< number of bytes that are done
+    int64_t latest_us = INT64_MIN;  ///< time of the last event or trigger so far
 
-    Stream guess;  ///< in front of the part
+    Stream guess;  ///< guessed state before the part
     bool is_guessed = false;
-    bool restarts = false;  ///< the clock starts again where this ends
-    bool is_whole = false;  ///< the next one begins where this ends
+    bool restarts = false;  ///< whether the clock starts again at the end of the part
+    bool is_whole = false;  ///< whether the next part begins at the end of this one
   };
 
   PartDecoder(size_t max_parts, const SensorLimits& limits) : limits_(limits), parts_(max_parts, Part(limits)) {}
 
-  /// How many bytes decode() can make use of.
+  /// Returns the number of bytes that decode() can use.
   [[nodiscard]] size_t wanted_bytes() const { return parts_.size() * part_bytes_ + kBytesBehind; }
 
-  /// Decodes from `bytes`, which begin where `stream` is and with the file's byte `first_byte`; `latest_us` as in Part.
-  /// Returns how many parts() are good; 0 when there are too few bytes for two.
+  /// Decodes from `bytes`, which begin at the state of `stream` and at byte `first_byte` of the file; `latest_us` is as
+  /// in Part. Returns the number of accepted parts, or 0 if there are too few bytes for two.
   size_t decode(std::span<const uint8_t> bytes, uint64_t first_byte, const Stream& stream, int64_t latest_us) {
     const size_t usable = bytes.size() - std::min(bytes.size(), kBytesBehind);
     const size_t count = std::min(parts_.size(), usable / part_bytes_);
@@ -58,7 +59,7 @@ class PartDecoder {
   [[nodiscard]] Part& part(size_t i) { return parts_[i]; }
 
  private:
-  /// A part is to have about so many events: few enough to stay in the cache until they are used.
+  /// Intended number of events per part, small enough to stay in the cache until they are used.
   static constexpr size_t kPartEvents = size_t{1} << 16;
   static constexpr size_t kMaxPartEvents = 4 * kPartEvents;
   static constexpr size_t kMinPartBytes = size_t{1} << 16;
@@ -86,7 +87,7 @@ class PartDecoder {
     batch.events.resize(sink.count);
   }
 
-  /// Whether a part goes on from the one before it; fits it to that if so.
+  /// Returns whether a part continues from the previous one, and adapts it if so.
   static bool joins(const Part& before, Part& part) {
     if (!before.is_whole || !part.is_guessed) return false;
     if (!Stream::is_confirmed(part.guess, before.stream, part.stream)) return false;
@@ -94,7 +95,7 @@ class PartDecoder {
     return true;
   }
 
-  /// Raises times to the last one in front of the part, as the sink does within it.
+  /// Raises times to the last one before the part, as the sink does within it.
   static void raise(Part& part, int64_t latest_us) {
     part.batch.raise_times(latest_us);
     part.latest_us = std::max(part.latest_us, latest_us);

@@ -17,7 +17,7 @@ constexpr size_t kMaxLine = 4096;
 constexpr size_t kMaxSide = 2048;  // x and y have 11 bits
 
 struct Encoding {
-  const char* codec;    // ours
+  const char* codec;    // the name in e2lf
   const char* format;   // of the key `format`
   const char* version;  // of the key `evt`
 };
@@ -38,13 +38,13 @@ bool is_key_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
 }
 
-/// ASCII, or a letter beyond it.
+/// Returns whether a character is printable ASCII or a letter beyond it.
 bool is_printable(char c) {
   return (c >= ' ' && c <= '~') || c == '\t' || is_beyond_ascii(c);
 }
 
-/// Whether the text of a line may be that of a header. Beyond ASCII nearly everything is a letter in some encoding:
-/// then the key at least must look like one, so that event words are none.
+/// Returns whether a line may belong to a header. Beyond ASCII, nearly everything is a letter in some encoding, so at
+/// least the key must look like one, which excludes event words.
 bool is_header_line(std::string_view line) {
   if (!std::all_of(line.begin(), line.end(), is_printable)) return false;
   if (std::none_of(line.begin(), line.end(), is_beyond_ascii)) return true;
@@ -54,7 +54,8 @@ bool is_header_line(std::string_view line) {
 
 enum class Line { kHeader, kData, kIncomplete };
 
-/// Whether `text` begins with a header line; event words may begin with '%', too, so the whole line is looked at.
+/// Returns whether `text` begins with a header line. Event words may also begin with '%', so the whole line is
+/// inspected.
 Line next_line(std::string_view text, bool ended, std::string_view& line, size_t& length) {
   constexpr std::string_view kStart = "% ";
   const size_t known = std::min(text.size(), kStart.size());
@@ -94,7 +95,7 @@ std::optional<Size> parse_geometry(std::string_view text) {
   return Size{*width, *height};
 }
 
-/// The sensor of files of old cameras, which do not give a size.
+/// Returns the sensor size of old cameras, whose files do not state it.
 std::optional<Size> size_of_system(const std::string& system_id) {
   if (system_id == "48" || system_id == "49" || system_id == "50") return Size{1280, 720};
   if (system_id == "21" || system_id == "28" || system_id == "40") return Size{640, 480};
@@ -102,7 +103,8 @@ std::optional<Size> size_of_system(const std::string& system_id) {
   return std::nullopt;
 }
 
-/// What the key `format` says: "EVT3;height=720;width=1280;endianness=little", all but the first part optional.
+/// The content of the key `format`: "EVT3;height=720;width=1280;endianness=little", where all but the first part are
+/// optional.
 struct FormatKey {
   std::string codec;
   std::optional<size_t> width, height;
@@ -117,7 +119,7 @@ Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
   }
   if (key.codec.empty()) {
     return Error{ErrorCode::kUnsupported,
-                 cat("the encoding ", encoding, " is not read; record as EVT2, EVT2.1, EVT3 or EVT4"),
+                 cat("the encoding ", encoding, " is not supported; record as EVT2, EVT2.1, EVT3 or EVT4"),
                  bad_size.location};
   }
   while (text.find(';') != std::string_view::npos) {
@@ -136,7 +138,7 @@ Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
   return key;
 }
 
-/// Fills format, size and byte order from the keys. Precedence: format, then evt and geometry, then system_ID.
+/// Sets format, size and byte order from the keys. Precedence: format, then evt and geometry, then system_ID.
 Result<void> interpret(RawHeader& header, const std::string& name) {
   RecordingInfo& info = header.info;
   const Error bad_size{ErrorCode::kFormat, cat("the header gives a size that is not 1 to ", kMaxSide, "; repair it"),
@@ -152,8 +154,8 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
       if (*version == known.version) info.format = known.codec;
     }
     if (info.format.empty()) {
-      return Error{ErrorCode::kUnsupported, cat("EVT ", *version, " is not read; record as EVT2, EVT2.1, EVT3 or EVT4"),
-                   bad_size.location};
+      return Error{ErrorCode::kUnsupported,
+                   cat("EVT ", *version, " is not supported; record as EVT2, EVT2.1, EVT3 or EVT4"), bad_size.location};
     }
   }
   if (const auto endianness = info.find("endianness")) header.endianness = *endianness;
@@ -161,7 +163,8 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
     E2LF_ASSIGN_OR_RETURN(const FormatKey key, parse_format(*format, bad_size));
     const Size told{key.width.value_or(size.width), key.height.value_or(size.height)};
     if ((size != Size() && told != size) || (!info.format.empty() && key.codec != info.format)) {
-      return Error{ErrorCode::kFormat, "the header contradicts itself (format, evt, geometry); repair it",
+      return Error{ErrorCode::kFormat,
+                   "the keys of the header contradict each other (format, evt, geometry); repair it",
                    bad_size.location};
     }
     size = told;
@@ -190,7 +193,8 @@ Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, c
     std::string_view line;
     size_t length = 0;
     const Line kind = next_line(text.substr(header.num_bytes), ended, line, length);
-    if (kind == Line::kIncomplete) return Error{ErrorCode::kTruncated, "the header goes on; read more of it", name};
+    if (kind == Line::kIncomplete)
+      return Error{ErrorCode::kTruncated, "the header is incomplete; read more of it", name};
     if (kind == Line::kData) break;
     header.num_bytes += length;
     const std::string key = trimmed(line.substr(0, line.find_first_of(" \t")));
@@ -219,13 +223,13 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
     if (!info.format.empty() && info.format != options.format) {
       return Error{
           ErrorCode::kInvalidValue,
-          cat("the file says its format is ", info.format, ", not ", options.format, "; leave the option away"),
+          cat("the file states that its format is ", info.format, ", not ", options.format, "; leave the option out"),
           source.name()};
     }
     info.format = options.format;
   }
   if (info.format.empty()) {
-    return Error{ErrorCode::kFormat, "the file does not say how its events are encoded; name the format, as evt3",
+    return Error{ErrorCode::kFormat, "the file does not state how its events are encoded; name the format, e.g. evt3",
                  source.name(), Setting::kInputFormat};
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));
@@ -257,7 +261,7 @@ std::string raw_header_text(const RecordingInfo& info) {
   const auto add = [&text](const std::string& key, const std::string& value) {
     text += cat("% ", key, " ", value, "\n");
   };
-  // The vendor's software looks for a plugin by these.
+  // The vendor's software selects a plugin by these keys.
   constexpr std::array<std::array<const char*, 2>, 4> kDefaults = {{{"camera_integrator_name", "Prophesee"},
                                                                     {"integrator_name", "Prophesee"},
                                                                     {"plugin_integrator_name", "Prophesee"},

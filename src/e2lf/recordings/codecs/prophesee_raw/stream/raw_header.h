@@ -13,35 +13,35 @@
 
 namespace e2lf::recordings {
 
-/// The text in front of a RAW file's event words: lines "% key value", ended by "% end" or by the first line that is
-/// not one of them. Keys that name the encoding: `format EVT3;height=720;width=1280`, `evt 3.0`, `geometry 1280x720`.
+/// The text before the event words of a RAW file: lines "% key value" up to "% end", or up to the first line of another
+/// form. Keys that state the encoding: `format EVT3;height=720;width=1280`, `evt 3.0`, `geometry 1280x720`.
 struct RawHeader {
-  RecordingInfo info;      ///< format "evt2", "evt2.1", "evt3", "evt4", or empty when the header does not say
-  std::string endianness;  ///< "little", "legacy" or empty: a hint only, files are known to be wrong
-  size_t num_bytes = 0;    ///< where the event words begin
+  RecordingInfo info;      ///< format "evt2", "evt2.1", "evt3" or "evt4", or empty if the header does not state it
+  std::string endianness;  ///< "little", "legacy" or empty; only a hint, since files are known to be wrong
+  size_t num_bytes = 0;    ///< offset of the event words
 };
 
-/// Parses the header at the front of `bytes`. `ended` = there is nothing behind them; otherwise kTruncated asks for
-/// more. No header at all is an empty one. Fails with kFormat (keys that contradict each other, sizes that are no
-/// numbers) and kUnsupported (an encoding that we do not read).
+/// Parses the header at the start of `bytes`. If not `ended`, more bytes may follow, and kTruncated requests them. A
+/// missing header is an empty one. Fails with kFormat (keys that contradict each other, or sizes that are not numbers)
+/// and kUnsupported (an encoding that cannot be read).
 [[nodiscard]] Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, const std::string& name);
 
-/// Reads the header off a source and applies what the caller was told: options.format and size stand in for what the
-/// header leaves out. Fails like parse_raw_header(), with kFormat when the format stays unknown, and with kInvalidValue
-/// when the options contradict the header.
+/// Reads the header from a source and applies the options: options.format and size replace what the header omits. Fails
+/// as parse_raw_header() does, with kFormat if the format remains unknown, and with kInvalidValue if the options
+/// contradict the header.
 [[nodiscard]] Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options);
 
 enum class HeaderPlace { kNone, kIncomplete, kHere };
 
-/// Whether a header that says how its events are encoded begins at the front of `bytes`, among event words. `ended` =
-/// there is nothing behind them; otherwise kIncomplete asks for more.
+/// Determines whether a header that states the encoding of its events begins at the start of `bytes`, among event
+/// words. If not `ended`, more bytes may follow, and kIncomplete requests them.
 [[nodiscard]] HeaderPlace find_raw_header(std::span<const uint8_t> bytes, bool ended);
 
-/// Whether `head` begins with the header of a RAW recording (and not of a DAT file).
+/// Returns whether `head` begins with the header of a RAW recording (and not of a DAT file).
 [[nodiscard]] bool is_raw_header(std::span<const uint8_t> head);
 
-/// The header of a recording in info.format, ended by "% end". Keys of info.header are kept, but for those that name
-/// encoding and size, which are made anew; keys that the vendor's software needs to open a file are added.
+/// Returns the header of a recording in info.format, which ends with "% end". Keys of info.header are kept, except
+/// those of encoding and size, which are written anew. Keys that the vendor's software requires are added.
 [[nodiscard]] std::string raw_header_text(const RecordingInfo& info);
 
 }  // namespace e2lf::recordings

@@ -15,13 +15,13 @@
 
 namespace e2lf::recordings {
 
-/// Reads a RAW recording of one encoding: bytes from a source through a RawStream, or where the source is a file and
-/// there may be several threads, read() goes through a PartDecoder that is some parts ahead. Every kCheckpointBytes
-/// the stream is copied, so that seeking needs no index file: it goes on from the last copy before the time.
+/// Reads a RAW recording of one encoding. Bytes of a source are decoded by a RawStream, or, for files and several
+/// threads, by a PartDecoder that is some parts ahead. The stream is copied every kCheckpointBytes, so that seeking
+/// requires no index file: it continues from the last copy before the time.
 template <WordCodec Codec>
 class RawReader final : public RecordingReader {
  public:
-  /// `source` stands behind the header.
+  /// `source` is positioned after the header.
   RawReader(std::unique_ptr<ByteSource> source, RawHeader header, const OpenOptions& options)
       : RecordingReader(options), source_(std::move(source)), stream_(limits_of(header.info, options)) {
     info_ = std::move(header.info);
@@ -33,7 +33,6 @@ class RawReader final : public RecordingReader {
   }
 
   std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
-  DecodeSummary left_out_before() const override { return source_->left_out(); }
 
  protected:
   Result<bool> read_next(EventBatch& batch, size_t max_events) override {
@@ -41,7 +40,7 @@ class RawReader final : public RecordingReader {
     if (next_part_ == num_parts_) E2LF_RETURN_IF_ERROR(decode_parts());
     if (next_part_ == num_parts_) return read_directly(batch, max_events);
     auto& part = parts_->part(next_part_);
-    // Noted once, with the first of its events.
+    // Added once, with the first of its events.
     summary_.append(std::exchange(part.summary, {}));
     summary_.time_loops = loops_before_ + part.stream.time_loops();
     part.batch.take(batch, max_events);
@@ -55,6 +54,7 @@ class RawReader final : public RecordingReader {
     E2LF_RETURN_IF_ERROR(source_->seek(checkpoint->byte));
     stream_ = checkpoint->stream;
     latest_us_ = checkpoint->latest_us;
+    stream_.skip_events({});
     wanted_ = std::max<size_t>(stream_.num_seen_bytes(), 1);
     next_part_ = num_parts_ = 0;
     has_restarted_ = restart_ = false;
@@ -62,15 +62,17 @@ class RawReader final : public RecordingReader {
     return {};
   }
 
+  void skip_decoding(int64_t begin_us, int64_t end_us) override { stream_.skip_events({begin_us, end_us}); }
+
  private:
   static constexpr uint64_t kCheckpointBytes = uint64_t{4} << 20;
   static constexpr size_t kPartsPerThread = 4;
 
   struct Checkpoint {
-    int64_t time_us;  ///< no event in front of it is later
+    int64_t time_us;  ///< no earlier event is later than this
     uint64_t byte;
     RawStream<Codec> stream;
-    int64_t latest_us;  ///< of what was given out up to here
+    int64_t latest_us;  ///< of what was returned so far
   };
 
   static SensorLimits limits_of(const RecordingInfo& info, const OpenOptions& options) {
@@ -81,7 +83,7 @@ class RawReader final : public RecordingReader {
     return limits;
   }
 
-  /// Goes on with a stream of its own where the clock starts again, behind the header of another file if there is one.
+  /// Starts a new stream where the clock starts again, after the header of another file if there is one.
   Result<void> begin_again() {
     restart_ = false;
     const uint64_t byte = source_->position();
@@ -93,8 +95,8 @@ class RawReader final : public RecordingReader {
     const auto header = read_raw_header(*source_, options);
     if (!header) {
       return Error{header.error().code,
-                   cat("another recording begins here that does not fit to the one in front of it (",
-                       header.error().message, "); cut the file into its parts here"),
+                   cat("another recording begins here that does not match the one before it (", header.error().message,
+                       "); split the file here"),
                    cat(name_, ": byte ", byte)};
     }
     loops_before_ += stream_.time_loops();
@@ -105,7 +107,7 @@ class RawReader final : public RecordingReader {
     return {};
   }
 
-  /// Decodes the next parts on several threads, where that can be done.
+  /// Decodes the next parts in several threads, if possible.
   Result<void> decode_parts() {
     next_part_ = num_parts_ = 0;
     if (!parts_ || !stream_.is_steady()) return {};
@@ -125,21 +127,25 @@ class RawReader final : public RecordingReader {
     return {};
   }
 
-  /// Decodes into the batch on this thread.
+  /// Decodes to the batch in this thread.
   Result<bool> read_directly(EventBatch& batch, size_t max_events) {
     EventColumns& events = batch.events;
-    const size_t known = events.size();
+    const size_t known = events.size(), known_triggers = batch.triggers.size();
     ColumnSink sink(batch, max_events);
     sink.set_latest(latest_us_);
     Result<bool> more = true;
     bool full = false;
-    while (more && *more && !full && !restart_ && (source_->seekable() || sink.count == 0)) more = step(sink, full);
+    // A live source gives what has arrived.
+    const auto has_enough = [&] {
+      return !source_->seekable() && (sink.count > 0 || batch.triggers.size() > known_triggers);
+    };
+    while (more && *more && !full && !restart_ && !has_enough()) more = step(sink, full);
     events.resize(known + sink.count);
     latest_us_ = sink.latest();
     return more;
   }
 
-  /// Decodes what is at hand; false at the end of the source, `full` when the sink stopped.
+  /// Decodes the available bytes. Returns false at the end of the source; sets `full` if the sink stopped.
   Result<bool> step(ColumnSink& sink, bool& full) {
     E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> bytes, source_->fetch(wanted_));
     const bool ended = bytes.size() < wanted_;
@@ -148,13 +154,18 @@ class RawReader final : public RecordingReader {
     summary_.time_loops = loops_before_ + stream_.time_loops();
     restart_ = progress.restarts;
     if (restart_) return true;
+    if (ended && progress.used == bytes.size() && source_->pass_break()) {
+      stream_.pass_break(source_->position(), summary_);
+      wanted_ = 1;
+      return true;
+    }
     full = progress.wanted == 0 && !(ended && progress.used == bytes.size());
     wanted_ = std::max<size_t>({progress.wanted, stream_.num_seen_bytes(), 1});
     add_checkpoint(source_->position(), sink.latest());
     return full || !ended;
   }
 
-  /// Notes that stream_ is at that byte.
+  /// Stores a checkpoint of stream_ at this byte.
   void add_checkpoint(uint64_t byte, int64_t latest_us) {
     if (!source_->seekable() || has_restarted_ || byte < checkpoints_.back().byte + kCheckpointBytes) return;
     const int64_t time_us = std::max(stream_.time_us(), latest_us);
@@ -165,15 +176,15 @@ class RawReader final : public RecordingReader {
   RawStream<Codec> stream_;
   std::vector<Checkpoint> checkpoints_;
   size_t wanted_ = 1;
-  int64_t latest_us_ = INT64_MIN;  ///< of what was decoded
+  int64_t latest_us_ = INT64_MIN;  ///< latest time that was decoded
 
   std::optional<PartDecoder<Codec>> parts_;
-  size_t num_parts_ = 0;  ///< of these are decoded, the first next_part_ of them handed out
+  size_t num_parts_ = 0;  ///< number of decoded parts, of which the first next_part_ were returned
   size_t next_part_ = 0;
 
-  bool restart_ = false;        ///< where what was decoded ends, the clock starts again
-  bool has_restarted_ = false;  ///< it did before
-  uint64_t loops_before_ = 0;   ///< of the clock, in front of that
+  bool restart_ = false;        ///< whether the clock starts again after what was decoded
+  bool has_restarted_ = false;  ///< whether it did so before
+  uint64_t loops_before_ = 0;   ///< loops of the clock before that
 };
 
 }  // namespace e2lf::recordings

@@ -15,26 +15,26 @@
 
 namespace e2lf::recordings {
 
-/// Decodes one RAW encoding from bytes as they come: any cut between two calls gives the same events. Words are checked
-/// first, and what has been checked is decoded kHoldWords later without further checks. Where a check fails, the words
-/// behind it tell whether one word is damaged (it is dropped) or bytes are missing (the stream is taken up again where
-/// words make sense). Copies are checkpoints: decoding goes on from them.
+/// Decodes one RAW encoding from bytes as they arrive; the events do not depend on how the bytes are divided. Words are
+/// checked first, and are decoded kHoldWords later without further checks. If a check fails, the following words show
+/// whether a single word is damaged, which is then dropped, or whether bytes are missing, in which case the stream
+/// resumes where words are valid again. A copy of the object is a checkpoint from which decoding can continue.
 template <WordCodec Codec>
 class RawStream {
  public:
   explicit RawStream(const SensorLimits& limits) : limits_(limits) {}
 
   struct Progress {
-    size_t used = 0;        ///< bytes that are done with
-    size_t wanted = 0;      ///< bytes needed from there to go on; 0 when the sink stopped
-    bool restarts = false;  ///< the clock starts again there, or another header: what follows is another stream
+    size_t used = 0;        ///< number of bytes that are done
+    size_t wanted = 0;      ///< number of bytes needed from there to continue; 0 if the sink stopped
+    bool restarts = false;  ///< the clock starts again there, or another header follows: the rest is another stream
   };
 
   static constexpr size_t kNoStop = SIZE_MAX;
 
-  /// Decodes as much of `bytes` as the sink takes. `first_byte` is the position of bytes[0] in the file, for reports;
-  /// `ended` = nothing follows. At the end, used == bytes.size(). Stops too when the next word would reach beyond the
-  /// first `stop` bytes: two streams that stop between the same words of a well aligned stretch have one state there.
+  /// Decodes as much of `bytes` as the sink accepts. `first_byte` is the position of bytes[0] in the file, for reports;
+  /// `ended` = no bytes follow. At the end, used == bytes.size(). Also stops if the next word would reach beyond the
+  /// first `stop` bytes: two streams that stop between the same words of an aligned section have the same state there.
   template <typename Sink>
   Progress process(std::span<const uint8_t> bytes, bool ended, uint64_t first_byte, Sink& sink, DecodeSummary& summary,
                    size_t stop = kNoStop) {
@@ -64,27 +64,39 @@ class RawStream {
     }
   }
 
+  /// Goes on behind a place where bytes are missing: process() was called with all in front of it, as `ended`.
+  void pass_break(uint64_t byte, DecodeSummary& summary) {
+    summary.add(Violation::kMisaligned, byte);
+    open_gap(byte);
+    checked_ = keep_ = jump_ = 0;
+    problem_ = Problem::kNone;
+    Codec::forget(state_, check_);
+  }
+
+  /// Declares a span whose events are not needed. An encoding that cannot leave them out returns them.
+  void skip_events(TimeSpan span) { skipped_ = span; }
+
   [[nodiscard]] int64_t time_us() const { return Codec::time(state_); }
   [[nodiscard]] uint64_t time_loops() const { return Codec::time_loops(state_); }
 
-  /// The bytes that process() has looked at behind those it used; it must be given at least these again.
+  /// Returns the number of bytes after those used that process() has inspected, and which it must receive again.
   [[nodiscard]] size_t num_seen_bytes() const {
     return std::max((checked_ + (problem_ == Problem::kNone ? 0 : 1)) * kWordBytes, jump_);
   }
 
-  /// Whether decoding goes on here as it does within undamaged data.
+  /// Returns whether decoding continues here as within undamaged data.
   [[nodiscard]] bool is_steady() const { return started_ && !lost_ && !has_jump() && Codec::is_synchronised(state_); }
 
-  /// Makes a stream that has come up to some place from shortly before it a guess at what `before`, which is further
-  /// back, will be there: clock, counts and what else has not shown are taken from it.
+  /// Completes the state of a stream that was started shortly before a position with the clock, the counts and all else
+  /// that has not occurred since from `before`, a state further back.
   void extrapolate(const RawStream& before) {
     Codec::extrapolate(state_, before.state_);
     check_.heartbeat = before.check_.heartbeat;
     asked_ = {};
   }
 
-  /// Whether `end`, decoded from `guess`, is what decoding from `truth` would have come to, with the same events; sets
-  /// right what `end` counts from the start.
+  /// Returns whether `end`, decoded from `guess`, equals the result of decoding from `truth`, with the same events;
+  /// corrects the counts in `end` that start at the beginning.
   [[nodiscard]] static bool is_confirmed(const RawStream& guess, const RawStream& truth, RawStream& end) {
     const int64_t late = truth.check_.heartbeat - guess.check_.heartbeat;
     if (end.asked_.lowest_yes + late < 0 || end.asked_.highest_no + late >= 0) return false;
@@ -112,7 +124,7 @@ class RawStream {
     [[nodiscard]] uint64_t byte(size_t offset) const { return first_byte + position + offset; }
   };
 
-  /// What Codec::heartbeat() was where it decided something: the answers nearest to the other one.
+  /// The values of the heartbeat at which it decided something: the nearest to the opposite answer on both sides.
   struct Asked {
     int64_t lowest_yes = INT64_MAX / 2;
     int64_t highest_no = INT64_MIN / 2;
@@ -128,7 +140,7 @@ class RawStream {
     return {input.bytes.size(), 0};
   }
 
-  /// A recording may begin anywhere: looks once whether the first bytes are well aligned.
+  /// A recording may begin anywhere: checks once whether the first bytes are aligned.
   bool start(Input& input) {
     if (input.num_words() < kWindowWords && !input.ended) return false;
     started_ = true;
@@ -148,7 +160,7 @@ class RawStream {
     if (good < count) problem_ = Problem::kUnresolved;
   }
 
-  /// How many words may be decoded now.
+  /// Returns the number of words that may be decoded now.
   [[nodiscard]] size_t num_ready(const Input& input) const {
     if (problem_ == Problem::kSkipWord) return checked_;
     if (has_jump()) return keep_;
@@ -159,7 +171,13 @@ class RawStream {
   template <typename Sink>
   size_t decode(Input& input, size_t count, Sink& sink) {
     const typename Codec::State before = state_;
-    const size_t used = Codec::decode(input.data(), count, state_, limits_, sink);
+    size_t used = 0;
+    if constexpr (requires { Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink); }) {
+      used = Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink);
+    }
+    if (used < count) {
+      used += Codec::decode(input.data() + used * kWordBytes, count - used, state_, limits_, sink);
+    }
     if (const uint64_t outside = std::exchange(state_.num_outside, 0); outside > 0) {
       input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
     }
@@ -170,7 +188,7 @@ class RawStream {
     return used;
   }
 
-  /// The byte of the first word that had an event outside the sensor, decoding from `state` again.
+  /// Returns the byte of the first word with an event outside the sensor, by decoding from `state` again.
   size_t first_outside(const uint8_t* words, size_t count, typename Codec::State state) const {
     constexpr size_t kRoom = Codec::kMaxEventsPerWord + kSinkSlack;
     std::array<uint16_t, kRoom> x, y;
@@ -238,7 +256,7 @@ class RawStream {
     return Step::kGoOn;
   }
 
-  /// Decides about the word that the check stopped at.
+  /// Decides how to treat the word at which the check stopped.
   Step resolve(Input& input) {
     const size_t behind = input.num_words() - checked_ - 1;
     if (behind < kWindowWords && !input.ended) return Step::kNeedMore;
@@ -248,7 +266,7 @@ class RawStream {
     if (header == kNoStop) return resolve_word(input);
     if (!is_whole) return Step::kNeedMore;
     if (header <= word + kWordBytes - 1) return jump(Problem::kRestart, header);
-    // The words in front of the header are judged without it.
+    // The words before the header are judged without it.
     Input in_front = input;
     in_front.bytes = input.bytes.first(input.position + header);
     in_front.ended = true;
@@ -282,7 +300,7 @@ class RawStream {
     return Step::kGoOn;
   }
 
-  /// What was checked is decoded, and decoding goes on at that byte from the position on.
+  /// Decodes what was checked, then continues at this byte from the position on.
   Step jump(Problem problem, size_t byte) {
     keep_ = std::min(checked_, byte / kWordBytes);
     jump_ = byte;
@@ -290,11 +308,12 @@ class RawStream {
     return Step::kGoOn;
   }
 
-  /// Whether keep_ and jump_ say where to go on.
+  /// Returns whether keep_ and jump_ state where to continue.
   [[nodiscard]] bool has_jump() const { return problem_ >= Problem::kBreak; }
 
-  /// Where in the first `end` bytes from the position on another file's header begins; kNoStop = nowhere. Text is no
-  /// plausible sequence of words for long, so that no other place is looked at. `is_whole` = all of it is there.
+  /// Returns the offset of the header of another file in the first `end` bytes from the position, or kNoStop. Since
+  /// text is not a plausible sequence of words for long, no other place is inspected. `is_whole` is set if the header
+  /// is complete.
   size_t find_header(const Input& input, size_t end, bool& is_whole) const {
     const std::string_view text(reinterpret_cast<const char*>(input.data()), std::min(end, input.num_bytes()));
     for (size_t at = text.find("% "); at != std::string_view::npos; at = text.find("% ", at + 1)) {
@@ -305,7 +324,7 @@ class RawStream {
     return kNoStop;
   }
 
-  /// A jump in a stream that repeats its time all along means that data is missing, or that the clock starts again.
+  /// A jump in a stream with a heartbeat means that data are missing or that the clock starts again.
   Step accept_time(Input& input, const uint8_t* word) {
     const int64_t step_us = Codec::step_us(word, check_);
     if (step_us > 0 && has_heartbeat()) {
@@ -346,8 +365,8 @@ class RawStream {
     return Codec::count_bad(data, kFirst, 1) == 0 && Codec::count_bad(data, words, kResumeBad + 1) <= kResumeBad;
   }
 
-  /// The next offset >= `offset` where words make sense, looking at the first `end` bytes; the first that cannot be
-  /// told yet when there is none.
+  /// Returns the next offset >= `offset` at which words are valid within the first `end` bytes, or the first offset
+  /// that cannot be decided yet.
   size_t next_alignment(const Input& input, size_t offset, size_t end, bool& found) const {
     const size_t needed = input.ended ? kMinWindowWords : kWindowWords;
     for (found = false; offset + needed * kWordBytes <= end; ++offset) {
@@ -358,12 +377,12 @@ class RawStream {
     return offset;
   }
 
-  /// Bytes are missing or wrong around the word the check stopped at: finds where the stream goes on, and how much of
-  /// what is held back came surely before the damage.
+  /// Handles missing or wrong bytes around the word at which the check stopped: finds where the stream continues, and
+  /// how many of the held words certainly precede the damage.
   Step begin_break(Input& input) {
     const size_t word = checked_ * kWordBytes;
     bool found = false;
-    // Not further than is waited for: what is found must not depend on how much happens to be at hand.
+    // Not further than the wait: the result must not depend on how many bytes happen to be available.
     const size_t seen = std::min(input.num_bytes(), word + kJudgeWords * kWordBytes);
     jump_ = next_alignment(input, word + 1, seen, found);
     if (!found && !input.ended && seen < word + kJudgeWords * kWordBytes) return Step::kNeedMore;
@@ -383,7 +402,7 @@ class RawStream {
     return Step::kGoOn;
   }
 
-  /// Counts dropped bytes in words; what is left over goes on to the next time, however many pieces there are.
+  /// Counts dropped bytes in words; the remainder is carried over to the next call.
   void count_dropped(const Input& input, size_t bytes) {
     dropped_bytes_ += bytes;
     input.summary->dropped_words += dropped_bytes_ / kWordBytes;
@@ -395,9 +414,9 @@ class RawStream {
     gap_open_ = true;
   }
 
-  /// Goes on looking for words that make sense; drops what does not.
+  /// Continues to search for valid words and drops everything before.
   bool find_alignment(Input& input) {
-    if (problem_ == Problem::kBreak) return true;  // what was kept goes out first
+    if (problem_ == Problem::kBreak) return true;  // what was kept is decoded first
     bool found = false;
     size_t skipped = next_alignment(input, 0, input.num_bytes(), found);
     if (!found && input.ended) skipped = input.num_bytes();
@@ -420,13 +439,14 @@ class RawStream {
   SensorLimits limits_;
   typename Codec::State state_;
   typename Codec::Check check_;
-  size_t checked_ = 0;  ///< words from the position on that are known to be good
+  size_t checked_ = 0;  ///< number of words from the position on that are valid
   Problem problem_ = Problem::kNone;
-  size_t keep_ = 0;  ///< at a break: words to decode before it,
-  size_t jump_ = 0;  ///< and where to go on, in bytes from the position
+  size_t keep_ = 0;  ///< at a break: number of words to decode before it,
+  size_t jump_ = 0;  ///< and where to continue, in bytes from the position
   bool started_ = false;
-  bool lost_ = false;         ///< no alignment known
-  size_t dropped_bytes_ = 0;  ///< not yet counted as a word
+  bool lost_ = false;         ///< the alignment is unknown
+  TimeSpan skipped_;          ///< whose events are not needed
+  size_t dropped_bytes_ = 0;  ///< number of bytes that were not counted as a word yet
   bool gap_open_ = false;
   TimeGap gap_;
   Asked asked_;

@@ -13,7 +13,7 @@
 
 namespace e2lf::recordings {
 
-/// Bytes that an encoder appends little-endian words to.
+/// Bytes to which an encoder appends little-endian words.
 class WordBuffer {
  public:
   template <typename Word>
@@ -27,13 +27,13 @@ class WordBuffer {
   std::vector<uint8_t> bytes_;
 };
 
-/// Writes a RAW recording: the header, then what an Encoder makes of events and triggers merged by time:
+/// Writes a RAW recording: the header, then events and triggers, merged by time and encoded by an Encoder:
 ///   Encoder(info)
-///   kMaxFirstUs                         the latest time a recording may begin with
+///   kMaxFirstUs                         the latest time of the first event
 ///   kMaxPauseUs                         the longest time without events and triggers
 ///   kMaxTriggerId
-///   put_events(events, begin, end, out) events[begin, end)
-///   put_trigger(trigger, out)
+///   put_events(events, begin, end, out) encodes events[begin, end)
+///   put_trigger(trigger, out)           encodes a trigger
 template <typename Encoder>
 class RawWriter final : public RecordingWriter {
  public:
@@ -72,8 +72,9 @@ class RawWriter final : public RecordingWriter {
       last_us = std::max(last_us, batch.triggers.back().t);
     }
     if (first_us < 0 || (latest_us_ < 0 && first_us > Encoder::kMaxFirstUs && !batch.empty())) {
-      return Error{ErrorCode::kInvalidValue, cat("time ", first_us, " us cannot be held by this format; begin at zero"),
-                   name_, Setting::kShiftTime};
+      return Error{ErrorCode::kInvalidValue,
+                   cat("time ", first_us, " us cannot be stored in this format; begin at zero"), name_,
+                   Setting::kShiftTime};
     }
     for (const Trigger& trigger : batch.triggers) {
       if (trigger.id <= Encoder::kMaxTriggerId) continue;
@@ -103,7 +104,7 @@ class RawWriter final : public RecordingWriter {
       if (t_us - last_us > Encoder::kMaxPauseUs) {
         return Error{ErrorCode::kInvalidValue,
                      cat("the pause from ", last_us, " to ", t_us, " us is longer than the ", Encoder::kMaxPauseUs,
-                         " us this encoding holds; split the recording or write HDF5"),
+                         " us that this encoding can store; split the recording or write HDF5"),
                      name_};
       }
       last_us = t_us;
@@ -116,10 +117,10 @@ class RawWriter final : public RecordingWriter {
   BatchCheck check_;
   Encoder encoder_;
   WordBuffer buffer_;
-  int64_t latest_us_ = -1;  ///< of what was written
+  int64_t latest_us_ = -1;  ///< of what was written; -1 = nothing yet
 };
 
-/// Starts a writer: checks the size and writes the header. Fails with kInvalidValue and kIo.
+/// Creates a writer: checks the size and writes the header. Fails with kInvalidValue and kIo.
 template <typename Encoder>
 Result<std::unique_ptr<RecordingWriter>> create_raw_writer(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
   if (info.width == 0 || info.height == 0 || info.width > 2048 || info.height > 2048) {

@@ -11,33 +11,37 @@
 
 namespace e2lf::recordings {
 
-/// Room behind the last event that kernels may overwrite.
+/// Number of elements after the last event that kernels may overwrite.
 inline constexpr size_t kSinkSlack = 64;
 
-/// The size that events must lie in, and whether what the sensor counted itself is summed.
+/// The size of the sensor, and whether the sensor's own counts are summed.
 struct SensorLimits {
   uint32_t width = 2048;
   uint32_t height = 2048;
   bool counts_reports = false;
 };
 
-/// Where decoders put events as columns: pointers into EventColumns that have kSinkSlack more elements than they may
-/// fill.
-///   set_time(t)  the time of what follows. A time before that of the last event (sensors jitter by some microseconds)
-///   is
-///                raised to it: what is given out is sorted.
-///   room()       how many words may be decoded before the sink is full
-///   add(x, y, p) one event; add_mask(x, y, p, mask) one event at x + i for each set bit i, all inside the sensor
+/// The times t with begin_us <= t < end_us.
+struct TimeSpan {
+  int64_t begin_us = 0, end_us = 0;
+};
+
+/// The destination of decoders: pointers to columns of EventColumns, which have kSinkSlack more elements than may be
+/// filled.
+///   set_time(t)  sets the time of what follows. A time before that of the last event (sensors jitter by some us) is
+///                raised to it, so that the output is sorted.
+///   room()       returns how many words may be decoded before the sink is full
+///   add(x, y, p) adds an event; add_mask(x, y, p, mask) adds an event at x + i for each set bit i, all in the sensor
 class ColumnSink {
  public:
   ColumnSink() = default;
 
-  /// Makes room in a batch and fills it behind what it holds, up to so many more events and as many triggers. The
-  /// events are to be cut to what was filled in the end.
+  /// Reserves room in a batch and appends to it, at most `max_events` events and as many triggers. Afterwards, the
+  /// events must be resized to what was filled.
   ColumnSink(EventBatch& batch, size_t max_events)
       : ColumnSink(batch.events, batch.events.size(), max_events, batch.triggers) {}
 
-  /// The same for columns and triggers apart, from event `begin` on.
+  /// Does the same for separate columns and triggers, from event `begin` on.
   ColumnSink(EventColumns& events, size_t begin, size_t max_events, std::vector<Trigger>& to_triggers)
       : capacity(max_events), max_triggers(to_triggers.size() + max_events), triggers(&to_triggers) {
     events.resize(begin + max_events + kSinkSlack);
@@ -53,10 +57,10 @@ class ColumnSink {
   int64_t* t = nullptr;
   size_t count = 0;
   size_t capacity = 0;      ///< in events; the columns have kSinkSlack more elements
-  size_t max_triggers = 0;  ///< as many more may come
+  size_t max_triggers = 0;  ///< largest number of triggers
   std::vector<Trigger>* triggers = nullptr;
 
-  /// How many words may be decoded into the room that is left; 0 = full, or nearly so.
+  /// Returns the number of words that may be decoded to the remaining room; 0 = full, or nearly so.
   [[nodiscard]] size_t room(size_t max_events_per_word) const {
     const size_t trigger_room = max_triggers - std::min(max_triggers, triggers->size());
     const size_t words = std::min((capacity - count) / max_events_per_word, trigger_room);
@@ -82,7 +86,7 @@ class ColumnSink {
     latest_ = time_;
   }
 
-  /// The time of the last event or trigger given out, in this sink or before it.
+  /// Returns the time of the last event or trigger, in this sink or before it.
   [[nodiscard]] int64_t latest() const { return count > 0 ? std::max(latest_, t[count - 1]) : latest_; }
   void set_latest(int64_t t_us) { latest_ = t_us; }
 

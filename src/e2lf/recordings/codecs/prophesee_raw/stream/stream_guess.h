@@ -11,18 +11,18 @@
 
 namespace e2lf::recordings {
 
-/// What a part that is decoded at the same time as those before it may look at behind its end.
+/// Number of bytes after its end that a part which is decoded in parallel may inspect.
 template <WordCodec Codec>
 inline constexpr size_t kBytesBehindPart = 2 * kJudgeWords* Codec::kWordBytes;
 
-/// Guesses the state of a stream somewhere ahead from the words in front of that place.
+/// Guesses the state of a stream at a later position from the words before that position.
 template <WordCodec Codec>
 class StreamGuess {
  public:
   using Stream = RawStream<Codec>;
 
-  /// Sets `guess` to the stream at byte `begin` of `bytes`, where `stream` is at the first of them; false when the
-  /// words do not tell. Overwrites what is in the sink and leaves it empty.
+  /// Sets `guess` to the state at byte `begin` of `bytes`, where `stream` is the state at the first byte. Returns false
+  /// if the words are not conclusive. Overwrites the content of the sink and leaves it empty.
   static bool at(std::span<const uint8_t> bytes, size_t begin, const SensorLimits& limits, const Stream& stream,
                  ColumnSink& sink, Stream& guess) {
     for (const size_t words : kWarmUpWords) {
@@ -36,10 +36,10 @@ class StreamGuess {
   }
 
  private:
-  /// Words to guess from: a few, or more where these do not tell.
+  /// Numbers of words to guess from: a few first, then more.
   static constexpr size_t kWarmUpWords[] = {1024, 16384};
 
-  /// Decodes the first `size` of the bytes with a new stream; false when it stops elsewhere.
+  /// Decodes the first `size` bytes with a new stream; returns false if it stops elsewhere.
   static bool warm_up(std::span<const uint8_t> bytes, size_t size, ColumnSink& sink, Stream& stream) {
     DecodeSummary ignored;
     for (size_t at = 0; at != size;) {

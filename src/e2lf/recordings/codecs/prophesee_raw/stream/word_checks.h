@@ -10,44 +10,47 @@
 
 namespace e2lf::recordings {
 
-/// What is odd about a word.
+/// The reason why a word is implausible.
 enum class WordFault {
   kUnknown,    ///< a type that does not exist
   kRange,      ///< a coordinate outside the sensor
   kTimeBack,   ///< a time before the last one
-  kTimeAhead,  ///< a time far behind the last one
+  kTimeAhead,  ///< a time far after the last one
 };
 
 enum class Verdict { kAccept, kReject, kNeedMore, kRestart };
 
-/// Words the check is ahead of decoding: damage shows within a few words, and what is in doubt is not given out.
+/// Number of words by which the check is ahead of decoding: damage shows within a few words, and doubtful words are not
+/// decoded.
 inline constexpr size_t kHoldWords = 32;
 
-/// Words that are looked at to tell whether the stream is well aligned; fewer say too little.
+/// Number of words that are inspected to determine whether the stream is aligned, and the smallest meaningful number.
 inline constexpr size_t kWindowWords = 64;
 inline constexpr size_t kMinWindowWords = 16;
 
-/// How many odd words a window may have: to go on as before (isolated damage), and to take up the stream again.
+/// Number of implausible words that a window may contain: to continue as before (isolated damage), and to resume the
+/// stream.
 inline constexpr size_t kWindowBad = kWindowWords / 16;
 inline constexpr size_t kResumeBad = 1;
 
-/// More words in a row that are all zero are no data (a simulator may well repeat the first pixel's event).
+/// A longer run of zero words is not data (a simulator may well repeat the event of the first pixel).
 inline constexpr uint32_t kMaxZeros = 7;
 
-/// How far judge_time() looks ahead for another time word.
+/// Number of words in which judge_time() looks for another time word.
 inline constexpr size_t kJudgeWords = 8192;
 
-/// How many of the time words behind an unexpected one are asked.
+/// Number of time words after an unexpected one that are considered.
 inline constexpr size_t kJudges = 5;
 
-/// A clock that jumps over its wrap into its first second, by more than a second, was set anew, where the stream
-/// repeats its time all along: data that is missing is rarely missing just there.
+/// In a stream with a heartbeat, a clock that jumps by more than a second across its wrap into its first second was
+/// reset; data are rarely missing exactly there.
 inline constexpr int64_t kWrapRestartUs = 1'000'000;
 
-/// Whether a coarse time that steps back by at least `min_fall` begins a clock that starts again: three quarters of the
-/// coarse times behind it go on from it rather than from `last`, of as many as the fall has steps, at least kJudges and
-/// at most kRestartWitnesses. time_at(i): the coarse time of word i, if it has one; word 0 is the one in question, and
-/// `num_rejected` such words came just before it. `mask` is the circle that coarse times run round.
+/// Determines whether a coarse time that decreases by at least `min_fall` steps is a restart of the clock. This
+/// requires that three quarters of the following coarse times continue from it rather than from `last`. As many are
+/// considered as the decrease has steps, but at least kJudges and at most kRestartWitnesses. time_at(i) returns the
+/// coarse time of word i, if it has one; word 0 is the one in question, and `num_rejected` such words preceded it
+/// directly. `mask` is the range of coarse times.
 template <typename TimeAt>
 [[nodiscard]] Verdict judge_step_back(size_t count, bool ended, uint32_t last, uint32_t mask, uint32_t min_fall,
                                       size_t num_rejected, const TimeAt& time_at) {

@@ -11,32 +11,32 @@
 
 namespace e2lf::recordings {
 
-/// One of the three RAW encodings: words of one size whose meaning depends on words before them. RawStream decodes them
-/// all through these static functions. `words` points to `count` words.
+/// One of the three RAW encodings: words of fixed size, whose meaning depends on earlier words. RawStream decodes all
+/// of them through these static functions. `words` points to `count` words.
 ///
-///   State            what decoding depends on
-///   Check            what checking depends on, which runs ahead of decoding; its `heartbeat` is 0 or more where the
-///                    stream repeats its time all along
-///   check            how many words are plausible; the one behind them, if any, needs a closer look
-///   count_bad        how many words make no sense, up to `enough`; few = well aligned. The sensor's size does not
-///   count:
-///                    headers are known to be wrong about it
-///   classify         what is odd about the word that check() stopped at
-///   judge_time       whether a time word that steps unexpectedly is right, from the words behind it; kRestart where
-///                    it steps back and most of them go on from it
-///   num_padding      how many of the words from the one that check() stopped at on fill a frame up, and mean nothing
-///   accept_time, reject_time  moves the check past such a word
-///   step_us          how far a coarse time word jumps from the last one; 0 for other words and for the next step
-///   is_near_zero     whether a coarse time word lies behind a wrap of the clock, in its first kWrapRestartUs
-///   drop_word        the state when a word is left out
-///   forget           the state when an unknown number of words is missing
-///   extrapolate      makes the state that a stretch of words has brought about a guess at the one after `before` and
-///                    all words up to there: the clock's loops, and what the stretch has not set
-///   resynchronise    goes over words without giving out events until the state is complete again
-///   is_synchronised  whether the state is complete
-///   decode           checked words to events; returns how many words were used
-///   count_reports    (optional) counts what the sensor reports of itself in decoded words
-///   time, time_loops the state's time in us, and how often the clock has run round
+///   State            the state of decoding
+///   Check            the state of the check, which runs ahead of decoding; its `heartbeat` is 0 or more if the stream
+///                    repeats its time continually
+///   check            returns the number of plausible words; the next one, if any, needs a closer look
+///   count_bad        returns the number of invalid words, up to `enough`; few mean that the stream is aligned. Ignores
+///                    the size of the sensor, because headers are known to be wrong about it
+///   classify         returns what is implausible about the word at which check() stopped
+///   judge_time       determines from the following words whether an unexpected time word is correct; kRestart if it
+///                    steps back and most of them continue from it
+///   num_padding      returns the number of words, from the one at which check() stopped, that only fill up a frame
+///   accept_time, reject_time  advance the check past such a word
+///   step_us          returns by how much a coarse time word jumps; 0 for other words and for the next step
+///   is_near_zero     returns whether a coarse time word follows a wrap of the clock, in its first kWrapRestartUs
+///   drop_word        updates the state when a word is dropped
+///   forget           updates the state when an unknown number of words is missing
+///   extrapolate      completes the state after a section of words to a guess of the state after `before` and all words
+///                    up to there: the loops of the clock, and what the section has not set
+///   resynchronise    skips words without returning events until the state is complete again
+///   is_synchronised  returns whether the state is complete
+///   decode           decodes checked words to events; returns the number of words used
+///   skip_events      (optional) skips the words of a span of time and returns only their triggers
+///   count_reports    (optional) sums the counts of the sensor in decoded words
+///   time, time_loops return the time of the state in us, and how often the clock has wrapped around
 template <typename C>
 concept WordCodec = requires(const uint8_t* words, size_t count, typename C::State& state,
                              const typename C::State& before, typename C::Check& check,

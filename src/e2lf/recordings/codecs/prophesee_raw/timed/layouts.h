@@ -6,7 +6,7 @@
 
 #include "e2lf/base/little_endian.h"
 
-/// EVT2: 32-bit little-endian words, one event each.
+/// EVT2: 32-bit little-endian words with one event each.
 namespace e2lf::recordings::evt2 {
 
 struct Layout {
@@ -18,10 +18,11 @@ struct Layout {
 
 }  // namespace e2lf::recordings::evt2
 
-/// EVT2.1: 64-bit words of a head (as in EVT2) and 32 validity bits, bit i = an event at x + i.
+/// EVT2.1: 64-bit words with a head as in EVT2 and 32 validity bits, where bit i is an event at x + i.
 namespace e2lf::recordings::evt21 {
 
-/// The order of the two halves: plain little-endian words have the head last, older sensors send it first ("legacy").
+/// The order of the two halves of a word: in little-endian words the head is last, while older sensors send it first
+/// ("legacy").
 enum class ByteOrder { kLittle, kLegacy };
 
 template <ByteOrder kOrder>

@@ -8,17 +8,17 @@
 
 namespace e2lf::recordings::timed {
 
-/// The TIME_HIGH words of EVT2 and EVT2.1: at every step of it, and again when 16 us have passed.
+/// Generates the TIME_HIGH words of EVT2 and EVT2.1: one at every step, and a repetition after 16 us.
 class Clock {
  public:
-  /// Calls put(head) with the TIME_HIGH heads to be written before an event at `t_us`.
+  /// Calls put(head) with the TIME_HIGH heads that must precede an event at `t_us`.
   template <typename Put>
   void advance(int64_t t_us, const Put& put) {
     const int64_t high = t_us >> 6;
     if (high == high_ && t_us - written_us_ < kHeartbeatUs) return;
     int64_t from = high;
     if (high_ < 0) {
-      // A recording that begins beyond the 34-bit clock counts its loops first.
+      // A recording that begins beyond the 34-bit clock first counts its loops.
       for (int64_t step = kMaxStep; step < high && high > kTimeHighMask; step += kMaxStep) put(head(step));
     } else if (high > high_ && high - high_ <= kMaxFilled) {
       from = high_ + 1;
@@ -30,13 +30,13 @@ class Clock {
     written_us_ = t_us;
   }
 
-  /// Later starts need too many words.
+  /// Later starts would need too many words.
   static constexpr int64_t kMaxFirstUs = int64_t{1} << 52;
 
  private:
   static constexpr int64_t kHeartbeatUs = 16;
-  static constexpr int64_t kMaxStep = int64_t{1} << 25;   ///< a quarter of what reads as a step back
-  static constexpr int64_t kMaxFilled = 10'000'000 / 64;  ///< quiet times up to 10 s are filled step by step
+  static constexpr int64_t kMaxStep = int64_t{1} << 25;   ///< a quarter of what would be read as a step back
+  static constexpr int64_t kMaxFilled = 10'000'000 / 64;  ///< pauses of up to 10 s are filled step by step
 
   static uint32_t head(int64_t high) {
     return (static_cast<uint32_t>(kTimeHigh) << 28) | (static_cast<uint32_t>(high) & kTimeHighMask);

@@ -35,7 +35,7 @@ using recordings::HWY_NAMESPACE::expand_mask;
 
 using Heads = hn::ScalableTag<uint32_t>;
 
-/// The heads of the next Lanes(d) words.
+/// Loads the heads of the next Lanes(d) words.
 template <typename Layout>
 HWY_INLINE hn::Vec<Heads> load_heads(Heads d, const uint8_t* words) {
   const auto* halves = reinterpret_cast<const uint32_t*>(words);
@@ -83,8 +83,8 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
   return i + Scalar::check_scalar(words + i * Layout::kWordBytes, count - i, check, limits);
 }
 
-/// Decodes EVT2 events up to the first word that is none or that moves time back; at least one vector of words must be
-/// there, and one word more. Returns how many words were used.
+/// Decodes EVT2 events up to the first word that is not an event or moves time back. At least one vector of words and
+/// one more word must be available. Returns the number of words used.
 HWY_INLINE size_t take_events(const uint8_t* words, size_t count, int64_t high_us, Columns& columns) {
   const Heads d;
   const hn::RebindToSigned<Heads> di;
@@ -115,7 +115,7 @@ HWY_INLINE size_t take_events(const uint8_t* words, size_t count, int64_t high_u
     const intptr_t stop = hn::FindFirstTrue(d, not_event);
     const intptr_t turn = hn::FindFirstTrue(d, hn::RebindMask(d, back));
     size_t used = stop < 0 ? lanes : static_cast<size_t>(stop);
-    // The word behind a turn goes back in time, if it is an event.
+    // If the word after a turn is an event, it goes back in time.
     if (turn >= 0 && static_cast<size_t>(turn) + 1 < used) used = static_cast<size_t>(turn) + 1;
     at += used;
     i += used;
@@ -125,7 +125,7 @@ HWY_INLINE size_t take_events(const uint8_t* words, size_t count, int64_t high_u
   return i;
 }
 
-/// The same for EVT2.1: words of up to 32 events.
+/// Does the same for EVT2.1: words of up to 32 events.
 template <typename Layout>
 HWY_INLINE size_t take_masks(const uint8_t* words, size_t count, int64_t high_us, const SensorLimits& limits,
                              Columns& columns) {

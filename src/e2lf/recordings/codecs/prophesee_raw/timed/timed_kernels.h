@@ -13,7 +13,7 @@ struct Kernels {
   size_t (*decode)(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
 };
 
-/// Those for this CPU; the scalar references where it has no vector unit.
+/// Returns those for this CPU, or the scalar references if it has no vector unit.
 [[nodiscard]] Kernels kernels(Encoding encoding);
 
 }  // namespace e2lf::recordings::timed

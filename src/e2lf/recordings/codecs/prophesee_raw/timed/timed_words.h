@@ -18,7 +18,7 @@ namespace e2lf::recordings::timed {
 
 enum Type : uint32_t {
   kOff = 0x0,       ///< event(s): t bits 5..0 in 27..22, x in 21..11, y in 10..0
-  kOn = 0x1,        ///< the same, brighter
+  kOn = 0x1,        ///< the same for ON events
   kTimeHigh = 0x8,  ///< t bits 33..6 in 27..0
   kTrigger = 0xA,   ///< t bits 5..0 in 27..22, input in 12..8, edge in 0
   kOthers = 0xE,    ///< monitoring data: ignored
@@ -29,7 +29,7 @@ inline constexpr uint32_t kKnownTypes =
     (1u << kOff) | (1u << kOn) | (1u << kTimeHigh) | (1u << kTrigger) | (1u << kOthers) | (1u << kContinued);
 inline constexpr uint32_t kTimeHighMask = 0xFFFFFFF;
 inline constexpr uint32_t kHalfCircle = 1u << 27;
-inline constexpr uint32_t kBackOne = kTimeHighMask;  ///< one step back on the 28-bit circle: jitter
+inline constexpr uint32_t kBackOne = kTimeHighMask;  ///< one step back on the 28-bit circle, which is jitter
 inline constexpr uint32_t kNearSteps = 64;           ///< 4 ms
 inline constexpr uint32_t kMinFall = kMinRestartUs >> 6;
 inline constexpr int kLoopBits = 34;
@@ -48,29 +48,29 @@ inline uint32_t y_of(uint32_t head) {
   return head & 0x7FF;
 }
 
-/// How far `to` is ahead of `from` on the 28-bit circle.
+/// Returns the number of steps from `from` to `to` on the 28-bit circle.
 inline uint32_t steps(uint32_t from, uint32_t to) {
   return (to - from) & kTimeHighMask;
 }
 
 struct State {
-  int64_t high_us = 0;           ///< time without its low 6 bits, loops included
+  int64_t high_us = 0;           ///< time without its low 6 bits, including loops
   uint32_t time_high = kNoTime;  ///< the payload of the last TIME_HIGH word
-  uint64_t num_outside = 0;      ///< events of a vector outside the sensor, dropped
-  bool need_time_high = true;    ///< drop events until such a word has come
+  uint64_t num_outside = 0;      ///< events of vectors that were dropped because they are outside the sensor
+  bool need_time_high = true;    ///< events are dropped until such a word has arrived
   bool operator==(const State&) const = default;
 };
 
 struct Check {
   uint32_t time_high = kNoTime;
   uint32_t num_rejected = 0;
-  int64_t heartbeat = -16;    ///< repeated TIME_HIGH words less those that step; 0 or more is a heartbeat
+  int64_t heartbeat = -16;    ///< number of repeated TIME_HIGH words minus those that step; 0 or more is a heartbeat
   bool after_damage = false;  ///< the next TIME_HIGH may be noise
-  uint32_t num_zeros = 0;     ///< words that are all zero, up to here
+  uint32_t num_zeros = 0;     ///< number of preceding words that are zero
   bool operator==(const Check&) const = default;
 };
 
-/// The state's time after a TIME_HIGH word. Steps back by more than jitter do not get this far.
+/// Updates the time of the state with a TIME_HIGH word. Backward steps beyond jitter do not occur here.
 inline void take_time_high(uint32_t time_high, State& state) {
   if (state.time_high == kNoTime) {
     state.high_us = static_cast<int64_t>(time_high) << 6;
@@ -81,7 +81,7 @@ inline void take_time_high(uint32_t time_high, State& state) {
   state.time_high = time_high;
 }
 
-/// The functions of a Codec (word_codec.h) but for check() and decode(), and the scalar references of those.
+/// The functions of a Codec (word_codec.h) except check() and decode(), for which it contains scalar references.
 template <typename Layout>
 struct Words {
   using State = timed::State;
@@ -95,7 +95,8 @@ struct Words {
   }
   static bool is_zero(const uint8_t* word) { return Layout::head(word) == 0 && Layout::mask(word) <= 1; }
 
-  /// Whether one word is plausible after what the check knows; takes it over if so. A run of zeros is no data.
+  /// Returns whether a word is plausible given the state of the check, which is then updated. A run of zeros is not
+  /// data.
   static bool check_word(const uint8_t* word, Check& check, const SensorLimits& limits) {
     const uint32_t head = Layout::head(word);
     check.num_zeros = is_zero(word) ? check.num_zeros + 1 : 0;
@@ -148,7 +149,8 @@ struct Words {
     return is_back ? WordFault::kTimeBack : WordFault::kTimeAhead;
   }
 
-  /// A TIME_HIGH that steps back or far ahead is right if most of those behind it go on from it, not from the last.
+  /// A TIME_HIGH that steps back or far ahead is correct if most of the following ones continue from it rather than
+  /// from the last one.
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
     const uint32_t head = Layout::head(words);
     const bool is_first = check.time_high == kNoTime;
@@ -183,7 +185,7 @@ struct Words {
   }
   static void reject_time(const uint8_t*, Check& check) { ++check.num_rejected; }
 
-  /// Padding is a type of its own in these encodings.
+  /// These encodings have a separate type for padding.
   static size_t num_padding(const uint8_t*, size_t, const Check&) { return 0; }
 
   static bool is_near_zero(const uint8_t* word, const Check& check) {
@@ -231,7 +233,7 @@ struct Words {
   static int64_t time(const State& state) { return state.high_us; }
   static uint64_t time_loops(const State& state) { return static_cast<uint64_t>(state.high_us >> kLoopBits); }
 
-  /// The part of a vector's mask that lies inside the sensor.
+  /// Returns the part of a vector's mask that is inside the sensor.
   static uint32_t inside(const uint8_t* word, const SensorLimits& limits) {
     const uint32_t x = x_of(Layout::head(word)), mask = Layout::mask(word);
     return x + 32 <= limits.width ? mask : mask & ((1u << (limits.width - x)) - 1);

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace e2lf {
+
+/// Images of one size: T [image, y, x], row-major.
+template <typename T>
+struct Planes {
+  size_t count = 0, height = 0, width = 0;
+  std::vector<T> values;
+
+  Planes() = default;
+  Planes(size_t count_, size_t height_, size_t width_)
+      : count(count_), height(height_), width(width_), values(count_ * height_ * width_) {}
+
+  /// Changes the sizes, using the memory again. The values are not set.
+  void resize(size_t count_, size_t height_, size_t width_) {
+    count = count_;
+    height = height_;
+    width = width_;
+    values.resize(count * height * width);
+  }
+
+  [[nodiscard]] size_t image_size() const { return height * width; }
+  [[nodiscard]] std::span<T> image(size_t n) { return std::span(values).subspan(n * image_size(), image_size()); }
+  [[nodiscard]] std::span<const T> image(size_t n) const {
+    return std::span(values).subspan(n * image_size(), image_size());
+  }
+  bool operator==(const Planes&) const = default;
+};
+
+}  // namespace e2lf

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/capture/measurement/event_image_io.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_arrays_mat.h"
+
+namespace e2lf::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Returns the position of an element as its indices, "[0, 2, 14, 7]".
+std::string place_of(size_t element, const std::vector<size_t>& shape) {
+  std::vector<size_t> place(shape.size());
+  for (size_t axis = shape.size(); axis-- > 0; element /= shape[axis]) place[axis] = element % shape[axis];
+  return shape_text(place);
+}
+
+/// Fails if floating-point numbers are not integers, naming the first one.
+Result<void> check_whole(const NpyArray& array, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
+  const auto is_finite = [](float value) { return std::isfinite(value); };
+  const auto infinite = std::find_if_not(values.begin(), values.end(), is_finite);
+  const auto index_of = [&](auto found) { return static_cast<size_t>(found - values.begin()); };
+  if (infinite != values.end()) {
+    const auto count = values.size() - static_cast<size_t>(std::count_if(values.begin(), values.end(), is_finite));
+    return Error{ErrorCode::kInvalidValue,
+                 cat(count, count == 1 ? " count is" : " counts are", " not finite (NaN or infinity), the first is ",
+                     *infinite, " at ", place_of(index_of(infinite), array.shape),
+                     "; event images contain integers, so replace these values"),
+                 location};
+  }
+  const auto part = std::find_if(values.begin(), values.end(), [](float value) { return value != std::trunc(value); });
+  if (part == values.end()) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("the count ", *part, " at ", place_of(index_of(part), array.shape),
+                   " is not a whole number; event images contain sums of signed events, so undo their scaling"),
+               location};
+}
+
+/// Converts `array` to int16; any value that is not an integer within int16 is an error.
+Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string& location) {
+  if (array.type.starts_with('f')) E2LF_RETURN_IF_ERROR(check_whole(array, location));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<float> rough, array.to_float(location));
+  // In unsigned numbers of 8 to 64 bits, -1 is the largest value, so values beyond half of it were negative.
+  const bool is_unsigned = array.type.starts_with('u');
+  const auto half = static_cast<float>(std::ldexp(0.5, static_cast<int>(8 * array.item_size)));
+  std::vector<int16_t> counts(rough.size());
+  for (size_t i = 0; i < rough.size(); ++i) {
+    if (is_unsigned && rough[i] >= half) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("the counts are of an unsigned type (", array.type, "), in which -1 became ", rough[i], " at ",
+                       place_of(i, array.shape), "; store them as int16"),
+                   location};
+    }
+    if (rough[i] < std::numeric_limits<int16_t>::min() || rough[i] > std::numeric_limits<int16_t>::max()) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("the event count ", rough[i], " at ", place_of(i, array.shape),
+                       " does not fit int16; is this an event image?"),
+                   location};
+    }
+    counts[i] = static_cast<int16_t>(rough[i]);
+  }
+  return counts;
+}
+
+/// Returns the cycles of an array [cycles, N-1, y, x] or [N-1, y, x].
+Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const std::string& location) {
+  const std::vector<size_t>& shape = array.shape;
+  if ((shape.size() != 3 && shape.size() != 4) || array.num_elements() == 0) {
+    return Error{ErrorCode::kShape,
+                 cat("event images have shape ", shape_text(shape), "; expected [N-1, y, x] or [cycles, N-1, y, x]"),
+                 location};
+  }
+  // No display shows more patterns than a camera has columns.
+  constexpr size_t kMostTransitions = 16;
+  if (shape[shape.size() - 3] > kMostTransitions && shape.back() <= kMostTransitions) {
+    return Error{
+        ErrorCode::kShape,
+        cat("event images of shape ", shape_text(shape), " have their axes in another order; store [N-1, y, x] ",
+            "or [cycles, N-1, y, x], as numpy.moveaxis(events, -1, -3) does"),
+        location};
+  }
+  E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, location));
+  const size_t num_cycles = shape.size() == 4 ? shape[0] : 1;
+  const size_t axis = shape.size() - 3;
+  std::vector<EventImages> cycles(num_cycles);
+  const size_t cycle_size = counts.size() / num_cycles;
+  for (size_t i = 0; i < num_cycles; ++i) {
+    EventImages& cycle = cycles[i];
+    cycle.transitions = shape[axis];
+    cycle.height = shape[axis + 1];
+    cycle.width = shape[axis + 2];
+    const auto begin = counts.begin() + static_cast<ptrdiff_t>(i * cycle_size);
+    cycle.counts.assign(begin, begin + static_cast<ptrdiff_t>(cycle_size));
+  }
+  return cycles;
+}
+
+Result<void> check_codes(const Codes& codes, size_t transitions, const std::string& location) {
+  if (codes.num_patterns == transitions + 1) return {};
+  return Error{ErrorCode::kShape,
+               cat("there are ", codes.num_patterns, " codes, but ", transitions, " event images need ",
+                   transitions + 1, "; give the codes that the events were recorded with"),
+               location};
+}
+
+Result<EventImageFile> from_arrays(const NpzArrays& arrays, const fs::path& path) {
+  const auto found = arrays.find("events");
+  if (found == arrays.end()) {
+    return Error{ErrorCode::kNotFound, "the file contains no array \"events\"; add it and, if they are known, codes",
+                 path.string()};
+  }
+  EventImageFile file;
+  E2LF_ASSIGN_OR_RETURN(file.cycles, cycles_from_array(found->second, path.string() + ": events"));
+  E2LF_ASSIGN_OR_RETURN(file.setup, setup_from_arrays(arrays, path.string()));
+  if (file.setup.codes) {
+    E2LF_RETURN_IF_ERROR(check_codes(*file.setup.codes, file.cycles.front().transitions, path.string() + ": codes"));
+  }
+  return file;
+}
+
+/// Returns the K of event_image_0000K.npy, or nothing for other names.
+std::optional<size_t> image_number(const fs::path& path) {
+  const std::string stem = path.stem().string(), prefix = "event_image_";
+  if (path.extension() != ".npy" || !stem.starts_with(prefix)) return std::nullopt;
+  size_t number = 0;
+  const char* end = stem.data() + stem.size();
+  const auto parsed = std::from_chars(stem.data() + prefix.size(), end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+  return number;
+}
+
+/// Lists the event images of a folder in order; their numbers must run from 0 without gaps.
+Result<std::vector<fs::path>> list_images(const fs::path& folder) {
+  std::vector<std::pair<size_t, fs::path>> found;
+  std::error_code status;
+  for (fs::directory_iterator entry(folder, status), end; !status && entry != end; entry.increment(status)) {
+    if (const auto number = image_number(entry->path())) found.emplace_back(*number, entry->path());
+  }
+  if (status) return Error{ErrorCode::kIo, cat("cannot list the folder: ", status.message()), folder.string()};
+  if (found.empty()) {
+    return Error{ErrorCode::kNotFound,
+                 "no event_image_*.npy in the folder; give a folder of event images (`e2lf simulate` makes them of a "
+                 "light field)",
+                 folder.string()};
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<fs::path> paths;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (found[i].first != i) {
+      return Error{ErrorCode::kNotFound,
+                   cat("event image ", i, " is missing; the numbers must run from 0 without gaps"), folder.string()};
+    }
+    paths.push_back(std::move(found[i].second));
+  }
+  return paths;
+}
+
+Result<EventImageFile> read_folder(const fs::path& folder) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> paths, list_images(folder));
+  EventImages cycle;
+  cycle.transitions = paths.size();
+  for (const fs::path& path : paths) {
+    E2LF_ASSIGN_OR_RETURN(NpyArray array, read_npy(path));
+    std::vector<size_t>& shape = array.shape;
+    if (shape.size() == 3 && shape[2] == 1) shape.pop_back();
+    if (shape.size() != 2 || array.num_elements() == 0) {
+      return Error{ErrorCode::kShape, cat("an event image has shape ", shape_text(shape), "; expected [y, x]"),
+                   path.string()};
+    }
+    if (cycle.counts.empty()) {
+      cycle.height = shape[0];
+      cycle.width = shape[1];
+    } else if (shape[0] != cycle.height || shape[1] != cycle.width) {
+      return Error{ErrorCode::kShape,
+                   cat("this event image has shape ", shape_text(shape), ", the first one ",
+                       shape_text({cycle.height, cycle.width}), "; all must have one size"),
+                   path.string()};
+    }
+    E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, path.string()));
+    cycle.counts.insert(cycle.counts.end(), counts.begin(), counts.end());
+  }
+  return EventImageFile{{std::move(cycle)}};
+}
+
+NpzArrays to_arrays(const EventImageFile& file) {
+  E2LF_REQUIRE(!file.cycles.empty(), "writing event images needs at least one cycle");
+  const EventImages& first = file.cycles.front();
+  std::vector<int16_t> counts;
+  counts.reserve(file.cycles.size() * first.counts.size());
+  for (const EventImages& cycle : file.cycles) {
+    E2LF_REQUIRE(cycle.transitions == first.transitions && cycle.height == first.height && cycle.width == first.width,
+                 "all cycles of a file must have one shape");
+    counts.insert(counts.end(), cycle.counts.begin(), cycle.counts.end());
+  }
+  NpzArrays arrays;
+  arrays["events"] = make_npy(std::vector<size_t>{file.cycles.size(), first.transitions, first.height, first.width},
+                              std::span<const int16_t>(counts));
+  setup_to_arrays(file.setup, arrays);
+  return arrays;
+}
+
+}  // namespace
+
+Result<EventImageFile> read_event_images(const fs::path& path) {
+  std::error_code status;
+  if (!fs::exists(path, status)) {
+    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+  }
+  if (fs::is_directory(path, status)) return read_folder(path);
+  const std::string extension = path.extension().string();
+  if (extension == ".npz") {
+    E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_npz(path));
+    return from_arrays(arrays, path);
+  }
+  if (extension == ".mat") {
+    E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_event_arrays_mat(path));
+    return from_arrays(arrays, path);
+  }
+  if (extension == ".npy") {
+    E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
+    E2LF_ASSIGN_OR_RETURN(std::vector<EventImages> cycles, cycles_from_array(array, path.string()));
+    return EventImageFile{std::move(cycles)};
+  }
+  return Error{ErrorCode::kUnsupported,
+               "this is not a file of event images; use .npz, .npy, .mat or a folder of event_image_*.npy",
+               path.string()};
+}
+
+Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {
+  return write_npz(path, to_arrays(file));
+}
+
+Result<void> write_event_images_mat(const fs::path& path, const EventImageFile& file) {
+  return write_event_arrays_mat(path, to_arrays(file));
+}
+
+}  // namespace e2lf::capture

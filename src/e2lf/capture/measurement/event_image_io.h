@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/recorded_setup.h"
+
+namespace e2lf::capture {
+
+/// The content of a file of measurements: one entry per cycle, all of the same kind and shape.
+template <typename Cycle>
+struct CyclesFile {
+  std::vector<Cycle> cycles;
+  RecordedSetup setup = {};
+};
+using EventImageFile = CyclesFile<EventImages>;
+
+/// Reads event images from
+///  - an .npz file with `events` [cycles, N-1, y, x] or [N-1, y, x] (any integer type, or floats with integral values)
+///  and optionally `codes`, `camera` and `views`;
+///  - a .mat file before version 7.3 with the same arrays, whose axes are in MATLAB's order: events (y, x, N-1,
+///  cycles), codes (view_y, view_x, N), camera and views (1, length);
+///  - an .npy file of either shape;
+///  - a folder of event_image_00000.npy, ... as the paper's software writes them, [y, x] or [y, x, 1], one per
+///  transition.
+/// Fails with kInvalidValue (NaN, fractions, or values beyond int16), kShape (images of different sizes), kNotFound (no
+/// such file or array, or a missing number in a folder), kUnsupported (another extension), and as setup_from_arrays()
+/// and the readers of these formats do.
+[[nodiscard]] Result<EventImageFile> read_event_images(const std::filesystem::path& path);
+
+/// Writes an .npz file with `events` int16 [cycles, N-1, y, x] and the setup; see setup_to_arrays(). All cycles
+/// must have the same shape. Fails with kIo.
+[[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
+
+/// Writes a .mat file with the same arrays, in the axis order that read_event_images() describes. Fails with kIo, and
+/// with kUnsupported (2 GiB or more).
+[[nodiscard]] Result<void> write_event_images_mat(const std::filesystem::path& path, const EventImageFile& file);
+
+}  // namespace e2lf::capture

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/output/cycle_writer.h"
+
+#include "e2lf/base/clock.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/plausible_events.h"
+#include "e2lf/cli/flags/cycle_input.h"
+#include "e2lf/cli/output/event_verdict.h"
+#include "e2lf/cli/output/light_field_output.h"
+#include "e2lf/lightfield/orient.h"
+#include "e2lf/terminal/progress_bar.h"
+
+namespace e2lf::cli {
+
+std::string cycle_name(size_t cycle) {
+  std::string number = std::to_string(cycle);
+  number.insert(0, number.size() < 5 ? 5 - number.size() : 0, '0');
+  return "cycle_" + number;
+}
+
+Result<lightfield::LightField> CycleWriter::process(const pipeline::CycleImages& cycle,
+                                                    const std::filesystem::path& folder) {
+  E2LF_ASSIGN_OR_RETURN(pipeline::Field field, reconstruct(cycle));
+  E2LF_RETURN_IF_ERROR(write_reconstruction(folder, field.light_field, options_.format,
+                                            options_.views.value_or(capture::Orientation{}), {}));
+  Json about = cycle.cycle ? cycle_json(*cycle.cycle) : Json::object();
+  about["cycle"] = cycles_.size();
+  about["gain"] = field.gain;
+  about["black"] = field.black;
+  about["reconstruct_s"] = field.reconstruct_s;
+  about["latency_s"] = cycle.behind_s + seconds_since(cycle.ready);
+  if (field.error) {
+    about["event_error"] = field.error->at_first;
+    about["least_event_error"] = {{"value", field.error->least}, {"residue", field.error->residue}};
+  }
+  if (field.judgement) about["check"] = check_json(*field.judgement);
+  if (cycle.is_live()) live_log_.add(about["number"], about["events"], about["latency_s"]);
+  cycles_.push_back(std::move(about));
+  return std::move(field.light_field);
+}
+
+Json CycleWriter::notes() const {
+  if (!options_.views) return Json::object();
+  return {{"views", lightfield::views_note(*options_.views, stored_views(options_.format, *options_.views))}};
+}
+
+Result<pipeline::Field> CycleWriter::reconstruct(const pipeline::CycleImages& cycle) {
+  // Of live input the log tells, a line for each cycle.
+  ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), options_.is_quiet || cycle.is_live());
+  bar.update(0, 1);
+  warn_of_events(cycle);
+  auto field = sequence_.next(cycle.images, bar.callback());
+  if (!field) return by_flag(field.error(), options_.input);
+  return field;
+}
+
+void CycleWriter::warn_of_events(const pipeline::CycleImages& cycle) {
+  constexpr size_t kMostWarnings = 3;
+  if (warned_ == kMostWarnings || !capture::has_events(cycle.images.kind)) return;
+  const std::vector<std::string> doubts =
+      capture::event_doubts(cycle.images.events, options_.codes ? &*options_.codes : nullptr);
+  for (const std::string& doubt : doubts) {
+    log_warning(cat(options_.input.string(), ", cycle ", cycles_.size(), ": ", doubt));
+  }
+  warned_ += doubts.empty() ? 0 : 1;
+  if (warned_ == kMostWarnings && !doubts.empty()) log_warning("of further cycles nothing of that kind is said");
+}
+
+}  // namespace e2lf::cli

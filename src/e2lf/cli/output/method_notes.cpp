@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/output/method_notes.h"
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+using pipeline::OpenedMethod;
+using pipeline::ToldBy;
+namespace {
+
+const char* told_by_name(ToldBy told_by, const char* flag) {
+  switch (told_by) {
+    case ToldBy::kCaller:
+      return flag;
+    case ToldBy::kEvents:
+      return "the events' file";
+    case ToldBy::kModel:
+      return "the model";
+    case ToldBy::kNobody:
+      return "nothing";
+  }
+  return "";
+}
+
+void say_taken(const std::string& name, bool is_for_pixels) {
+  log_info(cat("no model named: taking ", name, ", which was trained for these patterns and ",
+               is_for_pixels ? "physical pixels" : "the paper's event model"));
+}
+
+void warn_of_assumed_patterns(const fs::path& events, const std::string& whose) {
+  log_warning(cat("nothing in ", events.string(), " says which patterns the camera showed: those of ", whose,
+                  " are assumed, and nothing confirms it"));
+}
+
+/// A network works for the patterns that it was trained for alone.
+void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord& record) {
+  const model::Model& model = method.network->model();
+  const bool is_told = pipeline::are_patterns_told(method.codes);
+  const ToldBy told_by = is_told ? method.codes->told_by : ToldBy::kNobody;
+  record.note("patterns",
+              {{"told_by", told_by_name(told_by, "--codes")}, {"are_the_models", method.are_patterns_the_models()}});
+  if (method.are_patterns_the_models()) return;
+  if (!is_told) return warn_of_assumed_patterns(events, model.name);
+  log_warning(model.codes
+                  ? cat("the events were made with other patterns than ", model.name,
+                        " was trained for: the light field will be wrong; use their model, or --method inversion")
+                  : cat(model.name, " does not say which patterns it was trained for: nothing confirms that ",
+                        "they are those of the events"));
+}
+
+void note_network(const OpenedMethod& method, const fs::path& events, size_t passes, RunRecord& record) {
+  const recon::Reconstructor& network = *method.network;
+  const bool is_pixel = method.camera && method.camera->is_pixel();
+  if (method.bundled) {
+    record.add_input(*method.bundled);
+    record.resolve("model", method.bundled->stem().string());
+    say_taken(network.model().name, is_pixel && method.camera_told_by != ToldBy::kModel);
+  }
+  note_patterns(method, events, record);
+  if (!method.takes_sums() && is_pixel) {
+    log_warning(cat("the events are those of physical pixels (", method.camera->name, "), which ", network.model().name,
+                    " has never seen: the light field will be wrong; use a network that is told the camera, such as ",
+                    "e2lf-n4-camera"));
+  }
+  const size_t made = network.num_passes(passes);
+  if (made < passes) {
+    log_warning(cat("--passes ", passes, ": the network tells apart ", made, " position", made == 1 ? "" : "s",
+                    " on its pixel grid, so many passes are made"));
+  }
+  const char* precision = engine::precision_name(network.engine().precision());
+  record.resolve("precision", precision);
+  record.note("precision", precision);
+  record.note("passes", made);
+}
+
+void note_classical(const OpenedMethod& method, const fs::path& events, const fs::path& model, RunRecord& record) {
+  if (method.bundled) {
+    record.add_input(*method.bundled);
+    record.resolve("codes", method.bundled->stem().string());
+    log_info(cat("no patterns named: taking those of ", method.bundled->stem().string()));
+  }
+  if (method.codes->told_by == ToldBy::kNobody) {
+    log_warning("nothing confirms that the camera showed these patterns; give the camera's with --codes");
+  } else if (!pipeline::are_patterns_told(method.codes)) {
+    warn_of_assumed_patterns(events, model.string());
+  }
+  if (method.camera && method.camera->is_pixel()) {
+    log_warning(cat("the events are those of physical pixels (", method.camera->name, "); the method ",
+                    method.algorithm, " knows the paper's event model alone"));
+  }
+}
+
+}  // namespace
+
+void say_bundled_network(const pipeline::BundledNetwork& network) {
+  say_taken(network.model.name, network.model.camera && network.model.camera->is_pixel());
+}
+
+void note_method(const OpenedMethod& method, const fs::path& events, const fs::path& model, size_t passes,
+                 RunRecord& record) {
+  if (method.camera && method.camera_told_by != ToldBy::kNobody) {
+    record.note("camera", capture::to_json(*method.camera));
+    record.note("camera_told_by", told_by_name(method.camera_told_by, "--camera"));
+  }
+  if (method.network) {
+    note_network(method, events, passes, record);
+  } else {
+    note_classical(method, events, model, record);
+  }
+  if (!method.codes) return;
+  const capture::SensorConstants& constants = method.codes->constants;
+  record.note("constants", {{"eps", json_number(constants.eps)},
+                            {"tau", json_number(constants.tau)},
+                            {"sigma_w", json_number(constants.sigma_w)},
+                            {"sigma_z", json_number(constants.sigma_z)},
+                            {"event_model", method.codes->event_model}});
+}
+
+}  // namespace e2lf::cli

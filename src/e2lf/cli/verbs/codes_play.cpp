@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+// e2lf codes play: shows the patterns on a display of this computer
+#include <cmath>
+#include <cstdio>
+#include <thread>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/display_flags.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/screen.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = Screen::Clock;
+
+struct PlayArguments {
+  DisplayFlags display;  ///< a width or height of 0 is that of the display
+  fs::path output;
+  int screen = 0, blink_px = 0;
+  std::optional<int64_t> period_us;
+  uint64_t cycles = 0;  ///< 0 = until it is ended
+};
+
+/// A pattern that was shown.
+struct Flip {
+  uint64_t cycle = 0;
+  size_t pattern = 0;
+  Clock::time_point shown;
+  uint64_t missed = 0;  ///< refreshes that passed without a picture, up to the next pattern
+};
+
+int64_t us_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration_cast<std::chrono::microseconds>(to - from).count();
+}
+
+/// Shows one picture for each refresh, and notes when patterns changed.
+class Player {
+ public:
+  Player(const PlayArguments& arguments, Screen& screen, const cycles::Schedule& schedule)
+      : arguments_(arguments), screen_(screen) {
+    for (const cycles::ScheduledPattern& pattern : schedule.patterns) {
+      const auto wanted_us = static_cast<double>(arguments.period_us.value_or(pattern.interval_us()));
+      refreshes_.push_back(static_cast<size_t>(std::max(1.0, std::round(wanted_us / screen.refresh_us()))));
+    }
+  }
+
+  [[nodiscard]] const std::vector<size_t>& refreshes() const { return refreshes_; }
+  [[nodiscard]] const std::vector<Flip>& flips() const { return flips_; }
+  /// When the last pattern ended.
+  [[nodiscard]] Clock::time_point end() const { return last_shown_; }
+  [[nodiscard]] uint64_t missed() const { return missed_; }
+
+  /// Returns early, after a whole cycle, when a stop is requested or the user closes the screen.
+  Result<void> play() {
+    for (uint64_t cycle = 0; arguments_.cycles == 0 || cycle < arguments_.cycles; ++cycle) {
+      if (stop_requested() || screen_.is_closed()) break;
+      for (size_t pattern = 0; pattern < refreshes_.size(); ++pattern) {
+        for (size_t refresh = 0; refresh < refreshes_[pattern]; ++refresh) {
+          E2LF_RETURN_IF_ERROR(show(pattern, refresh));
+          if (refresh == 0) flips_.push_back({cycle, pattern, last_shown_, 0});
+        }
+      }
+    }
+    // The first picture of a further cycle ends the last pattern.
+    return flips_.empty() ? Result<void>() : show(0, 0);
+  }
+
+ private:
+  Result<void> show(size_t pattern, size_t refresh) {
+    const auto refresh_time = std::chrono::nanoseconds(static_cast<int64_t>(screen_.refresh_us() * 1e3));
+    if (!screen_.is_synchronised() && !flips_.empty()) {
+      due_ += refresh_time;
+      std::this_thread::sleep_until(due_);
+    }
+    const bool is_white = 2 * refresh < refreshes_[pattern];
+    E2LF_ASSIGN_OR_RETURN(const Clock::time_point shown, screen_.show(pattern, arguments_.blink_px, is_white));
+    if (flips_.empty()) {
+      due_ = shown;
+    } else {
+      const double passed = static_cast<double>(us_between(last_shown_, shown)) / screen_.refresh_us();
+      const auto missed = static_cast<uint64_t>(std::max(0.0, std::round(passed) - 1));
+      flips_.back().missed += missed;
+      missed_ += missed;
+      if (missed > 0) due_ = shown;  // what was missed is not made up for
+    }
+    last_shown_ = shown;
+    return {};
+  }
+
+  const PlayArguments& arguments_;
+  Screen& screen_;
+  std::vector<size_t> refreshes_;
+  std::vector<Flip> flips_;
+  Clock::time_point last_shown_, due_;
+  uint64_t missed_ = 0;
+};
+
+std::string csv_of(const Player& player, const cycles::Schedule& schedule) {
+  std::string text = "cycle,index,name,shown_us,duration_us,missed_refreshes\n";
+  const std::vector<Flip>& flips = player.flips();
+  for (size_t i = 0; i < flips.size(); ++i) {
+    const Clock::time_point next = i + 1 < flips.size() ? flips[i + 1].shown : player.end();
+    text += cat(flips[i].cycle, ',', flips[i].pattern, ',', schedule.patterns[flips[i].pattern].name, ',',
+                us_between(flips.front().shown, flips[i].shown), ',', us_between(flips[i].shown, next), ',',
+                flips[i].missed, '\n');
+  }
+  return text;
+}
+
+/// The schedule with the mean durations for which patterns were really shown, those with missed refreshes left out.
+cycles::Schedule shown_schedule(const Player& player, cycles::Schedule schedule) {
+  std::vector<int64_t> sums(schedule.size(), 0), counts(schedule.size(), 0);
+  const std::vector<Flip>& flips = player.flips();
+  for (size_t i = 0; i < flips.size(); ++i) {
+    if (flips[i].missed > 0) continue;
+    sums[flips[i].pattern] += us_between(flips[i].shown, i + 1 < flips.size() ? flips[i + 1].shown : player.end());
+    ++counts[flips[i].pattern];
+  }
+  for (size_t i = 0; i < schedule.size(); ++i) {
+    if (counts[i] > 0) schedule.patterns[i].duration_us = std::max<int64_t>(1, sums[i] / counts[i]);
+    if (counts[i] > 0) schedule.patterns[i].overhead_us = 0;
+  }
+  return schedule;
+}
+
+Result<void> play(PlayArguments arguments, const Verb& verb) {
+  RunRecord record("codes play");
+  const CodesSource& source = arguments.display.codes;
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder,
+                        open_output_folder(arguments.output, {.inputs = {source.model, source.codes},
+                                                              .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(Screen screen, Screen::open(arguments.screen));
+  capture::DisplayLayout& layout = arguments.display.layout;
+  if (layout.width_px == 0) layout.width_px = screen.width_px();
+  if (layout.height_px == 0) layout.height_px = screen.height_px();
+  E2LF_ASSIGN_OR_RETURN(const DisplaySequence sequence, display_sequence(arguments.display, record));
+  E2LF_RETURN_IF_ERROR(screen.load(sequence.frames));
+  if (!screen.is_synchronised()) {
+    log_warning(
+        "the graphics driver does not wait for the refresh of the display: the times of flips are those of the "
+        "computer's clock, and a picture may be torn");
+  }
+  Player player(arguments, screen, sequence.schedule);
+  E2LF_RETURN_IF_ERROR(player.play());
+  if (player.flips().empty()) return Error{ErrorCode::kCancelled, "ended before the first pattern was shown", ""};
+  record.end_step("play");
+  const uint64_t cycles = player.flips().back().cycle + 1;
+  E2LF_RETURN_IF_ERROR(write_file(folder.path() / "flips.csv", csv_of(player, sequence.schedule)));
+  const cycles::Schedule shown = shown_schedule(player, sequence.schedule);
+  E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", cycles::schedule_text(shown)));
+  const Json json = {{"cycles", cycles},
+                     {"refresh_us", screen.refresh_us()},
+                     {"is_synchronised", screen.is_synchronised()},
+                     {"refreshes", player.refreshes()},
+                     {"missed_refreshes", player.missed()}};
+  record.note("shown", json);
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_RETURN_IF_ERROR(folder.commit(std::move(about)));
+  if (player.missed() > 0) {
+    log_warning(cat(player.missed(),
+                    " refreshes were missed, so that patterns were shown for too long; flips.csv lists "
+                    "them. End other programs, or show patterns for longer (--period-us)"));
+  }
+  if (verb.common().json) {
+    std::printf("%s", json_text(json).c_str());
+  } else if (!verb.common().quiet) {
+    std::printf("%llu cycles shown; %s has the times, and schedule.json is for --schedule\n",
+                static_cast<unsigned long long>(cycles), arguments.output.c_str());
+  }
+  return {};
+}
+
+}  // namespace
+
+int run_codes_play(const std::vector<std::string>& arguments) {
+  Verb verb("codes play", "Show the patterns on a display of this computer, and log when each was shown.",
+            "e2lf codes play -m e2lf-n4 -o out/shown --display 1 --period-us 16667");
+  PlayArguments play_arguments;
+  play_arguments.display.layout.width_px = play_arguments.display.layout.height_px = 0;
+  CLI::App& app = verb.app();
+  add_display_options(app, play_arguments.display);
+  app.add_option("-o,--output", play_arguments.output, "folder for the times and the schedule")->required();
+  app.add_option("--display", play_arguments.screen, "number of the display, from 0")
+      ->check(whole_number(0))
+      ->capture_default_str();
+  app.add_option("--period-us", play_arguments.period_us,
+                 "duration of each pattern, rounded to refreshes of the display; default: that of the schedule")
+      ->check(whole_number(1));
+  app.add_option("--cycles", play_arguments.cycles, "number of cycles, 0 = until Escape or Ctrl-C")
+      ->capture_default_str();
+  app.add_option("--blink", play_arguments.blink_px,
+                 "width of a square in the lower right corner that is white in the first half of each pattern, for a "
+                 "photodiode, px; 0 = none")
+      ->check(whole_number(0, 4096))
+      ->capture_default_str();
+  verb.stop_gently();
+  return verb.run(arguments, [&] { return play(play_arguments, verb); });
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: MIT
+// e2lf live: a live source -> light fields in a browser, at the pace of the pattern cycles
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/camera_option.h"
+#include "e2lf/cli/flags/cycle_input.h"
+#include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/model_option.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/output/light_field_output.h"
+#include "e2lf/cli/output/method_notes.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/live_page.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/orient.h"
+#include "e2lf/live/session.h"
+#include "e2lf/pipeline/method.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct LiveArguments {
+  fs::path source, output, last, fine_model;
+  CodesSource codes;
+  std::string size = "auto", precision = "auto", gain = "auto", black = "auto", camera;
+  size_t average = 1;
+  double seconds = 0;
+  bool has_no_page = false, records = false;
+  uint16_t port = 0;
+  CycleFlags cycles;
+  OrientationFlags orientation;
+};
+
+/// Requests a stop after some seconds, and withdraws that request at the end, so that only a signal makes the exit code
+/// one of a signal.
+class Deadline {
+ public:
+  explicit Deadline(double seconds) {
+    if (seconds <= 0) return;
+    thread_ = std::thread([this, seconds] {
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return is_over_; });
+      if (is_over_ || stop_requested()) return;
+      has_passed_ = true;
+      request_stop(SIGTERM);
+    });
+  }
+  Deadline(const Deadline&) = delete;
+  Deadline& operator=(const Deadline&) = delete;
+  ~Deadline() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_over_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+    if (has_passed_) request_stop(0);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_over_ = false, has_passed_ = false;
+  std::thread thread_;
+};
+
+/// What a session is made of.
+struct Instrument {
+  std::unique_ptr<live::LiveReader> reader;
+  std::optional<recon::Reconstructor> network;
+  FineMethod fine;
+  live::SessionOptions options;
+};
+
+Result<std::unique_ptr<live::LiveReader>> open_reader(const LiveArguments& arguments, const CycleFlags& flags,
+                                                      const fs::path& recordings) {
+  const live::OpenCycles open = [&](const auto& on_batch) {
+    return open_cycles(arguments.source, flags, {.on_batch = on_batch, .on_mark = {}});
+  };
+  return live::LiveReader::open(open, {recordings, flags.invert_polarity, flags.max_cycles});
+}
+
+/// A network that takes other counts than the cycles give would fail at every one of them.
+Result<void> check_network(const model::Model& model, const cycles::Schedule& schedule) {
+  if (model.measurement() == capture::MeasurementKind::kEventImages &&
+      schedule.num_images() + 1 == model.num_patterns) {
+    return {};
+  }
+  return Error{ErrorCode::kShape,
+               cat("a cycle has ", schedule.num_images(), " event images, but ", model.name, " takes ",
+                   model.measurement() == capture::MeasurementKind::kEventImages
+                       ? cat(model.num_patterns - 1, " of them")
+                       : cat("the measurement ", capture::measurement_name(model.measurement())),
+                   "; use the model that belongs to the patterns"),
+               ""};
+}
+
+/// Makes the better light fields by this network, in several passes.
+FineMethod fine_method(recon::Reconstructor network, const capture::Orientation& views) {
+  constexpr size_t kPasses = 4;
+  return [network = std::move(network), views](const live::LiveField& frozen) -> Result<lightfield::LightField> {
+    const auto method = [&](const capture::Measurement& counts, const ProgressFn& progress) {
+      return network.reconstruct(counts, progress, network.num_passes(kPasses), frozen.cycle.cycles);
+    };
+    pipeline::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black}, {});
+    E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(frozen.cycle.counts));
+    if (!views.is_upright()) lightfield::orient(field.light_field, views);
+    return std::move(field.light_field);
+  };
+}
+
+/// Opens a network that takes the event images of the cycles.
+Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
+                                            pipeline::MethodChoice choice) {
+  auto method = pipeline::open_method(std::move(choice));
+  if (!method) return by_flag(method.error(), arguments.source);
+  E2LF_RETURN_IF_ERROR(check_network(method->network->model(), cycles.schedule()));
+  return method;
+}
+
+Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
+  Instrument instrument;
+  pipeline::MethodChoice choice{.precision = arguments.precision, .prefers_fast = true};
+  E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(choice.codes, read_named_codes(arguments.codes));
+  E2LF_ASSIGN_OR_RETURN(instrument.reader, open_reader(arguments, wanted_cycles(arguments.cycles, choice), recordings));
+  const cycles::CycleReader& cycles = instrument.reader->cycles();
+  E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
+  if (!arguments.camera.empty()) {
+    E2LF_ASSIGN_OR_RETURN(choice.camera, load_camera(arguments.camera, record));
+  }
+  note_named_codes(arguments.codes, choice.codes, choice.events.codes, record);
+  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, cycles, choice));
+  note_method(method, arguments.source, arguments.codes.model, 1, record);
+  pipeline::OpenedMethod best = method;
+  choice.prefers_fast = false;
+  if (!arguments.fine_model.empty()) {
+    E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(arguments.fine_model));
+    record.add_input(arguments.fine_model);
+  }
+  if (!arguments.fine_model.empty() || method.bundled) {
+    E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, cycles, std::move(choice)));
+  }
+  pipeline::Tone tone;
+  E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
+  E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
+  tone = method.complete(tone);
+  E2LF_ASSIGN_OR_RETURN(const auto size, live::size_from_name(arguments.size));
+  instrument.options.size = live::SizeChoice(size);
+  instrument.options.gain = tone.gain;
+  instrument.options.black = tone.black;
+  instrument.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
+  instrument.reader->set_average(arguments.average);
+  instrument.network = *method.network;
+  instrument.fine = fine_method(*best.network, instrument.options.views);
+  return instrument;
+}
+
+Json field_json(const live::FieldReport& field) {
+  return {{"field", field.serial},
+          {"cycle", field.cycle},
+          {"begin_us", field.begin_us},
+          {"cycles", field.cycles},
+          {"events", field.events},
+          {"confidence", field.confidence},
+          {"size", live::size_name(field.size)},
+          {"reconstruct_s", field.reconstruct_s},
+          {"latency_s", field.latency_s}};
+}
+
+void print_field(const live::FieldReport& field, const CommonOptions& common) {
+  if (common.json) {
+    std::printf("%s\n", field_json(field).dump().c_str());
+  } else if (!common.quiet) {
+    std::printf("light field %zu of cycle %zu: %s size, reconstructed in %.3f s, latency %.3f s\n",
+                static_cast<size_t>(field.serial), static_cast<size_t>(field.cycle), live::size_name(field.size),
+                field.reconstruct_s, field.latency_s);
+  }
+  std::fflush(stdout);
+}
+
+void print_totals(const Json& totals, const CommonOptions& common) {
+  if (common.json) {
+    std::printf("%s\n", Json{{"totals", totals}}.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+  } else if (!common.quiet) {
+    std::printf("%zu cycles in %.1f s: %zu light fields, %zu cycles skipped; latency %.3f s (median), %.3f s (90 %%)\n",
+                totals["cycles"].get<size_t>(), totals["seconds"].get<double>(), totals["fields"].get<size_t>(),
+                totals["skipped_cycles"].get<size_t>(), totals["latency_s"]["median"].get<double>(),
+                totals["latency_s"]["p90"].get<double>());
+  }
+}
+
+/// Writes the last light field.
+Result<void> write_last(live::Session& session, OutputFile& output, const RunRecord& record, const Verb& verb) {
+  const auto last = session.freeze();
+  if (!last) return {};
+  E2LF_RETURN_IF_ERROR(
+      lightfield::write_light_field(output.path(), last->light_field, {.format = lightfield::LightFieldFormat::kNpy}));
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  return output.commit();
+}
+
+Result<void> run_session(const LiveArguments& arguments, Instrument instrument, const Verb& verb, RunRecord& record,
+                         OutputFile* last) {
+  const CommonOptions& common = verb.common();
+  instrument.options.on_size = [](live::PictureSize size) {
+    log_info(cat("the light fields have ", live::size_name(size), " size from now on, as the pace demands"));
+  };
+  if (arguments.has_no_page || common.json) {
+    instrument.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
+  }
+  live::Session session(std::move(instrument.reader), live::FieldMaker(std::move(*instrument.network)),
+                        std::move(instrument.options));
+  std::optional<LivePage> page;
+  if (!arguments.has_no_page) {
+    E2LF_ASSIGN_OR_RETURN(LivePage started, LivePage::start(session, std::move(instrument.fine), arguments.port));
+    page.emplace(std::move(started));
+    if (common.json) {
+      std::printf("%s\n", Json{{"url", page->url()}}.dump().c_str());
+    } else {
+      std::printf("open %s in a browser; Ctrl-C ends\n", page->url().c_str());
+    }
+    std::fflush(stdout);
+  }
+  if (arguments.records) E2LF_RETURN_IF_ERROR(session.reader().recorder().begin());
+  session.start();
+  const Result<void> ended = session.wait();
+  if (page) E2LF_RETURN_IF_ERROR(page->finish());
+  const cycles::CycleReader& cycles = session.reader().cycles();
+  warn_of_losses(arguments.source, cycles.summary());
+  verb.note_failed_input(cycles.summary().live.failure);
+  const Json totals = session.json();
+  record.note("totals", totals);
+  print_totals(totals, common);
+  if (!ended) return ended;
+  if (totals["cycles"] == 0) return no_cycle_error(arguments.source, cycles.report());
+  return last != nullptr ? write_last(session, *last, record, verb) : Result<void>();
+}
+
+Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
+  if (!is_live(arguments.source)) {
+    return Error{ErrorCode::kInvalidValue,
+                 "a file does not come at the pace of a camera; write replay:FILE to play it at its own speed",
+                 arguments.source.string()};
+  }
+  if (arguments.records && arguments.output.empty()) {
+    return Error{ErrorCode::kInvalidValue, "recordings need a folder; name one with -o", "--record"};
+  }
+  RunRecord record("live");
+  const std::vector<fs::path> inputs = {arguments.source, arguments.codes.model, arguments.codes.codes,
+                                        arguments.cycles.schedule, arguments.camera};
+  GrowingFolder folder("live", {});
+  if (!arguments.output.empty()) {
+    E2LF_RETURN_IF_ERROR(folder.open(arguments.output, {.inputs = inputs}, record.json_so_far(verb)));
+  }
+  std::optional<OutputFile> last;
+  if (!arguments.last.empty()) {
+    E2LF_ASSIGN_OR_RETURN(
+        last,
+        OutputFile::create(arguments.last, {.inputs = inputs, .overwrite = verb.common().overwrite, .ending = ".npy"}));
+  }
+  E2LF_ASSIGN_OR_RETURN(Instrument instrument, make_instrument(arguments, folder.path(), record));
+  const Deadline deadline(arguments.seconds);
+  E2LF_RETURN_IF_ERROR(run_session(arguments, std::move(instrument), verb, record, last ? &*last : nullptr));
+  if (arguments.output.empty()) return {};
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  return folder.write_record(std::move(about));
+}
+
+}  // namespace
+
+int run_live(const std::vector<std::string>& arguments) {
+  Verb verb("live",
+            "Look at light fields in a browser while the camera records, at the pace of its pattern cycles. The newest "
+            "cycle is taken; cycles that come too fast are skipped, and counted.",
+            "e2lf live replay:capture.raw");
+  LiveArguments live_arguments;
+  CLI::App& app = verb.app();
+  app.add_option("source", live_arguments.source,
+                 "camera://NAME, - for a pipe, the path of a named pipe, tcp://127.0.0.1:PORT, or replay:FILE (a "
+                 "recording at its own speed)")
+      ->required();
+  add_codes_options(app, live_arguments.codes);
+  add_camera_option(app, live_arguments.camera,
+                    "the camera, for networks that are told; default: the one that the source names, else the one that "
+                    "the model was made for");
+  app.add_option("--size", live_arguments.size,
+                 "full; half (each pixel is the sum of a block of 2x2); auto takes the full size where it keeps pace")
+      ->check(CLI::IsMember({"auto", "full", "half"}))
+      ->capture_default_str();
+  app.add_option("--average", live_arguments.average, "sum the last so many cycles of a scene that stands still")
+      ->check(whole_number(1, static_cast<int64_t>(live::kMostCycles)))
+      ->capture_default_str();
+  add_model_option(
+      app, "--fine", live_arguments.fine_model,
+      "network that reconstructs a frozen cycle well; default: that of -m, or the best bundled one, in several passes");
+  app.add_option("-o,--output", live_arguments.output, "folder for recordings; without one, nothing can be recorded");
+  app.add_flag("--record", live_arguments.records, "record from the start, to -o; the page can switch it on and off");
+  app.add_option("--last", live_arguments.last, "write the last light field to this .npy file (float32, upright)");
+  app.add_flag("--no-page", live_arguments.has_no_page,
+               "serve no page: print a line for each light field, and totals; ends with the source");
+  app.add_option("--seconds", live_arguments.seconds, "end after so many seconds; 0 = with the source, or on Ctrl-C")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--port", live_arguments.port, "of 127.0.0.1 to serve the page on; 0 = a free one")
+      ->capture_default_str();
+  app.add_option("--precision", live_arguments.precision, "arithmetic of the network: auto, float32 or bfloat16")
+      ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
+      ->capture_default_str();
+  app.add_option("--gain", live_arguments.gain,
+                 "brightness of the output: auto (estimated on the first cycle) or a number; 1 = as computed")
+      ->capture_default_str();
+  app.add_option("--black", live_arguments.black,
+                 "brightness that becomes black: a number, or auto (0; with physical pixels and --gain auto the "
+                 "darkest parts of the first cycle)")
+      ->capture_default_str();
+  add_cycle_options(app, live_arguments.cycles);
+  add_orientation_options(app, live_arguments.orientation);
+  verb.stop_gently();
+  return verb.run(arguments, [&] { return go_live(live_arguments, verb); });
+}
+
+}  // namespace e2lf::cli

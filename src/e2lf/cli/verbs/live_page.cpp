@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cli/verbs/live_page.h"
+
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/live/live_requests.h"
+#include "e2lf/terminal/progress_bar.h"
+#include "e2lf/view/server.h"
+
+namespace e2lf::cli {
+namespace {
+
+using view::Answer;
+using Kept = std::shared_ptr<view::LightFieldCycles>;
+
+Answer refusal(const std::string& text) {
+  return {409, "text/plain", text};
+}
+
+Kept keep(lightfield::LightField light_field) {
+  auto kept = std::make_shared<view::LightFieldCycles>();
+  kept->add("cycle", std::move(light_field));
+  return kept;
+}
+
+}  // namespace
+
+class LivePage::Impl {
+ public:
+  Impl(live::Session& session, FineMethod fine) : session_(session), method_(std::move(fine)) {}
+  ~Impl() {
+    if (server_) server_->end();
+    for (std::thread* thread : {&serving_, &refining_}) {
+      if (thread->joinable()) thread->join();
+    }
+  }
+
+  Result<void> start(uint16_t port) {
+    E2LF_ASSIGN_OR_RETURN(view::Server server,
+                          view::Server::create(document(), port, [this](const auto& asked) { return answer(asked); }));
+    server_.emplace(std::move(server));
+    serving_ = std::thread([this] { result_ = server_->run(); });
+    return {};
+  }
+
+  [[nodiscard]] std::string url() const { return server_->url(); }
+
+  Result<void> finish() {
+    if (!stop_requested()) {
+      hide_progress();
+      std::fprintf(stderr, "the source has ended; the last light field is shown at %s; Ctrl-C ends\n", url().c_str());
+    }
+    serving_.join();
+    return result_;
+  }
+
+ private:
+  std::optional<Answer> answer(const view::Question& asked) {
+    if (asked.is_command && asked.name == "freeze") return freeze();
+    if (asked.is_command && asked.name == "fine") return refine();
+    auto answered = live::answer(session_, asked.is_command, asked.name, asked.parameters);
+    if (!answered) return std::nullopt;
+    if (asked.name == "statistics") add_state(answered->body);
+    return Answer{answered->status, std::move(answered->type), std::move(answered->body)};
+  }
+
+  void add_state(std::string& statistics) {
+    Json json = Json::parse(statistics);
+    const std::lock_guard lock(mutex_);
+    json["is_refining"] = is_refining_;
+    json["refining_error"] = refining_error_;
+    statistics = json.dump();
+  }
+
+  Answer freeze() {
+    auto now = session_.freeze();
+    if (!now) return refusal("there is no light field yet");
+    if (const auto fits = view::check_browser_memory(now->light_field.shape(), "frozen"); !fits) {
+      return refusal(fits.error().message);
+    }
+    Kept kept = keep(std::move(now->light_field));
+    now->light_field = {};
+    const std::lock_guard lock(mutex_);
+    frozen_ = std::move(*now);
+    quick_ = std::move(kept);
+    fine_.reset();
+    server_->replace(document());
+    return {200, "application/json", "{}"};
+  }
+
+  /// Reconstructs the frozen cycle again, in a thread of its own.
+  Answer refine() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (is_refining_) return refusal("one is being made");
+      if (!quick_) return refusal("nothing is frozen yet");
+      is_refining_ = true;
+      refining_error_.clear();
+    }
+    if (refining_.joinable()) refining_.join();
+    refining_ = std::thread([this] {
+      std::unique_lock lock(mutex_);
+      const live::LiveField frozen = frozen_;
+      lock.unlock();
+      auto made = method_(frozen);
+      lock.lock();
+      is_refining_ = false;
+      if (!made) refining_error_ = made.error().text();
+      if (!made || frozen.serial != frozen_.serial) return;
+      fine_ = keep(std::move(*made));
+      server_->replace(document());
+    });
+    return {200, "application/json", "{}"};
+  }
+
+  /// What the page shows now; mutex_ is locked, or nobody asks yet.
+  [[nodiscard]] view::Document document() const {
+    const recordings::RecordingInfo& info = session_.reader().cycles().recording().info();
+    const model::Model& model = session_.model();
+    const Json about = {{"width", info.width}, {"height", info.height}, {"views", {model.views_y, model.views_x}}};
+    view::Document document;
+    for (const auto& [kind, name] : {std::pair{"live_setup", "Set up"}, std::pair{"live_field", "Light field"}}) {
+      Json item = about;
+      item["kind"] = kind;
+      item["name"] = name;
+      document.add_item(std::move(item));
+    }
+    document.set_growing();
+    if (!quick_) return document;
+    const std::string cycle = cat("cycle ", frozen_.cycle.number);
+    document.add_light_field(cycle, quick_);
+    if (!fine_) return document;
+    document.add_light_field(cat(cycle, ", reconstructed well"), fine_);
+    if (!(fine_->shape() == quick_->shape())) return document;
+    const auto fine = fine_->read(0), quick = quick_->read(0);
+    if (fine && quick) document.add_comparison(3, 2, {view::psnr_of_views(**fine, **quick)});
+    return document;
+  }
+
+  live::Session& session_;
+  FineMethod method_;
+  std::mutex mutex_;
+  live::LiveField frozen_;  ///< without its views
+  Kept quick_, fine_;
+  bool is_refining_ = false;
+  std::string refining_error_;
+  std::optional<view::Server> server_;
+  Result<void> result_;
+  std::thread serving_, refining_;
+};
+
+LivePage::LivePage(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LivePage::LivePage(LivePage&&) noexcept = default;
+LivePage::~LivePage() = default;
+
+Result<LivePage> LivePage::start(live::Session& session, FineMethod fine, uint16_t port) {
+  auto impl = std::make_unique<Impl>(session, std::move(fine));
+  E2LF_RETURN_IF_ERROR(impl->start(port));
+  return LivePage(std::move(impl));
+}
+
+std::string LivePage::url() const {
+  return impl_->url();
+}
+
+Result<void> LivePage::finish() {
+  return impl_->finish();
+}
+
+}  // namespace e2lf::cli

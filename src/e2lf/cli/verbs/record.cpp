@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// e2lf record: a live input into a file, byte for byte
+#include <cstdio>
+#include <fstream>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verb.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/json_text.h"
+#include "e2lf/recordings/io/byte_sink.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/terminal/progress_bar.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct RecordArguments {
+  fs::path input, output;
+  double seconds = 0;  ///< 0 = until the input ends
+  CameraFlags camera;
+};
+
+/// x.bias beside x.raw. Fails where a file is there that an earlier recording of this name did not bring.
+Result<fs::path> bias_place(const RecordArguments& arguments, bool overwrite) {
+  fs::path place = arguments.output;
+  place.replace_extension(".bias");
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(place, error))) return place;
+  const auto earlier = read_json(record_path_beside(arguments.output));
+  const bool is_ours = earlier && earlier->contains("notes") && (*earlier)["notes"].is_object() &&
+                       (*earlier)["notes"].value("biases", "") == place.filename().string();
+  if (overwrite && is_ours) return place;
+  return Error{ErrorCode::kExists, "the camera's settings would replace this file; move it away or name another output",
+               place.string()};
+}
+
+struct Copied {
+  uint64_t bytes = 0;
+  Result<void> written = {};
+};
+
+/// Writes what comes until it ends or cannot be written. Fails where nothing comes.
+Result<Copied> copy_bytes(recordings::LiveSource& source, recordings::ByteSink& sink, const ProgressFn& progress) {
+  Copied copied;
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> bytes, source.fetch(1));
+    if (bytes.empty()) {
+      if (source.pass_break()) continue;
+      return copied;
+    }
+    copied.written = sink.write(bytes);
+    if (!copied.written) return copied;
+    copied.bytes += bytes.size();
+    source.consume(bytes.size());
+    if (progress) progress(copied.bytes, 0);
+  }
+}
+
+const char* end_name(const recordings::DecodeSummary& summary, bool has_time_passed) {
+  if (!summary.live.failure.empty()) return "failure";
+  if (stop_requested()) return "signal";
+  return has_time_passed ? "seconds" : "input";
+}
+
+/// Keeps the recording with its record and the camera's settings, whatever ended it.
+Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource& source, const Copied& copied,
+                  OutputFile& output, RunRecord& record, const Verb& verb) {
+  const recordings::DecodeSummary summary = source.left_out();
+  record.note("bytes", copied.bytes);
+  record.note("live", live_json(summary));
+  const std::string biases = source.bias_file_text();
+  fs::path bias_file;
+  if (!biases.empty() && !output.is_stream()) {
+    E2LF_ASSIGN_OR_RETURN(bias_file, bias_place(arguments, verb.common().overwrite));
+    record.note("biases", bias_file.filename().string());
+  }
+  if (!output.is_stream()) {
+    // What is no recording is kept all the same: it will not come again.
+    const auto reader = recordings::open_recording(output.path());
+    if (reader) record.note("header", header_json((*reader)->info()));
+    if (!reader) log_warning(cat(arguments.output.string(), ": ", reader.error().message));
+    record.end_step("record");
+    const auto written = record.write(output.record_path(), verb);
+    if (!written) log_warning(cat("without its record: ", written.error().text()));
+    E2LF_RETURN_IF_ERROR(output.commit());
+    if (!bias_file.empty()) E2LF_RETURN_IF_ERROR(write_file(bias_file, biases));
+  }
+  warn_of_losses(arguments.input, summary);
+  verb.note_failed_input(summary.live.failure);
+  if (verb.common().json) {
+    const Json json = {{"file", arguments.output.string()},
+                       {"bytes", copied.bytes},
+                       {"biases", bias_file.string()},
+                       {"live", live_json(summary)}};
+    std::fprintf(output.text(), "%s", json_text(json).c_str());
+  } else if (!verb.common().quiet) {
+    std::fprintf(output.text(), "%llu bytes in %s%s\n", static_cast<unsigned long long>(copied.bytes),
+                 arguments.output.c_str(),
+                 bias_file.empty() ? "" : cat(", and the biases in ", bias_file.string()).c_str());
+  }
+  return copied.written;
+}
+
+Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(const recordings::CameraSetup setup, camera_setup(arguments.camera));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
+                                                                                 .overwrite = verb.common().overwrite,
+                                                                                 .streams = true,
+                                                                                 .recover = recover_recording({})}));
+  // Before the camera starts: what it sends is not to wait for an answer.
+  if (!output.is_stream() && recordings::is_camera_name(arguments.input.string())) {
+    E2LF_ASSIGN_OR_RETURN(const fs::path bias_file, bias_place(arguments, verb.common().overwrite));
+    static_cast<void>(bias_file);
+  }
+  RunRecord record("record");
+  E2LF_ASSIGN_OR_RETURN(const auto sink, recordings::open_file_sink(output.path()));
+  E2LF_ASSIGN_OR_RETURN(const auto source, recordings::open_live_bytes(arguments.input.string(), setup));
+  const auto begin = std::chrono::steady_clock::now();
+  const std::chrono::duration<double> length(arguments.seconds);
+  if (arguments.seconds > 0) source->end_at(begin + std::chrono::duration_cast<std::chrono::nanoseconds>(length));
+  ProgressBar bar("record", verb.common().quiet, "bytes");
+  E2LF_ASSIGN_OR_RETURN(const Copied copied, copy_bytes(*source, *sink, bar.callback()));
+  hide_progress();
+  if (copied.bytes == 0) {
+    if (!copied.written) return copied.written.error();
+    return Error{ErrorCode::kTruncated, "nothing came; check the sender", arguments.input.string()};
+  }
+  const bool has_time_passed = arguments.seconds > 0 && std::chrono::steady_clock::now() - begin >= length;
+  record.note("ended_by", end_name(source->left_out(), has_time_passed));
+  E2LF_RETURN_IF_ERROR(sink->commit());
+  return keep(arguments, *source, copied, output, record, verb);
+}
+
+}  // namespace
+
+int run_record(const std::vector<std::string>& arguments) {
+  Verb verb("record", "Record a live input byte for byte, with the settings of the camera beside it.",
+            "e2lf record camera://metavision -o recording.raw --seconds 10");
+  RecordArguments recording;
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", recording.input,
+                 "camera://NAME, tcp://127.0.0.1:PORT, replay:FILE, a named pipe, or - for standard input")
+      ->required();
+  app.add_option("output,-o,--output", recording.output, "file to write")->required();
+  app.add_option("--seconds", recording.seconds, "how long to record, 0 = until the input ends or Ctrl-C")
+      ->capture_default_str();
+  add_camera_options(app, recording.camera);
+  verb.stop_gently();
+  return verb.run(arguments, [&] { return record_input(recording, verb); });
+}
+
+}  // namespace e2lf::cli

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/live/live_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "e2lf/base/stop.h"
+
+namespace e2lf::live {
+
+Result<std::unique_ptr<LiveReader>> LiveReader::open(const OpenCycles& open, const ReadingOptions& options) {
+  auto reader = std::make_unique<LiveReader>();
+  reader->options_ = options;
+  E2LF_ASSIGN_OR_RETURN(reader->cycles_,
+                        open([self = reader.get()](const recordings::EventBatch& batch) { self->see(batch); }));
+  const recordings::RecordingInfo& info = reader->cycles_->recording().info();
+  reader->preview_.emplace(info.width, info.height);
+  reader->recorder_.emplace(options.recordings, info);
+  reader->statistics_.set_report(reader->cycles_->report(), reader->cycles_->summary());
+  return reader;
+}
+
+void LiveReader::see(const recordings::EventBatch& batch) {
+  constexpr std::chrono::milliseconds kReportPeriod{500};
+  const Clock::time_point now = Clock::now();
+  statistics_.add_batch(batch, now);
+  if (!has_all_events_) {
+    // A recording begins with the next cycle.
+  } else if (options_.is_inverted && recorder_->is_recording()) {
+    sent_ = batch;
+    for (uint8_t& p : sent_.events.p) p = p != 0 ? 0 : 1;
+    recorder_->write(sent_);
+  } else {
+    recorder_->write(batch);
+  }
+  preview_->add(batch);
+  // A file has no arrival: it is there when it is read.
+  if (!batch.events.empty()) {
+    arrivals_.add(cycles_->recording().arrival().value_or(now), batch.events.t.back());
+  }
+  if (now - reported_ < kReportPeriod) return;
+  reported_ = now;
+  statistics_.set_report(cycles_->report(), cycles_->summary());
+}
+
+/// Recordings and the picture for focusing need all events.
+void LiveReader::choose_events() {
+  constexpr uint64_t kWholeEvery = 20;
+  has_all_events_ = recorder_->is_recording() || preview_->is_asked();
+  cycles_->read_whole_every(has_all_events_ ? 1 : kWholeEvery);
+}
+
+Result<bool> LiveReader::next(LiveCycle& cycle) {
+  if (stop_requested() || (options_.max_cycles != 0 && taken_ == options_.max_cycles)) return false;
+  choose_events();
+  E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> next, cycles_->next());
+  statistics_.set_report(cycles_->report(), cycles_->summary());
+  if (!next) return false;
+  ++taken_;
+  statistics_.add_cycle(next->confidence);
+  cycle.number = next->number;
+  cycle.begin_us = next->begin_us;
+  cycle.end_us = next->slices.back().end_us;
+  cycle.events = next->events;
+  cycle.confidence = next->confidence;
+  cycle.polarity = next->polarity;
+  // Until bytes have come without delay, the clock is late; what has been read has arrived.
+  cycle.last_event = std::min(arrivals_.arrival_of(cycle.end_us), Clock::now());
+  cycle.cycle_s = 0;
+  if (previous_ && previous_->first < next->number) {
+    cycle.cycle_s = 1e-6 * static_cast<double>(next->begin_us - previous_->second) /
+                    static_cast<double>(next->number - previous_->first);
+  }
+  previous_ = {next->number, next->begin_us};
+  cycle.counts = std::move(next->images);
+  cycle.cycles = sum_.add(cycle.counts.events, average_);
+  return true;
+}
+
+}  // namespace e2lf::live

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+
+#include "e2lf/base/result.h"
+#include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/live/cycle_sum.h"
+#include "e2lf/live/event_preview.h"
+#include "e2lf/live/live_cycle.h"
+#include "e2lf/live/recorder.h"
+#include "e2lf/live/statistics.h"
+
+namespace e2lf::live {
+
+/// Opens a live source cut into cycles, with a function that sees each batch.
+using OpenCycles =
+    std::function<Result<cycles::CycleReader>(const std::function<void(const recordings::EventBatch&)>& on_batch)>;
+
+struct ReadingOptions {
+  std::filesystem::path recordings = {};  ///< the folder of Recorder
+  bool is_inverted = false;               ///< batches come with ON and OFF exchanged; recordings keep what was sent
+  uint64_t max_cycles = 0;                ///< 0 = all
+};
+
+/// Reads a live source as fast as it comes: finds cycles, counts, records, and makes the picture for focusing. next()
+/// is called by one thread; all else by any. While nobody records and nobody looks at the picture for focusing, most
+/// cycles are read without the events that no event image needs; see cycles::CycleReader::read_whole_every().
+class LiveReader {
+ public:
+  /// Fails as `open` does.
+  [[nodiscard]] static Result<std::unique_ptr<LiveReader>> open(const OpenCycles& open, const ReadingOptions& options);
+
+  /// Waits for the next complete cycle and exchanges it for `cycle`. False at the end, after max_cycles, and soon after
+  /// a stop was requested. Fails as CycleReader::next() does.
+  [[nodiscard]] Result<bool> next(LiveCycle& cycle);
+
+  /// Sums the event images of the last `cycles` (1 to kMostCycles) cycles from the next one on.
+  void set_average(size_t cycles) { average_ = cycles; }
+  [[nodiscard]] size_t average() const { return average_; }
+
+  [[nodiscard]] const cycles::CycleReader& cycles() const { return *cycles_; }
+  [[nodiscard]] Statistics& statistics() { return statistics_; }
+  [[nodiscard]] EventPreview& preview() { return *preview_; }
+  [[nodiscard]] Recorder& recorder() { return *recorder_; }
+
+ private:
+  void see(const recordings::EventBatch& batch);
+  void choose_events();
+
+  ReadingOptions options_;
+  std::optional<cycles::CycleReader> cycles_;
+  Statistics statistics_;
+  std::optional<EventPreview> preview_;
+  std::optional<Recorder> recorder_;
+  std::atomic<size_t> average_ = 1;
+  CycleSum sum_;
+  uint64_t taken_ = 0;
+  bool has_all_events_ = false;
+  recordings::EventBatch sent_;  ///< a batch as it was sent
+  ArrivalClock arrivals_;
+  Clock::time_point reported_{};
+  std::optional<std::pair<uint64_t, int64_t>> previous_;  ///< number and begin of the cycle before
+};
+
+}  // namespace e2lf::live

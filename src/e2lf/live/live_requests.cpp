@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/live/live_requests.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::live {
+namespace {
+
+template <typename T>
+std::optional<T> number(const Parameters& parameters, const std::string& name) {
+  const auto found = parameters.find(name);
+  if (found == parameters.end()) return std::nullopt;
+  const std::string& text = found->second;
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<T>) {
+    if (!std::isfinite(value)) return std::nullopt;
+  }
+  return value;
+}
+
+void append(const lightfield::ByteImage& image, std::string& body) {
+  body.append(reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size());
+}
+
+Answer framed(const Json& header, std::initializer_list<const lightfield::ByteImage*> images) {
+  const std::string text = header.dump();
+  Answer answer{200, "application/octet-stream", {}};
+  for (int byte = 0; byte < 4; ++byte) answer.body += static_cast<char>(text.size() >> (8 * byte) & 0xFFU);
+  answer.body += text;
+  for (const lightfield::ByteImage* image : images) append(*image, answer.body);
+  return answer;
+}
+
+Look look_of(const Parameters& parameters) {
+  Look look;
+  look.x = number<float>(parameters, "x").value_or(look.x);
+  look.y = number<float>(parameters, "y").value_or(look.y);
+  look.focus = number<float>(parameters, "focus").value_or(look.focus);
+  look.radius = number<float>(parameters, "radius").value_or(look.radius);
+  look.row = number<uint32_t>(parameters, "row");
+  look.column = number<uint32_t>(parameters, "column");
+  return look;
+}
+
+Answer picture(Session& session, const Parameters& parameters) {
+  constexpr std::chrono::milliseconds kPatience{250};
+  const auto shown = session.picture(look_of(parameters), number<uint64_t>(parameters, "after").value_or(0), kPatience);
+  if (!shown) return {204, "text/plain", ""};
+  const FieldReport& field = shown->field;
+  const Picture& seen = shown->picture;
+  const Json header = {{"serial", shown->serial},
+                       {"width", seen.image.width},
+                       {"height", seen.image.height},
+                       {"row_epi", {seen.row_epi.width, seen.row_epi.height}},
+                       {"column_epi", {seen.column_epi.width, seen.column_epi.height}},
+                       {"field", field.serial},
+                       {"cycle", field.cycle},
+                       {"cycles", field.cycles},
+                       {"size", size_name(field.size)},
+                       {"latency_s", field.latency_s},
+                       {"reconstruct_s", field.reconstruct_s}};
+  return framed(header, {&seen.image, &seen.row_epi, &seen.column_epi});
+}
+
+Answer events(Session& session) {
+  const auto seen = session.reader().preview().take();
+  if (!seen) return {204, "text/plain", ""};
+  const Json header = {{"width", seen->image.width},
+                       {"height", seen->image.height},
+                       {"events", seen->events},
+                       {"sharpness", seen->sharpness}};
+  return framed(header, {&seen->image});
+}
+
+Answer refuse(const Error& error) {
+  return {409, "text/plain", error.text()};
+}
+
+std::optional<Answer> command(Session& session, const std::string& name, const Parameters& parameters) {
+  if (name == "record") {
+    Recorder& recorder = session.reader().recorder();
+    const bool is_on = number<int>(parameters, "on").value_or(0) != 0;
+    if (const auto done = is_on ? recorder.begin() : recorder.end(); !done) return refuse(done.error());
+  } else if (name == "average") {
+    const size_t cycles = number<size_t>(parameters, "cycles").value_or(1);
+    session.reader().set_average(std::clamp<size_t>(cycles, 1, kMostCycles));
+  } else if (name == "size") {
+    const auto to = parameters.find("to");
+    const auto size = size_from_name(to == parameters.end() ? "" : to->second);
+    if (!size) return refuse(size.error());
+    session.set_size(SizeChoice(*size));
+  } else if (name == "brightness") {
+    session.measure_tone();
+  } else {
+    return std::nullopt;
+  }
+  return Answer();
+}
+
+}  // namespace
+
+std::optional<Answer> answer(Session& session, bool is_command, const std::string& name, const Parameters& parameters) {
+  if (is_command) return command(session, name, parameters);
+  if (name == "picture") return picture(session, parameters);
+  if (name == "events") return events(session);
+  if (name != "statistics") return std::nullopt;
+  Json json = session.json();
+  json["recording"] = session.reader().recorder().json();
+  return Answer{200, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace)};
+}
+
+}  // namespace e2lf::live

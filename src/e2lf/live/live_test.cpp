@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT
+#include <atomic>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <random>
+#include <thread>
+
+#include "e2lf/live/arrival_clock.h"
+#include "e2lf/live/cycle_sum.h"
+#include "e2lf/live/event_preview.h"
+#include "e2lf/live/half_size.h"
+#include "e2lf/live/look.h"
+#include "e2lf/live/newest_slot.h"
+#include "e2lf/live/recorder.h"
+#include "e2lf/live/size_choice.h"
+#include "e2lf/live/statistics.h"
+#include "testing/test_streams.h"
+
+namespace e2lf::live {
+namespace {
+
+using recordings::random_stream;
+using recordings::TestFolder;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+TEST(NewestSlot, HoldsTheNewestValueAloneAndSaysWhatWasNeverTaken) {
+  NewestSlot<int> slot;
+  int value = 1;
+  EXPECT_FALSE(slot.put(value));
+  value = 2;
+  EXPECT_TRUE(slot.put(value));
+  EXPECT_EQ(value, 1) << "what was there comes back, so that its memory is used again";
+  ASSERT_TRUE(slot.take(value));
+  EXPECT_EQ(value, 2);
+  value = 3;
+  EXPECT_FALSE(slot.put(value));
+  slot.close();
+  ASSERT_TRUE(slot.take(value)) << "what lies in a closed slot can still be taken";
+  EXPECT_EQ(value, 3);
+  EXPECT_FALSE(slot.take(value));
+}
+
+TEST(NewestSlot, EveryValueIsEitherTakenOrCountedAndTheyComeInOrder) {
+  NewestSlot<int> slot;
+  constexpr int kValues = 20'000;
+  int skipped = 0;
+  std::thread writer([&] {
+    for (int i = 1; i <= kValues; ++i) {
+      int value = i;
+      skipped += slot.put(value) ? 1 : 0;
+    }
+    slot.close();
+  });
+  int taken = 0, last = 0, value = 0;
+  while (slot.take(value)) {
+    EXPECT_GT(value, last);
+    last = value;
+    ++taken;
+  }
+  writer.join();
+  EXPECT_EQ(last, kValues);
+  EXPECT_EQ(taken + skipped, kValues);
+}
+
+TEST(HalfSize, SumsBlocksOfTwoByTwoAndLeavesOutAnOddLastRowAndColumn) {
+  capture::EventImages images(2, 3, 5);
+  for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i);
+  capture::EventImages half;
+  sum_blocks(images, half);
+  EXPECT_EQ(half.height, 1u);
+  EXPECT_EQ(half.width, 2u);
+  const std::vector<int16_t> expected = {0 + 1 + 5 + 6, 2 + 3 + 7 + 8, 15 + 16 + 20 + 21, 17 + 18 + 22 + 23};
+  EXPECT_EQ(half.counts, expected);
+  const int16_t* const memory = half.counts.data();
+  images.counts.assign(images.counts.size(), INT16_MIN);
+  sum_blocks(images, half);
+  EXPECT_EQ(half.counts.front(), INT16_MIN) << "sums are limited";
+  EXPECT_EQ(half.counts.data(), memory);
+}
+
+TEST(CycleSum, SumsTheLastCyclesAndBeginsAnewWhenOneIsWanted) {
+  CycleSum sum;
+  const auto images = [](int16_t count) {
+    capture::EventImages made(1, 1, 2);
+    made.counts = {count, static_cast<int16_t>(-count)};
+    return made;
+  };
+  for (const auto& [added, wanted, cycles, expected] : std::vector<std::array<int, 4>>{{1, 1, 1, 1},
+                                                                                       {2, 3, 1, 2},
+                                                                                       {3, 3, 2, 5},
+                                                                                       {4, 3, 3, 9},
+                                                                                       {5, 3, 3, 12},
+                                                                                       {6, 2, 2, 11},
+                                                                                       {7, 1, 1, 7},
+                                                                                       {8, 2, 1, 8}}) {
+    capture::EventImages next = images(static_cast<int16_t>(added));
+    EXPECT_EQ(sum.add(next, static_cast<size_t>(wanted)), static_cast<size_t>(cycles));
+    EXPECT_EQ(next.counts[0], expected);
+    EXPECT_EQ(next.counts[1], -expected);
+  }
+  capture::EventImages many = images(INT16_MAX), more = images(INT16_MAX);
+  (void)sum.add(many, 2);
+  (void)sum.add(more, 2);
+  EXPECT_EQ(more.counts[0], INT16_MAX) << "sums are limited, and do not wrap";
+  EXPECT_EQ(more.counts[1], INT16_MIN);
+}
+
+TEST(SizeChoice, GoesToHalfWhenFullDoesNotKeepPaceAndBackWhenItWould) {
+  SizeChoice choice;
+  EXPECT_EQ(choice.size(), PictureSize::kFull);
+  EXPECT_FALSE(choice.add(9.0, 0.1)) << "the first one prepares memory";
+  EXPECT_FALSE(choice.add(0.5, 0.1));
+  EXPECT_TRUE(choice.add(0.5, 0.1));
+  EXPECT_EQ(choice.size(), PictureSize::kHalf);
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(choice.add(0.05, 0.1)) << "four times that is no pace";
+  SizeChoice fast;
+  for (int i = 0; i < 3; ++i) fast.add(0.5, 0.1);
+  ASSERT_EQ(fast.size(), PictureSize::kHalf);
+  int added = 0;
+  while (!fast.add(0.01, 0.1)) ASSERT_LT(++added, 100);
+  EXPECT_EQ(fast.size(), PictureSize::kFull);
+}
+
+TEST(SizeChoice, KeepsANamedSizeAndAPaceThatHolds) {
+  SizeChoice named(PictureSize::kFull);
+  SizeChoice keeps;
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_FALSE(named.add(5, 0.1));
+    EXPECT_FALSE(keeps.add(0.09, 0.1));
+    EXPECT_FALSE(keeps.add(0.2, 0)) << "nothing is known of the cycle";
+  }
+  EXPECT_EQ(keeps.size(), PictureSize::kFull);
+  EXPECT_FALSE(size_from_name("auto").value().has_value());
+  EXPECT_EQ(size_from_name("half").value(), PictureSize::kHalf);
+  EXPECT_FALSE(size_from_name("Half").ok());
+}
+
+TEST(RecentQuantiles, AreExactAndForgetWhatIsOld) {
+  RecentQuantiles values;
+  EXPECT_EQ(values.at(0.5), 0);
+  for (int i = 10; i >= 1; --i) values.add(i);
+  EXPECT_EQ(values.at(0.5), 5);
+  EXPECT_EQ(values.at(0.9), 9);
+  EXPECT_EQ(values.at(1), 10);
+  for (size_t i = 0; i < RecentQuantiles::kKept; ++i) values.add(100);
+  EXPECT_EQ(values.at(0), 100);
+}
+
+TEST(ArrivalClock, TakesTheLeastDelayAndFollowsDrift) {
+  ArrivalClock clock;
+  const Clock::time_point begin{seconds(100)};
+  clock.add(begin + milliseconds(10), 0);
+  clock.add(begin + milliseconds(103), 100'000);  // 3 ms late
+  clock.add(begin + milliseconds(290), 200'000);  // waited for 90 ms
+  EXPECT_EQ(clock.arrival_of(150'000), begin + milliseconds(153));
+  // The sensor's clock loses 1 ms each second.
+  for (int i = 1; i <= 60; ++i) clock.add(begin + milliseconds(1001 * i + 3), 1'000'000LL * i);
+  const auto late = clock.arrival_of(60'000'000) - (begin + milliseconds(60'063));
+  EXPECT_LE(late, milliseconds(0));
+  EXPECT_GE(late, milliseconds(-11)) << "the drift of two windows";
+}
+
+recordings::EventBatch batch_of(int64_t begin_us, size_t events, size_t on) {
+  recordings::EventBatch batch;
+  for (size_t i = 0; i < events; ++i) {
+    batch.events.push_back({static_cast<uint16_t>(i % 8), 1, static_cast<uint8_t>(i < on ? 1 : 0), begin_us});
+  }
+  return batch;
+}
+
+TEST(Statistics, CountsAndGivesRatesOfTheLastSecond) {
+  const Clock::time_point begin{seconds(10)};
+  Statistics statistics(begin);
+  recordings::EventBatch batch = batch_of(5'000, 1000, 250);
+  batch.triggers = {{5'000, 3, 1}, {5'100, 3, 0}, {5'200, 7, 1}};
+  statistics.add_batch(batch, begin + milliseconds(100));
+  statistics.add_batch(batch_of(1'005'000, 1000, 750), begin + milliseconds(500));
+  statistics.add_batch(batch_of(2'005'000, 10, 0), begin + milliseconds(2000));
+  statistics.add_cycle(0.5F);
+  statistics.add_cycle(0.75F);
+  statistics.add_skipped();
+  statistics.add_field(0.2, 0.1);
+  Json json = statistics.json(begin + milliseconds(2500));
+  EXPECT_EQ(json["events"], 2010);
+  EXPECT_EQ(json["cycles"], 2);
+  EXPECT_EQ(json["fields"], 1);
+  EXPECT_EQ(json["skipped_cycles"], 1);
+  EXPECT_EQ(json["latency_s"]["p90"], 0.2);
+  EXPECT_EQ(json["least_confidence"], 0.5);
+  EXPECT_EQ(json["recorded_s"], 2.0);
+  EXPECT_EQ(json["events_per_s"], 1000.0) << "2000 in the two seconds before the last batch";
+  EXPECT_EQ(json["on_share"], 0.5);
+  EXPECT_EQ(json["triggers"]["3"], 1) << "rising edges alone";
+  EXPECT_EQ(json["triggers_per_s"]["7"], 0.5);
+  json = statistics.json(begin + milliseconds(12'000));
+  EXPECT_EQ(json["events_per_s"], 1.0) << "nothing came since";
+}
+
+TEST(Statistics, DamagedTriggersDoNotFillTheMemory) {
+  Statistics statistics;
+  recordings::EventBatch batch;
+  for (int id = 0; id < 65536; ++id) batch.triggers.push_back({1, static_cast<uint16_t>(id), 1});
+  statistics.add_batch(batch);
+  EXPECT_LE(statistics.json()["triggers"].size(), 64u);
+}
+
+LiveField demo_field() {
+  LiveField field;
+  field.light_field = lightfield::LightField({8, 8, 24, 32});
+  size_t i = 0;
+  for (float& value : field.light_field.data()) value = static_cast<float>(++i * 7919 % 1000) / 1000;
+  field.serial = 1;
+  return field;
+}
+
+TEST(Look, AViewpointOfTheGridIsThatViewPixelForPixel) {
+  LiveField field = demo_field();
+  field.black = 0.125F;
+  field.gain = 1.5F;
+  const Picture picture = render(field, {.x = -1.5F, .y = 2.5F, .row = 10, .column = 1'000'000});
+  lightfield::Image view(32, 24, 1);
+  const auto pixels = field.light_field.view(6, 2);
+  for (size_t i = 0; i < pixels.size(); ++i) view.pixels[i] = 1.5F * (pixels[i] - 0.125F);
+  EXPECT_EQ(picture.image, lightfield::to_bytes(view));
+  EXPECT_EQ(picture.row_epi.width, 32u);
+  EXPECT_EQ(picture.row_epi.height, 8u);
+  EXPECT_EQ(picture.row_epi.pixels[2 * 32 + 7], picture.image.pixels[10 * 32 + 7]) << "row 10 of view 2";
+  EXPECT_EQ(picture.column_epi.width, 8u);
+  EXPECT_EQ(picture.column_epi.pixels[6], picture.image.pixels[31]) << "a column outside is the last one";
+}
+
+TEST(Look, AWideApertureIsTheRefocusedSum) {
+  const LiveField field = demo_field();
+  const Picture picture = render(field, {.x = 0, .y = 0, .focus = 1.25F, .radius = 3});
+  const auto aperture = lightfield::round_aperture(field.light_field.shape(), {.radius = 3});
+  EXPECT_EQ(picture.image, lightfield::to_bytes(lightfield::refocus(field.light_field, 1.25F, aperture)));
+  LiveField half = demo_field();
+  half.size = PictureSize::kHalf;
+  EXPECT_EQ(render(half, {.x = 0, .y = 0, .focus = 2.5F, .radius = 3}).image, picture.image)
+      << "disparities are those of the full size";
+}
+
+TEST(Look, NumbersOfNobodyAreHarmless) {
+  const LiveField field = demo_field();
+  const float nan = std::numeric_limits<float>::quiet_NaN(), huge = std::numeric_limits<float>::max();
+  for (const Look& look : {Look{nan, nan, nan, nan, {}, {}}, Look{huge, -huge, huge, huge, {}, {}},
+                           Look{-huge, huge, -huge, -huge, {}, {}}}) {
+    EXPECT_EQ(render(field, look).image.pixels.size(), 32u * 24u);
+  }
+}
+
+TEST(EventPreview, MakesPicturesOnlyWhereTheyAreAskedFor) {
+  EventPreview preview(8, 4);
+  preview.add(batch_of(0, 8, 4));
+  const Clock::time_point now{seconds(50)};
+  EXPECT_FALSE(preview.take(now).has_value());
+  preview.add(batch_of(100'000, 8, 4));
+  EXPECT_FALSE(preview.take(now).has_value()) << "its time has not passed";
+  preview.add(batch_of(100'000 + EventPreview::kWindowUs, 8, 8));
+  const auto picture = preview.take(now);
+  ASSERT_TRUE(picture.has_value());
+  EXPECT_EQ(picture->events, 8u);
+  EXPECT_EQ(picture->image.pixels[0], 128) << "row 0 has no events";
+  EXPECT_EQ(picture->image.pixels[8], 255);
+  EXPECT_EQ(picture->image.pixels[8 + 7], 1);
+  preview.add(batch_of(200'000, 8, 4));
+  preview.add(batch_of(300'000, 8, 4));
+  EXPECT_FALSE(preview.take(now + seconds(60)).has_value()) << "an old picture shows nothing of now";
+}
+
+TEST(EventPreview, SharpnessFallsWithBlurAndNotWithTheRateOrNoise) {
+  constexpr size_t kWidth = 200, kHeight = 100;
+  std::mt19937 random(7);
+  // Stripes of 10 px; each pixel has noise of its own, here less than that of Poisson numbers.
+  const auto stripes = [&](int blur, int rate) {
+    std::normal_distribution<double> noise(0, 0.3 * std::sqrt(rate));
+    std::vector<int16_t> counts;
+    for (size_t i = 0; i < kWidth * kHeight; ++i) {
+      int lit = 0;
+      for (int k = -blur; k <= blur; ++k) lit += (i % kWidth + 20 + static_cast<size_t>(k + 4)) % 20 < 10 ? 1 : -1;
+      counts.push_back(static_cast<int16_t>(std::lround(1.0 * rate * lit / (2 * blur + 1) + noise(random))));
+    }
+    return sharpness_of(counts, kWidth, static_cast<uint64_t>(rate) * kWidth * kHeight);
+  };
+  EXPECT_GT(stripes(0, 100), 2 * stripes(1, 100));
+  EXPECT_GT(stripes(1, 100), 1.5 * stripes(3, 100));
+  EXPECT_NEAR(stripes(1, 50) / stripes(1, 800), 1, 0.1);
+  std::vector<int16_t> noise(kWidth * kHeight);
+  for (int16_t& count : noise) count = static_cast<int16_t>(random() % 21) - 10;
+  // Squares of the differences would give 3; what is left of their products is chance, less for larger pictures.
+  EXPECT_LT(sharpness_of(noise, kWidth, 5 * noise.size()), 0.06);
+  EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 7), 10, 700), 0);
+  EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 0), 10, 0), 0);
+  EXPECT_EQ(sharpness_of({1, 2, 3}, 3, 6), 0) << "a single row";
+}
+
+TEST(Recorder, WritesWhatCameBetweenOnAndOffAndNeverReplacesAFile) {
+  const TestFolder folder;
+  const recordings::RecordingInfo info{.format = "dat", .width = 64, .height = 48, .header = {{"key", "value"}}};
+  Recorder recorder(folder / ".", info);
+  const recordings::EventBatch stream =
+      random_stream({.events = 3000, .width = 64, .height = 48, .trigger_every = 100});
+  recorder.write(stream);
+  EXPECT_EQ(recorder.json()["bytes"], 0);
+  ASSERT_TRUE(recorder.begin().ok());
+  recorder.write(stream);
+  EXPECT_EQ(recorder.json()["is_recording"], true);
+  ASSERT_TRUE(recorder.end().ok());
+  recorder.write(stream);
+  const std::filesystem::path file = recorder.json()["file"].get<std::string>();
+  EXPECT_EQ(std::filesystem::file_size(file), recorder.json()["bytes"].get<uint64_t>());
+  const auto reader = recordings::open_recording(file).value();
+  EXPECT_EQ(reader->info().find("key"), "value");
+  EXPECT_EQ(recordings::read_all(*reader).value(), stream);
+  Recorder again(folder / ".", info);
+  ASSERT_TRUE(again.begin().ok());
+  EXPECT_NE(again.json()["file"], recorder.json()["file"]);
+  EXPECT_FALSE(Recorder({}, info).begin().ok()) << "there is no folder";
+}
+
+}  // namespace
+}  // namespace e2lf::live

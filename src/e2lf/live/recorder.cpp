@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/live/recorder.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/io/byte_sink.h"
+
+namespace e2lf::live {
+namespace fs = std::filesystem;
+namespace {
+
+/// Counts the bytes that go to another sink.
+class CountingSink final : public recordings::ByteSink {
+ public:
+  CountingSink(std::unique_ptr<recordings::ByteSink> sink, std::shared_ptr<std::atomic<uint64_t>> bytes)
+      : sink_(std::move(sink)), bytes_(std::move(bytes)) {}
+  Result<void> write(std::span<const uint8_t> bytes) override {
+    E2LF_RETURN_IF_ERROR(sink_->write(bytes));
+    *bytes_ += bytes.size();
+    return {};
+  }
+  Result<void> commit() override { return sink_->commit(); }
+  std::string name() const override { return sink_->name(); }
+
+ private:
+  std::unique_ptr<recordings::ByteSink> sink_;
+  std::shared_ptr<std::atomic<uint64_t>> bytes_;
+};
+
+}  // namespace
+
+Recorder::Recorder(fs::path folder, recordings::RecordingInfo info)
+    : folder_(std::move(folder)), info_(std::move(info)) {
+  info_.format = "evt3";
+}
+
+Result<void> Recorder::begin() {
+  const std::lock_guard lock(mutex_);
+  if (writer_) return {};
+  if (folder_.empty()) {
+    return Error{ErrorCode::kInvalidValue, "there is no folder for recordings; start e2lf live with -o FOLDER", ""};
+  }
+  int descriptor = -1;
+  do {
+    char name[32];
+    std::snprintf(name, sizeof name, "recording_%03zu.raw", number_++);
+    file_ = folder_ / name;
+    descriptor = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (descriptor < 0 && errno == EEXIST);
+  if (descriptor < 0) {
+    return Error{ErrorCode::kIo, cat("cannot be created (", std::strerror(errno), "); check space and permissions"),
+                 file_.string()};
+  }
+  *bytes_ = 0;
+  error_.clear();
+  auto sink = recordings::make_descriptor_sink(descriptor, /*owned=*/true, file_.string());
+  E2LF_ASSIGN_OR_RETURN(
+      writer_, recordings::create_recording(std::make_unique<CountingSink>(std::move(sink), bytes_), "evt3", info_));
+  return {};
+}
+
+Result<void> Recorder::finish() {
+  if (!writer_) return {};
+  const Result<void> finished = writer_->finish();
+  writer_.reset();
+  if (!finished) error_ = finished.error().text();
+  return finished;
+}
+
+Result<void> Recorder::end() {
+  const std::lock_guard lock(mutex_);
+  return finish();
+}
+
+bool Recorder::is_recording() const {
+  const std::lock_guard lock(mutex_);
+  return writer_ != nullptr;
+}
+
+void Recorder::write(const recordings::EventBatch& batch) {
+  const std::lock_guard lock(mutex_);
+  if (!writer_) return;
+  const Result<void> written = writer_->write(batch);
+  if (written) return;
+  // What was written before stays; of two errors the first one says why.
+  if (finish()) {
+  }
+  error_ = written.error().text();
+  log_warning(cat("the recording has ended: ", error_));
+}
+
+Json Recorder::json() const {
+  const std::lock_guard lock(mutex_);
+  return {{"can_record", !folder_.empty()},
+          {"is_recording", writer_ != nullptr},
+          {"file", file_.string()},
+          {"bytes", bytes_->load()},
+          {"error", error_}};
+}
+
+}  // namespace e2lf::live

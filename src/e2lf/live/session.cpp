@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/live/session.h"
+
+#include <utility>
+
+#include "e2lf/capture/measurement/plausible_events.h"
+#include "e2lf/lightfield/orient.h"
+#include "e2lf/live/half_size.h"
+#include "e2lf/recon/gain.h"
+
+namespace e2lf::live {
+namespace {
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+}  // namespace
+
+Session::Session(std::unique_ptr<LiveReader> reader, FieldMaker maker, SessionOptions options)
+    : reader_(std::move(reader)),
+      maker_(std::move(maker)),
+      options_(std::move(options)),
+      size_(options_.size),
+      gain_(options_.gain),
+      black_(options_.black) {}
+
+Session::~Session() {
+  if (wait()) {
+  }
+}
+
+void Session::start() {
+  reading_ = std::thread([this] { read(); });
+  reconstructing_ = std::thread([this] { reconstruct(); });
+  showing_ = std::thread([this] { show(); });
+}
+
+Result<void> Session::wait() {
+  for (std::thread* thread : {&reading_, &reconstructing_, &showing_}) {
+    if (thread->joinable()) thread->join();
+  }
+  const std::lock_guard lock(settings_mutex_);
+  if (error_) return *error_;
+  return {};
+}
+
+bool Session::has_ended() const {
+  return has_ended_;
+}
+
+void Session::fail(const Error& error) {
+  const std::lock_guard lock(settings_mutex_);
+  if (!error_) error_ = error;
+}
+
+void Session::read() {
+  LiveCycle cycle;
+  for (;;) {
+    const Result<bool> more = reader_->next(cycle);
+    if (!more) fail(more.error());
+    if (!more || !*more) break;
+    if (slot_.put(cycle)) reader_->statistics().add_skipped();
+  }
+  if (const auto ended = reader_->recorder().end(); !ended) fail(ended.error());
+  slot_.close();
+}
+
+void Session::reconstruct() {
+  LiveCycle cycle;
+  LiveField field;
+  while (slot_.take(cycle)) {
+    const Result<void> made = make(cycle, field);
+    // Without its network the pace goes on: the recording is not ended by what cannot be reconstructed.
+    if (!made) {
+      fail(made.error());
+      reader_->statistics().add_skipped();
+      continue;
+    }
+    {
+      const std::lock_guard lock(field_mutex_);
+      std::swap(field, shown_);
+      if (std::exchange(is_new_, true)) reader_->statistics().add_skipped();
+    }
+    field_changed_.notify_one();
+  }
+  {
+    const std::lock_guard lock(field_mutex_);
+    is_last_ = true;
+  }
+  field_changed_.notify_one();
+}
+
+Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
+  const Clock::time_point begin = Clock::now();
+  {
+    const std::lock_guard lock(settings_mutex_);
+    field.size = size_.size();
+  }
+  const bool is_half = field.size == PictureSize::kHalf;
+  if (is_half) sum_blocks(cycle.counts.events, half_.events);
+  E2LF_RETURN_IF_ERROR(
+      maker_.make(is_half ? half_ : cycle.counts, cycle.cycles * (is_half ? kPixelsPerBlock : 1), field.light_field));
+  const bool has_events = !capture::is_without_events(cycle.counts.events);
+  const double cycle_s = cycle.cycle_s;
+  std::swap(field.cycle, cycle);
+  field.reconstruct_s = seconds_since(begin);
+  field.serial = ++made_;
+
+  std::unique_lock lock(settings_mutex_);
+  const bool changes = size_.add(field.reconstruct_s, cycle_s);
+  const PictureSize size = size_.size();
+  if (has_events && (!gain_ || !black_)) find_tone(field);
+  field.black = black_.value_or(0.0F);
+  field.gain = gain_.value_or(1.0F);
+  lock.unlock();
+  if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);
+  if (changes && options_.on_size) options_.on_size(size);
+  return {};
+}
+
+/// Finds the brightness as pipeline::FieldSequence does, which takes a copy of the light field.
+void Session::find_tone(LiveField& field) {
+  if (!black_) black_ = recon::auto_black(field.light_field);
+  if (gain_) return;
+  lightfield::LightField above_black = field.light_field;
+  recon::apply_tone(above_black, *black_, 1.0F);
+  gain_ = recon::auto_gain(above_black);
+}
+
+void Session::show() {
+  uint64_t serial = 0;
+  for (;;) {
+    auto next = std::make_shared<ShownPicture>();
+    bool is_new = false;
+    double latency_s = 0;
+    {
+      std::unique_lock lock(field_mutex_);
+      field_changed_.wait(lock, [this] { return is_new_ || is_last_ || (look_changed_ && shown_.serial > 0); });
+      // After the last light field pictures are made where they are asked for.
+      if (is_last_ && !is_new_) break;
+      is_new = std::exchange(is_new_, false);
+      look_changed_ = false;
+      next->look = look_;
+      next->picture = render(shown_, look_);
+      latency_s = seconds_since(shown_.cycle.last_event);
+      const LiveCycle& cycle = shown_.cycle;
+      next->field = {shown_.serial,    cycle.number, cycle.begin_us,       cycle.cycles, cycle.events,
+                     cycle.confidence, shown_.size,  shown_.reconstruct_s, latency_s};
+    }
+    next->serial = ++serial;
+    const FieldReport report = next->field;
+    {
+      const std::lock_guard lock(picture_mutex_);
+      picture_ = std::move(next);
+    }
+    picture_changed_.notify_all();
+    if (!is_new) continue;
+    reader_->statistics().add_field(report.latency_s, report.reconstruct_s);
+    if (options_.on_field) options_.on_field(report);
+  }
+  has_ended_ = true;
+}
+
+std::shared_ptr<const ShownPicture> Session::picture(const Look& look, uint64_t after,
+                                                     std::chrono::milliseconds patience) {
+  {
+    const std::lock_guard lock(field_mutex_);
+    if (!(look == look_)) {
+      look_ = look;
+      look_changed_ = true;
+    }
+  }
+  field_changed_.notify_one();
+  const auto is_wanted = [&] { return picture_ && picture_->serial > after && picture_->look == look; };
+  std::unique_lock lock(picture_mutex_);
+  if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
+  if (is_wanted()) return picture_;
+  if (!has_ended_ || !picture_ || picture_->look == look) return nullptr;
+  // The threads have ended: this one makes the picture.
+  const std::lock_guard field_lock(field_mutex_);
+  auto next = std::make_shared<ShownPicture>(*picture_);
+  ++next->serial;
+  next->look = look;
+  next->picture = render(shown_, look);
+  picture_ = std::move(next);
+  return picture_;
+}
+
+std::optional<LiveField> Session::freeze() {
+  std::optional<LiveField> frozen;
+  {
+    const std::lock_guard lock(field_mutex_);
+    if (shown_.serial == 0) return frozen;
+    frozen = shown_;
+  }
+  recon::apply_tone(frozen->light_field, frozen->black, 1.0F);
+  recon::apply_tone(frozen->light_field, 0.0F, frozen->gain);
+  return frozen;
+}
+
+void Session::set_size(const SizeChoice& size) {
+  const std::lock_guard lock(settings_mutex_);
+  size_ = size;
+}
+
+void Session::measure_tone() {
+  const std::lock_guard lock(settings_mutex_);
+  gain_ = options_.gain;
+  black_ = options_.black;
+}
+
+Json Session::json() {
+  Json json = reader_->statistics().json();
+  json["average"] = reader_->average();
+  json["has_ended"] = has_ended();
+  const cycles::Schedule& schedule = reader_->cycles().schedule();
+  json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
+  const std::lock_guard lock(settings_mutex_);
+  json["size"] = size_name(size_.size());
+  json["network"] = model().name;
+  json["gain"] = gain_ ? Json(*gain_) : Json();
+  json["black"] = black_ ? Json(*black_) : Json();
+  json["error"] = error_ ? Json(error_->text()) : Json();
+  return json;
+}
+
+}  // namespace e2lf::live

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/live/session.h"
+
+#include <gtest/gtest.h>
+
+#include "e2lf/cycles/synthesise.h"
+#include "e2lf/files/bundled_files.h"
+#include "e2lf/live/half_size.h"
+#include "e2lf/live/live_requests.h"
+#include "e2lf/pipeline/field_sequence.h"
+#include "e2lf/recordings/live/camera.h"
+#include "testing/test_streams.h"
+
+namespace e2lf::live {
+namespace {
+
+using recordings::TestFolder;
+
+constexpr size_t kWidth = 64, kHeight = 48;
+
+model::Model camera_model() {
+  return model::read_model(*bundled_file("models/e2lf-n4-camera.safetensors")).value();
+}
+
+recon::Reconstructor reconstructor() {
+  return recon::Reconstructor::create(camera_model()).value();
+}
+
+capture::EventImages cycle_images(uint64_t number) {
+  capture::EventImages images(3, kHeight, kWidth);
+  for (size_t i = 0; i < images.counts.size(); ++i) {
+    images.counts[i] = static_cast<int16_t>((i * (number + 3)) % 5) - 2;
+  }
+  return images;
+}
+
+/// Writes a recording of `cycles` cycles of 80 ms, with triggers.
+void write_recording(const std::filesystem::path& path, uint64_t cycles) {
+  cycles::SynthesisOptions options;
+  options.schedule = cycles::plain_schedule(4, 20'000);
+  const recordings::RecordingInfo info{.format = "evt3", .width = kWidth, .height = kHeight, .header = {}};
+  auto writer = recordings::create_recording(path, "evt3", info).value();
+  ASSERT_TRUE(synthesise_recording(*writer, cycles, options, [](uint64_t number) -> Result<capture::EventImages> {
+                return cycle_images(number);
+              }).ok());
+  ASSERT_TRUE(writer->finish().ok());
+}
+
+std::unique_ptr<LiveReader> open_replay(const std::filesystem::path& path, const ReadingOptions& options = {}) {
+  const OpenCycles open = [path, &options](const auto& on_batch) -> Result<cycles::CycleReader> {
+    cycles::CycleOptions cycles;
+    cycles.source = cycles::CycleSource::kTriggers;
+    cycles.schedule = cycles::plain_schedule(4, 20'000);
+    cycles.tracker.first_pattern = 0;
+    cycles.on_batch = on_batch;
+    cycles.invert_polarity = options.is_inverted;
+    E2LF_ASSIGN_OR_RETURN(auto camera, recordings::open_camera("replay:" + path.string()));
+    return cycles::CycleReader::open(std::move(camera), cycles);
+  };
+  return LiveReader::open(open, options).value();
+}
+
+TEST(FieldMaker, MakesTheLightFieldOfTheReconstructorInTheSameMemory) {
+  FieldMaker maker(reconstructor());
+  lightfield::LightField field;
+  const float* memory = nullptr;
+  for (const uint64_t number : {0, 1}) {
+    const capture::Measurement counts(cycle_images(number));
+    ASSERT_TRUE(maker.make(counts, 2, field).ok());
+    const auto expected = maker.reconstructor().reconstruct(counts, {}, 1, 2).value();
+    EXPECT_TRUE(std::ranges::equal(field.data(), expected.data()));
+    EXPECT_TRUE(memory == nullptr || field.data().data() == memory);
+    memory = field.data().data();
+  }
+  capture::EventImages odd(3, 13, 17);
+  odd.counts.assign(odd.counts.size(), 1);
+  ASSERT_TRUE(maker.make(capture::Measurement(odd), 1, field).ok());
+  EXPECT_TRUE(std::ranges::equal(field.data(), maker.reconstructor().reconstruct(odd).value().data()));
+  EXPECT_FALSE(maker.make(capture::Measurement(capture::EventImages(2, 16, 16)), 1, field).ok());
+}
+
+TEST(Session, EachCycleIsShownOrCountedAndTheLastOneIsShown) {
+  const TestFolder folder;
+  constexpr uint64_t kCycles = 6;
+  write_recording(folder / "a.raw", kCycles);
+  std::vector<FieldReport> reports;
+  SessionOptions options;
+  options.size = SizeChoice(PictureSize::kFull);
+  options.on_field = [&](const FieldReport& report) { reports.push_back(report); };
+  Session session(open_replay(folder / "a.raw"), FieldMaker(reconstructor()), options);
+  session.start();
+  ASSERT_TRUE(session.wait().ok());
+  const Json json = session.json();
+  EXPECT_EQ(json["cycles"], kCycles);
+  EXPECT_EQ(json["fields"].get<uint64_t>() + json["skipped_cycles"].get<uint64_t>(), kCycles);
+  ASSERT_EQ(reports.size(), json["fields"].get<size_t>());
+  EXPECT_EQ(reports.back().cycle, kCycles - 1);
+  for (const FieldReport& report : reports) EXPECT_GE(report.latency_s, report.reconstruct_s);
+}
+
+TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 1);
+  SessionOptions options;
+  options.size = SizeChoice(PictureSize::kFull);
+  Session session(open_replay(folder / "a.raw"), FieldMaker(reconstructor()), options);
+  EXPECT_FALSE(session.freeze().has_value());
+  session.start();
+  ASSERT_TRUE(session.wait().ok());
+  const auto frozen = session.freeze();
+  ASSERT_TRUE(frozen.has_value());
+  EXPECT_EQ(frozen->cycle.counts.events, cycle_images(0));
+  const recon::Reconstructor network = reconstructor();
+  pipeline::FieldSequence sequence([&](const capture::Measurement& measured,
+                                       const ProgressFn& progress) { return network.reconstruct(measured, progress); },
+                                   {.gain = {}, .black = {}}, {});
+  const pipeline::Field expected = sequence.next(capture::Measurement(cycle_images(0))).value();
+  EXPECT_EQ(frozen->gain, expected.gain);
+  EXPECT_EQ(frozen->black, expected.black);
+  EXPECT_TRUE(std::ranges::equal(frozen->light_field.data(), expected.light_field.data()));
+}
+
+TEST(LiveReader, RecordsWhatWasSentAndStopsAfterTheCyclesThatAreWanted) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 3);
+  for (const bool is_inverted : {false, true}) {
+    const auto reader = open_replay(folder / "a.raw", {folder / ".", is_inverted, 2});
+    ASSERT_TRUE(reader->recorder().begin().ok());
+    LiveCycle cycle;
+    EXPECT_TRUE(reader->next(cycle).value());
+    EXPECT_TRUE(reader->next(cycle).value());
+    EXPECT_FALSE(reader->next(cycle).value());
+    ASSERT_TRUE(reader->recorder().end().ok());
+    const auto recorded = recordings::open_recording(reader->recorder().json()["file"].get<std::string>()).value();
+    const recordings::EventBatch got = recordings::read_all(*recorded).value();
+    recordings::EventBatch sent = recordings::read_all(*recordings::open_recording(folder / "a.raw").value()).value();
+    ASSERT_GT(got.events.size(), sent.events.size() / 2);
+    sent.events.p.resize(got.events.size());
+    EXPECT_EQ(got.events.p, sent.events.p) << "inverted: " << is_inverted;
+  }
+}
+
+TEST(Session, HalfSizeTakesTheSumsOfBlocksAsFourCycles) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 1);
+  SessionOptions options;
+  options.size = SizeChoice(PictureSize::kHalf);
+  options.gain = 1.0F;
+  options.black = 0.0F;
+  Session session(open_replay(folder / "a.raw"), FieldMaker(reconstructor()), options);
+  session.start();
+  ASSERT_TRUE(session.wait().ok());
+  const auto frozen = session.freeze();
+  capture::EventImages half;
+  sum_blocks(cycle_images(0), half);
+  const auto expected = reconstructor().reconstruct(half, {}, 1, kPixelsPerBlock).value();
+  EXPECT_TRUE(std::ranges::equal(frozen->light_field.data(), expected.data()));
+}
+
+TEST(LiveRequests, GiveThePictureThatIsAskedForAndHeedCommands) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 1);
+  Session session(open_replay(folder / "a.raw"), FieldMaker(reconstructor()), {});
+  EXPECT_EQ(answer(session, false, "picture", {})->status, 204) << "there is none yet";
+  session.start();
+  ASSERT_TRUE(session.wait().ok());
+  for (const char* focus : {"1", "2", "nan", ""}) {
+    const auto picture = answer(session, false, "picture", {{"after", "0"}, {"focus", focus}, {"row", "5"}});
+    ASSERT_EQ(picture->status, 200);
+    const std::string& body = picture->body;
+    uint32_t length = 0;
+    for (uint32_t i = 0; i < 4; ++i) length |= static_cast<uint32_t>(static_cast<unsigned char>(body[i])) << (8 * i);
+    const Json header = Json::parse(body.substr(4, length));
+    EXPECT_EQ(header["width"], kWidth);
+    EXPECT_EQ(body.size(), 4 + length + kWidth * kHeight + 8 * kWidth);
+  }
+  EXPECT_EQ(answer(session, true, "average", {{"cycles", "999999"}})->status, 200);
+  EXPECT_EQ(session.reader().average(), kMostCycles);
+  EXPECT_EQ(answer(session, true, "size", {{"to", "half"}})->status, 200);
+  EXPECT_EQ(answer(session, true, "size", {{"to", "../x"}})->status, 409);
+  EXPECT_EQ(answer(session, true, "record", {{"on", "1"}})->status, 409) << "there is no folder";
+  EXPECT_FALSE(answer(session, false, "record", {{"on", "1"}}).has_value()) << "a command is no request";
+  const auto statistics = Json::parse(answer(session, false, "statistics", {})->body);
+  EXPECT_EQ(statistics["size"], "half");
+  EXPECT_EQ(statistics["recording"]["can_record"], false);
+}
+
+}  // namespace
+}  // namespace e2lf::live

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/files/options.h"
+#include "e2lf/live/arrival_clock.h"
+#include "e2lf/recordings/recording.h"
+
+namespace e2lf::live {
+
+/// Quantiles of the last kKept values.
+class RecentQuantiles {
+ public:
+  static constexpr size_t kKept = 4096;
+  void add(double value);
+  /// Returns the smallest value that at least the share q (0 to 1) of the values does not exceed; 0 without values.
+  [[nodiscard]] double at(double q) const;
+
+ private:
+  std::vector<double> values_;
+  size_t next_ = 0;
+};
+
+/// Counts what comes and what is made of it. All functions may be called from any thread.
+class Statistics {
+ public:
+  explicit Statistics(Clock::time_point begin = Clock::now()) : begin_(begin), window_begin_(begin) {}
+
+  /// Adds a batch of the recording, which was read at `now`.
+  void add_batch(const recordings::EventBatch& batch, Clock::time_point now = Clock::now());
+  /// Adds a complete cycle, of which `confidence` says how well its events confirm its times.
+  void add_cycle(float confidence);
+  /// Adds a cycle that no light field is made of, since a newer one was there.
+  void add_skipped();
+  /// Adds a light field whose picture is finished.
+  void add_field(double latency_s, double reconstruct_s);
+  /// Replaces what the reader says of cycles and of what was left out.
+  void set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary);
+
+  /// Returns all figures: totals, latencies, rates of the last second, and what the reader found.
+  [[nodiscard]] Json json(Clock::time_point now = Clock::now()) const;
+
+  [[nodiscard]] uint64_t fields() const;
+
+ private:
+  struct Rates {
+    double events_hz = 0, on_share = 0;
+    std::map<uint16_t, double> triggers_hz;
+  };
+  [[nodiscard]] Rates rates_of_window(Clock::time_point now) const;
+
+  static constexpr std::chrono::seconds kWindow{1};
+  static constexpr size_t kMostChannels = 64;  ///< of triggers; damaged data could name many
+
+  mutable std::mutex mutex_;
+  Clock::time_point begin_, window_begin_;
+  uint64_t events_ = 0, cycles_ = 0, skipped_ = 0, fields_ = 0;
+  uint64_t window_events_ = 0, window_on_ = 0;
+  std::map<uint16_t, uint64_t> window_triggers_, triggers_;
+  Rates rates_;
+  bool has_rates_ = false;
+  int64_t first_us_ = 0, last_us_ = 0;
+  bool has_time_ = false;
+  float confidence_ = 1, least_confidence_ = 1;
+  RecentQuantiles latency_s_, reconstruct_s_;
+  Json report_ = Json::object();
+};
+
+}  // namespace e2lf::live

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/cycle_input.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/plausible_events.h"
+
+namespace e2lf::pipeline {
+namespace {
+
+void invert(capture::EventImages& images) {
+  for (int16_t& count : images.counts) count = static_cast<int16_t>(std::min(-count, INT16_MAX));
+}
+
+Result<void> check(const CycleInputOptions& options) {
+  if (options.max_cycles == 0 || options.max_cycles >= options.cycles_per_field) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("a light field takes ", options.cycles_per_field, " cycles, and only ", options.max_cycles,
+                   " are asked for; ask for as many"),
+               "max_cycles"};
+}
+
+Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions& options) {
+  const capture::MeasurementKind measured = file.cycles.front().kind;
+  const auto useless = [](std::string why, const char* option) {
+    return Error{ErrorCode::kInvalidValue, std::move(why) + "; leave it out", option};
+  };
+  if (options.cycles_per_field > 1 && measured != capture::MeasurementKind::kEventImages) {
+    return useless(cat("sums are of event images; this is the measurement ", capture::measurement_name(measured)),
+                   "cycles");
+  }
+  if (file.cycles.size() < options.cycles_per_field) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("there are ", file.cycles.size(), " cycles, fewer than the ", options.cycles_per_field,
+                     " of one light field; ask for fewer"),
+                 ""};
+  }
+  if (options.invert_polarity && !capture::has_events(measured)) {
+    return useless("this measurement has no events", "invert_polarity");
+  }
+  return {};
+}
+
+}  // namespace
+
+uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum) {
+  uint64_t saturated = 0;
+  for (size_t i = 0; i < sum.counts.size(); ++i) {
+    const int count = sum.counts[i] + more.counts[i];
+    sum.counts[i] = static_cast<int16_t>(std::clamp(count, INT16_MIN, INT16_MAX));
+    saturated += static_cast<uint64_t>(std::abs(count - sum.counts[i]));
+  }
+  return saturated;
+}
+
+double behind_s(const cycles::Cycle& cycle) {
+  if (!cycle.arrival) return 0;
+  return static_cast<double>(std::max<int64_t>(0, cycle.known_us - cycle.slices.back().end_us)) * 1e-6;
+}
+
+Result<CycleInput> CycleInput::create(capture::MeasurementFile file, CycleInputOptions options) {
+  E2LF_RETURN_IF_ERROR(check(options));
+  E2LF_RETURN_IF_ERROR(check(file, options));
+  CycleInput input(std::move(options));
+  input.has_one_field_ = file.cycles.size() / input.options_.cycles_per_field == 1;
+  if (input.options_.max_cycles != 0 && input.options_.max_cycles < file.cycles.size()) {
+    file.cycles.resize(input.options_.max_cycles);
+  }
+  if (input.options_.invert_polarity) {
+    for (capture::Measurement& cycle : file.cycles) invert(cycle.events);
+  }
+  input.file_ = std::move(file);
+  return input;
+}
+
+Result<CycleInput> CycleInput::create(cycles::CycleReader reader, CycleInputOptions options) {
+  E2LF_RETURN_IF_ERROR(check(options));
+  CycleInput input(std::move(options));
+  input.reader_ = std::move(reader);
+  return input;
+}
+
+Result<std::optional<CycleImages>> CycleInput::next_cycle() {
+  CycleImages next;
+  if (!reader_) {
+    if (taken_ == file_.cycles.size()) return std::optional<CycleImages>();
+    next.images = std::move(file_.cycles[taken_++]);
+    return std::optional(std::move(next));
+  }
+  if (options_.max_cycles != 0 && taken_ == options_.max_cycles) return std::optional<CycleImages>();
+  E2LF_ASSIGN_OR_RETURN(next.cycle, reader_->next());
+  if (!next.cycle) return std::optional<CycleImages>();
+  ++taken_;
+  if (options_.on_cycle) options_.on_cycle(*next.cycle, reader_->source());
+  next.ready = next.cycle->arrival.value_or(CycleClock::now());
+  next.behind_s = behind_s(*next.cycle);
+  next.images = std::move(next.cycle->images);
+  return std::optional(std::move(next));
+}
+
+recordings::DecodeSummary CycleInput::summary() const {
+  recordings::DecodeSummary summary = reader_ ? reader_->summary() : recordings::DecodeSummary();
+  summary.saturated += saturated_;
+  return summary;
+}
+
+Result<std::optional<CycleImages>> CycleInput::next() {
+  E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> sum, next_cycle());
+  for (size_t cycle = 1; sum && cycle < options_.cycles_per_field; ++cycle) {
+    E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> more, next_cycle());
+    if (!more) return std::optional<CycleImages>();
+    const uint64_t saturated = add_counts(more->images.events, sum->images.events);
+    saturated_ += saturated;
+    if (saturated > 0 && options_.is_strict) return recordings::saturation_error(saturated, "cycles");
+    more->images = std::move(sum->images);
+    sum = std::move(more);
+  }
+  return sum;
+}
+
+bool CycleInput::is_without_events() const {
+  const auto is_empty = [](const capture::Measurement& cycle) { return capture::is_without_events(cycle.events); };
+  return !reader_ && capture::has_events(measurement()) &&
+         std::all_of(file_.cycles.begin(), file_.cycles.end(), is_empty);
+}
+
+}  // namespace e2lf::pipeline

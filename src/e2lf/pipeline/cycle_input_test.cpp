@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/cycle_input.h"
+
+#include <gtest/gtest.h>
+
+namespace e2lf::pipeline {
+namespace {
+
+/// Cycles of one pixel with these counts.
+capture::MeasurementFile file_of(const std::vector<int16_t>& counts) {
+  capture::MeasurementFile file;
+  for (const int16_t count : counts) {
+    capture::EventImages images(1, 1, 1);
+    images.counts[0] = count;
+    file.cycles.emplace_back(std::move(images));
+  }
+  return file;
+}
+
+TEST(CycleInput, SumsTheCyclesOfALightFieldAndLeavesFewerOut) {
+  CycleInput input = CycleInput::create(file_of({1, 2, 3, 4, 5}), {.cycles_per_field = 2}).value();
+  EXPECT_FALSE(input.has_one_field());
+  EXPECT_EQ(input.next().value()->images.events.counts[0], 3);
+  EXPECT_EQ(input.next().value()->images.events.counts[0], 7);
+  EXPECT_FALSE(input.next().value());
+  EXPECT_TRUE(CycleInput::create(file_of({1, 2, 3}), {.cycles_per_field = 2})->has_one_field());
+}
+
+TEST(CycleInput, CountsWhatSumsHaveNoRoomFor) {
+  CycleInput input = CycleInput::create(file_of({INT16_MAX, 2}), {.cycles_per_field = 2}).value();
+  EXPECT_EQ(input.next().value()->images.events.counts[0], INT16_MAX);
+  EXPECT_EQ(input.summary().saturated, 2U);
+  EXPECT_FALSE(CycleInput::create(file_of({INT16_MAX, 2}), {.cycles_per_field = 2, .is_strict = true})->next());
+}
+
+TEST(CycleInput, InvertsAndEndsAfterAsManyCyclesAsAskedFor) {
+  CycleInput input = CycleInput::create(file_of({INT16_MIN, 5}), {.max_cycles = 1, .invert_polarity = true}).value();
+  EXPECT_EQ(input.next().value()->images.events.counts[0], INT16_MAX);
+  EXPECT_FALSE(input.next().value());
+}
+
+TEST(CycleInput, ErrorsNameTheOption) {
+  const auto location = [](capture::MeasurementFile file, const CycleInputOptions& options) {
+    return CycleInput::create(std::move(file), options).error().location;
+  };
+  EXPECT_EQ(location(file_of({1, 2, 3}), {.cycles_per_field = 3, .max_cycles = 2}), "max_cycles");
+  EXPECT_EQ(location(file_of({1}), {.cycles_per_field = 2}), "");
+  capture::MeasurementFile images = file_of({1, 1});
+  for (auto& cycle : images.cycles) cycle.kind = capture::MeasurementKind::kCodedImages;
+  EXPECT_EQ(location(images, {.cycles_per_field = 2}), "cycles");
+  EXPECT_EQ(location(images, {.invert_polarity = true}), "invert_polarity");
+}
+
+}  // namespace
+}  // namespace e2lf::pipeline

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/field_sequence.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/plausible_events.h"
+#include "e2lf/recon/gain.h"
+
+namespace e2lf::pipeline {
+
+recon::Method colour_method(recon::Method grey, const capture::ColourFilter& filter) {
+  return [grey = std::move(grey), filter](const capture::Measurement& measurement,
+                                          const ProgressFn& progress) -> Result<lightfield::LightField> {
+    if (measurement.kind != capture::MeasurementKind::kEventImages) {
+      return Error{ErrorCode::kInvalidValue, "colours are told by event images alone; leave the filter out", ""};
+    }
+    const capture::EventImages& images = measurement.events;
+    if (images.height % 2 != 0 || images.width % 2 != 0) {
+      return Error{ErrorCode::kShape,
+                   cat("event images of ", images.width, "x", images.height,
+                       " px do not divide into blocks of 2x2 colour filters; leave the filter out or crop the events"),
+                   ""};
+    }
+    lightfield::LightField colour;
+    for (size_t place = 0; place < 4; ++place) {
+      const size_t channel = filter.channels[place];
+      const ProgressFn part = [&](size_t done, size_t total) {
+        if (progress) progress(place * total + done, 4 * total);
+      };
+      E2LF_ASSIGN_OR_RETURN(const lightfield::LightField one,
+                            grey(capture::Measurement(capture::behind_filter(images, place)), part));
+      if (place == 0) {
+        lightfield::Shape shape = one.shape();
+        shape.channels = 3;
+        colour = lightfield::LightField(shape);
+      }
+      const auto share = static_cast<float>(std::count(filter.channels.begin(), filter.channels.end(), channel));
+      for (size_t i = 0; i < one.data().size(); ++i) colour.data()[3 * i + channel] += one.data()[i] / share;
+    }
+    return colour;
+  };
+}
+
+Result<Field> FieldSequence::next(const capture::Measurement& measurement, const ProgressFn& progress) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  Field field;
+  E2LF_ASSIGN_OR_RETURN(field.light_field, method_(measurement, progress));
+  field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  if (check_ && capture::has_events(measurement.kind)) {
+    E2LF_ASSIGN_OR_RETURN(field.error, recon::event_error(*check_, field.light_field, 1.0F, measurement.events));
+    if (is_first_ && judging_ != Judging::kNone) {
+      // The images of intensities have no signs.
+      const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
+      const bool has_changes = judging_ == Judging::kChanges && is_of_events;
+      E2LF_ASSIGN_OR_RETURN(field.judgement, recon::judge(*check_, field.light_field, measurement.events, rival_,
+                                                          has_changes ? method_ : recon::Method()));
+    }
+    is_first_ = false;
+  }
+  // Without events nothing tells how bright the scene is: a later cycle does.
+  const bool has_scene = !capture::has_events(measurement.kind) || !capture::is_without_events(measurement.events);
+  if (!tone_.black && has_scene) tone_.black = recon::auto_black(field.light_field);
+  field.black = tone_.black.value_or(0.0F);
+  if (!tone_.gain && has_scene) tone_.gain = recon::auto_gain(field.light_field, field.black);
+  field.gain = tone_.gain.value_or(1.0F);
+  recon::apply_tone(field.light_field, field.black, field.gain);
+  return field;
+}
+
+}  // namespace e2lf::pipeline

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/field_sequence.h"
+
+#include <array>
+#include <gtest/gtest.h>
+
+#include "e2lf/recon/gain.h"
+
+namespace e2lf::pipeline {
+namespace {
+
+/// A method whose light field has the value of the first count everywhere, in hundredths.
+Result<lightfield::LightField> constant_field(const capture::Measurement& measurement, const ProgressFn&) {
+  const capture::EventImages& images = measurement.events;
+  if (images.counts[0] < 0) return Error{ErrorCode::kInvalidValue, "no light", ""};
+  lightfield::LightField field({8, 8, images.height, images.width});
+  for (float& value : field.data()) value = static_cast<float>(images.counts[0]) / 100;
+  return field;
+}
+
+capture::EventImages images_of(int16_t count) {
+  capture::EventImages images(3, 4, 5);
+  images.counts[0] = count;
+  return images;
+}
+
+TEST(FieldSequence, KeepsTheGainOfTheFirst) {
+  FieldSequence sequence(constant_field, {}, {});
+  EXPECT_FALSE(sequence.tone().gain);
+  const Field first = sequence.next(images_of(30)).value();
+  EXPECT_FLOAT_EQ(first.gain, 3);  // to 0.9
+  EXPECT_FLOAT_EQ(first.light_field.data()[7], 0.9F);
+  const Field second = sequence.next(images_of(10)).value();
+  EXPECT_FLOAT_EQ(second.gain, 3);
+  EXPECT_FLOAT_EQ(second.light_field.data()[7], 0.3F);
+  EXPECT_FALSE(second.error);
+}
+
+TEST(FieldSequence, KeepsTheBlackOfTheFirst) {
+  FieldSequence sequence(constant_field, {.black = std::nullopt}, {});
+  const Field first = sequence.next(images_of(30)).value();
+  EXPECT_FLOAT_EQ(first.black, 0.045F);  // at most 0.15 of the bright level
+  EXPECT_FLOAT_EQ(first.gain, 0.9F / 0.255F);
+  EXPECT_FLOAT_EQ(first.light_field.data()[7], 0.9F);
+  EXPECT_NEAR(sequence.next(images_of(4)).value().light_field.data()[7], (0.04 - 0.045) * 0.9 / 0.255, 1e-6);
+}
+
+TEST(FieldSequence, TakesAGivenGainAndHandsOnWhatFails) {
+  FieldSequence sequence(constant_field, {.gain = 2.0F}, {});
+  EXPECT_FLOAT_EQ(sequence.next(images_of(30)).value().light_field.data()[0], 0.6F);
+  EXPECT_EQ(sequence.next(images_of(-1)).error().message, "no light");
+}
+
+TEST(FieldSequence, ComparesWithTheEventsWhereTheCameraIsKnown) {
+  FieldSequence sequence(constant_field, {.gain = 1.0F}, recon::EventCheck{capture::default_codes(), {}});
+  const Field field = sequence.next(images_of(30)).value();
+  ASSERT_TRUE(field.error);
+  EXPECT_GT(field.error->at_first, 0);
+}
+
+TEST(ColourMethod, EachColourComesFromThePixelsBehindItsFilter) {
+  capture::EventImages images(3, 4, 6);
+  const std::array<int16_t, 4> counts = {10, 20, 40, 70};  // of the places of each block
+  for (size_t place = 0; place < 4; ++place) images.counts[place / 2 * 6 + place % 2] = counts[place];
+  const recon::Method colour = colour_method(constant_field, capture::colour_filter_from_name("rggb").value());
+  const auto field = colour(images, {});
+  ASSERT_TRUE(field) << field.error().text();
+  EXPECT_EQ(field->shape(), (lightfield::Shape{8, 8, 2, 3, 3}));
+  EXPECT_FLOAT_EQ(field->at(3, 4, 1, 2, 0), 0.1F);
+  EXPECT_FLOAT_EQ(field->at(3, 4, 1, 2, 1), 0.3F) << "the mean of two greens";
+  EXPECT_FLOAT_EQ(field->at(3, 4, 1, 2, 2), 0.7F);
+
+  const auto odd = colour(capture::EventImages(3, 4, 5), {});
+  ASSERT_FALSE(odd);
+  EXPECT_EQ(odd.error().code, ErrorCode::kShape);
+}
+
+}  // namespace
+}  // namespace e2lf::pipeline

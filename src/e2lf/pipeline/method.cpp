@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/method.h"
+
+#include <vector>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/bundled_files.h"
+#include "e2lf/recon/linear_estimate.h"
+#include "e2lf/recon/regularised.h"
+
+namespace e2lf::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+/// Sets the network that was trained for the patterns, if none is named.
+Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, std::optional<fs::path>& path) {
+  if (choice.model) return {};
+  const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
+  if (!known) {
+    return Error{ErrorCode::kInvalidValue,
+                 "nothing says which patterns the camera showed; give the model that was trained for them", ""};
+  }
+  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
+                        bundled_network(known->codes, opened.camera, choice.prefers_fast));
+  if (!network) {
+    return Error{ErrorCode::kNotFound,
+                 "no bundled network was trained for these patterns; give one that was, or use the inversion", ""};
+  }
+  path = std::move(network->path);
+  choice.model = std::move(network->model);
+  return {};
+}
+
+Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
+  E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
+  model::Model& model = *choice.model;
+  opened.codes = known_codes(choice.codes, choice.events.codes, &model);
+  const bool is_told = model::is_told_the_camera(model);
+  if (!is_told && choice.camera) {
+    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave it out"), "camera"};
+  }
+  const bool has_pixels = is_told && model.camera && model.camera->is_pixel();
+  if (has_pixels && choice.camera && capture::to_json(*model.camera) != capture::to_json(*choice.camera)) {
+    opened.rival = model.camera;
+  }
+  if (is_told && opened.camera) {
+    model.camera = opened.camera;
+  } else if (is_told && model.camera) {
+    opened.camera = model.camera;
+    opened.camera_told_by = ToldBy::kModel;
+  }
+  E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(choice.precision));
+  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor network,
+                        recon::Reconstructor::create(std::move(model), {.precision = precision}));
+  opened.network = std::make_shared<const recon::Reconstructor>(std::move(network));
+  return {};
+}
+
+Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
+  opened.codes = known_codes(choice.codes, choice.events.codes, choice.model ? &*choice.model : nullptr);
+  if (!opened.codes && choice.model) {
+    return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; name those of the camera",
+                 choice.model->name, Setting::kCodes};
+  }
+  if (!opened.codes) {
+    opened.codes.emplace();
+    E2LF_ASSIGN_OR_RETURN(opened.codes->codes, usual_patterns());
+    opened.bundled = bundled_model();
+  }
+  if (choice.constants) opened.codes->constants = *choice.constants;
+  return {};
+}
+
+}  // namespace
+
+Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
+                                                      const std::optional<capture::SensorProfile>& camera,
+                                                      bool prefers_fast) {
+  std::vector<const char*> names = camera && camera->is_pixel() ? std::vector{"e2lf-n4-camera", "e2lf-n4-cycle-camera"}
+                                                                : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
+  if (prefers_fast) names.insert(names.begin(), "e2lf-n4-live");
+  for (const char* name : names) {
+    const auto path = bundled_file_named(kBundledModels, name);
+    if (!path) continue;
+    E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
+    if (model.codes && *model.codes == codes) return std::optional(BundledNetwork{*path, std::move(model)});
+  }
+  return std::optional<BundledNetwork>();
+}
+
+Result<model::Model> read_network(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error) ? model::import_release(path) : model::read_model(path);
+}
+
+Result<OpenedMethod> open_method(MethodChoice choice) {
+  const bool is_network = choice.algorithm == "network";
+  if (choice.measurement != capture::MeasurementKind::kEventImages && !(is_network && choice.model)) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("this is the measurement ", capture::measurement_name(choice.measurement),
+                     "; give a network that was trained for it"),
+                 ""};
+  }
+  OpenedMethod opened;
+  opened.algorithm = choice.algorithm;
+  opened.camera = choice.camera ? choice.camera : choice.events.camera;
+  if (opened.camera) opened.camera_told_by = choice.camera ? ToldBy::kCaller : ToldBy::kEvents;
+  opened.views = choice.camera && choice.camera->views ? choice.camera->views : choice.events.views;
+  E2LF_RETURN_IF_ERROR(is_network ? open_network(choice, opened) : open_classical(choice, opened));
+  return opened;
+}
+
+bool OpenedMethod::are_patterns_the_models() const {
+  return network && are_patterns_told(codes) && network->model().codes && *network->model().codes == codes->codes;
+}
+
+std::optional<capture::Codes> OpenedMethod::codes_of_signs() const {
+  return codes && camera && !camera->is_pixel() ? std::optional(codes->codes) : std::nullopt;
+}
+
+Tone OpenedMethod::complete(Tone tone) const {
+  const bool is_pixel = camera && camera->is_pixel();
+  if (!tone.black && (tone.gain || !is_pixel)) tone.black = 0.0F;
+  return tone;
+}
+
+Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
+  if (!network && use.passes > 1) {
+    return Error{ErrorCode::kInvalidValue, cat("the method ", algorithm, " makes one pass; leave it out"), "passes"};
+  }
+  if (use.cycles > 1 && !takes_sums()) {
+    return Error{ErrorCode::kInvalidValue,
+                 network ? cat(network->model().name, " takes one cycle for each light field; leave it out, or use a ",
+                               "model that is told the camera")
+                         : cat("the method ", algorithm, " takes one cycle for each light field; leave it out"),
+                 "cycles"};
+  }
+  recon::Method method = [network = network, use](const capture::Measurement& measured, const ProgressFn& progress) {
+    return network->reconstruct(measured, progress, use.passes, use.cycles);
+  };
+  if (algorithm == "regularised") {
+    method = [known = *codes](const capture::Measurement& measured, const ProgressFn& progress) {
+      return recon::reconstruct_regularised(measured.events, known.codes, known.constants, {}, progress);
+    };
+  } else if (!network) {
+    method = [known = *codes](const capture::Measurement& measured, const ProgressFn&) {
+      return recon::reconstruct_by_inversion(measured.events, known.codes, known.constants);
+    };
+  }
+  if (use.colour_filter.empty()) return method;
+  E2LF_ASSIGN_OR_RETURN(const capture::ColourFilter filter, capture::colour_filter_from_name(use.colour_filter));
+  return colour_method(std::move(method), filter);
+}
+
+namespace {
+
+/// The same network with its own sensor profile.
+std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
+  if (!opened.rival) return std::nullopt;
+  auto method = [network = opened.network->with_camera(*opened.rival)](const capture::Measurement& measured,
+                                                                       const ProgressFn& progress) {
+    return network.reconstruct(measured, progress);
+  };
+  return recon::Rival{std::move(method), {opened.codes->codes, opened.codes->constants, {}, opened.rival}};
+}
+
+/// Returns how the check is judged. A method that does not know the camera leaves an error that says nothing about the
+/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own.
+Judging judging_of(const OpenedMethod& opened) {
+  if (!opened.camera) return opened.network ? Judging::kNoise : Judging::kNone;
+  if (opened.camera->is_pixel() && !opened.takes_sums()) return Judging::kNone;
+  return opened.algorithm == "regularised" ? Judging::kNoise : Judging::kChanges;
+}
+
+}  // namespace
+
+Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone, bool is_checked) {
+  E2LF_ASSIGN_OR_RETURN(recon::Method ready, method.ready(use));
+  const bool is_pixel = method.camera && method.camera->is_pixel();
+  std::optional<recon::EventCheck> check;
+  std::optional<recon::Rival> rival;
+  // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
+  // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
+  if (is_checked && are_patterns_told(method.codes) && use.cycles == 1 && use.colour_filter.empty()) {
+    E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(method.codes->event_model));
+    check = recon::EventCheck{method.codes->codes, method.codes->constants, model};
+    if (is_pixel) check->pixels = method.camera;
+    rival = rival_of(method);
+  }
+  return FieldSequence(std::move(ready), method.complete(tone), std::move(check), std::move(rival), judging_of(method));
+}
+
+}  // namespace e2lf::pipeline

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/method.h"
+
+#include <algorithm>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "e2lf/files/bundled_files.h"
+#include "e2lf/recon/linear_estimate.h"
+
+namespace e2lf::pipeline {
+namespace {
+
+using testing::HasSubstr;
+
+model::Model bundled(const char* name) {
+  return read_network(bundled_file_named(kBundledModels, name).value()).value();
+}
+
+capture::SensorProfile pixel_camera() {
+  return bundled("e2lf-n4-camera").camera.value();
+}
+
+/// The events of a step of light on a few pixels.
+capture::EventImages some_events() {
+  capture::EventImages images(3, 16, 24);
+  for (size_t i = 0; i < images.counts.size(); i += 3) images.counts[i] = static_cast<int16_t>(i % 7) - 2;
+  return images;
+}
+
+TEST(OpenMethod, TakesTheBundledNetworkForPatternsAndCamera) {
+  const capture::Codes codes = *bundled("e2lf-n4").codes;
+  const auto of_paper = open_method({.events = {.codes = codes}});
+  ASSERT_TRUE(of_paper) << of_paper.error().text();
+  EXPECT_EQ(of_paper->network->model().name, "e2lf-n4");
+  EXPECT_EQ(of_paper->bundled->stem(), "e2lf-n4");
+  EXPECT_EQ(of_paper->codes->told_by, ToldBy::kEvents);
+  EXPECT_TRUE(of_paper->are_patterns_the_models());
+  EXPECT_EQ(of_paper->camera_told_by, ToldBy::kNobody);
+
+  const auto of_pixels = open_method({.codes = codes, .events = {.camera = pixel_camera()}});
+  ASSERT_TRUE(of_pixels) << of_pixels.error().text();
+  EXPECT_EQ(of_pixels->network->model().name, "e2lf-n4-camera");
+  EXPECT_EQ(of_pixels->codes->told_by, ToldBy::kCaller);
+  EXPECT_EQ(of_pixels->camera_told_by, ToldBy::kEvents);
+}
+
+TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {
+  capture::Codes codes = *bundled("e2lf-n4").codes;
+  std::reverse(codes.values.begin(), codes.values.end());
+  EXPECT_EQ(open_method({.codes = codes}).error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(open_method({}).error().message, HasSubstr("nothing says which patterns"));
+}
+
+TEST(OpenMethod, TellsTheNetworkTheFirstCameraThatThereIs) {
+  capture::SensorProfile mine = pixel_camera();
+  mine.name = "mine";
+  const auto named = open_method({.model = bundled("e2lf-n4-camera"), .camera = mine});
+  ASSERT_TRUE(named) << named.error().text();
+  EXPECT_EQ(named->network->model().camera->name, "mine");
+  EXPECT_EQ(named->rival->name, pixel_camera().name);
+  const auto of_model = open_method({.model = bundled("e2lf-n4-camera")});
+  EXPECT_EQ(of_model->camera_told_by, ToldBy::kModel);
+  EXPECT_EQ(of_model->camera->name, pixel_camera().name);
+  EXPECT_FALSE(of_model->rival);
+  EXPECT_EQ(open_method({.model = bundled("e2lf-n4"), .camera = mine}).error().location, "camera");
+}
+
+TEST(OpenMethod, RefusesMeasurementsThatNeedANetworkOfTheirOwn) {
+  const auto failed = open_method({.algorithm = "inversion", .measurement = capture::MeasurementKind::kCodedImages});
+  EXPECT_THAT(failed.error().message, HasSubstr("this is the measurement"));
+}
+
+TEST(OpenMethod, TheInversionIsThatOfReconAndTakesOneCycleAndPass) {
+  const capture::EventImages images = some_events();
+  const capture::Codes codes = capture::default_codes();
+  const auto opened = open_method({.algorithm = "inversion", .codes = codes});
+  ASSERT_TRUE(opened) << opened.error().text();
+  const auto field = opened->ready().value()(images, {});
+  const auto expected = recon::reconstruct_by_inversion(images, codes, {});
+  EXPECT_TRUE(std::ranges::equal(field.value().data(), expected.value().data()));
+  EXPECT_EQ(opened->ready({.passes = 2}).error().location, "passes");
+  EXPECT_EQ(opened->ready({.cycles = 2}).error().location, "cycles");
+  EXPECT_EQ(opened->ready({.colour_filter = "xyzw"}).error().code, ErrorCode::kInvalidValue);
+}
+
+TEST(OpenMethod, PatternsOfNobodyAreTheUsualOnes) {
+  const auto opened = open_method({.algorithm = "inversion"});
+  ASSERT_TRUE(opened) << opened.error().text();
+  EXPECT_EQ(opened->codes->told_by, ToldBy::kNobody);
+  EXPECT_EQ(opened->codes->codes, usual_patterns().value());
+}
+
+TEST(OpenSequence, ChecksFieldsWhosePatternsAreTold) {
+  const capture::Codes codes = *bundled("e2lf-n4").codes;
+  const auto told = open_method({.algorithm = "inversion", .codes = codes});
+  auto checked = open_sequence(*told, {}, {.black = std::nullopt}, /*is_checked=*/true);
+  EXPECT_EQ(checked->tone().black, 0.0F);
+  EXPECT_TRUE(checked->next(some_events())->error);
+  EXPECT_FALSE(open_sequence(*told, {}, {}, /*is_checked=*/false)->next(some_events())->error);
+  const auto assumed = open_method({.algorithm = "inversion"});
+  EXPECT_FALSE(open_sequence(*assumed, {}, {}, /*is_checked=*/true)->next(some_events())->error);
+}
+
+TEST(OpenSequence, JudgesOnlyMethodsThatKnowTheCamera) {
+  const capture::Codes codes = *bundled("e2lf-n4").codes;
+  const auto first = [](const OpenedMethod& method) {
+    return *open_sequence(method, {}, {}, true)->next(some_events());
+  };
+  const auto nobody = open_method({.algorithm = "inversion", .codes = codes});
+  EXPECT_FALSE(first(*nobody).judgement);
+  EXPECT_FALSE(nobody->codes_of_signs());
+  EXPECT_TRUE(first(*open_method({.model = bundled("e2lf-n4"), .codes = codes})).judgement);
+  const auto paper = open_method({.algorithm = "inversion", .codes = codes, .camera = capture::SensorProfile{}});
+  EXPECT_TRUE(first(*paper).judgement);
+  EXPECT_EQ(paper->codes_of_signs(), codes);
+  const auto pixels = open_method({.algorithm = "inversion", .codes = codes, .camera = pixel_camera()});
+  EXPECT_TRUE(first(*pixels).error);
+  EXPECT_FALSE(first(*pixels).judgement);
+  EXPECT_FALSE(pixels->codes_of_signs());
+  const auto told = open_method({.model = bundled("e2lf-n4-camera"), .codes = codes, .camera = pixel_camera()});
+  EXPECT_TRUE(first(*told).judgement);
+}
+
+TEST(OpenSequence, FindsBlackOfPhysicalPixelsUnlessBrightnessIsMeasured) {
+  const capture::Codes codes = *bundled("e2lf-n4").codes;
+  const auto pixels = open_method({.algorithm = "inversion", .codes = codes, .camera = pixel_camera()});
+  EXPECT_FALSE(open_sequence(*pixels, {}, {.black = std::nullopt}, true)->tone().black);
+  EXPECT_EQ(open_sequence(*pixels, {}, {.gain = 1.0F, .black = std::nullopt}, true)->tone().black, 0.0F);
+}
+
+}  // namespace
+}  // namespace e2lf::pipeline

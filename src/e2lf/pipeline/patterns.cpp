@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/patterns.h"
+
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/files/bundled_files.h"
+
+namespace e2lf::pipeline {
+
+bool are_patterns_told(const std::optional<KnownCodes>& known) {
+  return known && (known->told_by == ToldBy::kCaller || known->told_by == ToldBy::kEvents);
+}
+
+std::optional<KnownCodes> known_codes(const std::optional<capture::Codes>& of_caller,
+                                      const std::optional<capture::Codes>& of_events, const model::Model* model) {
+  KnownCodes known;
+  if (model != nullptr) {
+    known.constants = model->constants;
+    known.event_model = model->event_model;
+    known.measurement = model->measurement();
+  }
+  const auto take = [&](const std::optional<capture::Codes>& codes, ToldBy told_by) {
+    if (!codes || known.told_by != ToldBy::kNobody) return;
+    known.codes = *codes;
+    known.told_by = told_by;
+  };
+  take(of_caller, ToldBy::kCaller);
+  take(of_events, ToldBy::kEvents);
+  if (model != nullptr) take(model->codes, ToldBy::kModel);
+  if (known.told_by == ToldBy::kNobody) return std::nullopt;
+  return known;
+}
+
+Result<capture::Codes> usual_patterns() {
+  const auto path = bundled_model();
+  return path ? read_patterns(*path) : capture::default_codes();
+}
+
+Result<capture::Codes> read_patterns(const std::filesystem::path& path) {
+  if (path.extension() != kBundledModels.extension) return capture::read_codes(path);
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(path));
+  if (model.codes) return std::move(*model.codes);
+  return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; name a file that does", path.string()};
+}
+
+}  // namespace e2lf::pipeline

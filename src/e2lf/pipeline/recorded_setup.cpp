@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/recorded_setup.h"
+
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/cycles/shown_pattern.h"
+#include "e2lf/files/result_folder.h"
+
+namespace e2lf::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_camera", *kViewsNote = "recorded_views",
+                     *kColourNote = "recorded_colour_filter";
+constexpr const char* kSize = "recording_bytes";
+
+/// Returns the size of a recording, which distinguishes it from another that replaced it.
+uint64_t size_of(const fs::path& path) {
+  std::error_code error;
+  const uint64_t bytes = fs::file_size(path, error);
+  return error ? 0 : bytes;
+}
+
+Json with_size(Json note, const fs::path& recording) {
+  note[kSize] = size_of(recording);
+  return note;
+}
+
+/// Returns a note of the run record beside a recording, or nothing if the file with this name is not a record of e2lf
+/// or describes another recording.
+std::optional<Json> note_beside(const fs::path& recording, const char* key) {
+  const fs::path path = record_path_beside(recording);
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  const auto record = read_json(path);
+  if (!record || !record->is_object() || !record->contains("notes") || !record->at("notes").contains(key)) {
+    return std::nullopt;
+  }
+  Json note = record->at("notes").at(key);
+  if (!note.is_object() || note.value(kSize, Json()) != Json(size_of(recording))) return std::nullopt;
+  note.erase(kSize);
+  return note;
+}
+
+}  // namespace
+
+capture::HeaderLines header_of(const capture::RecordedSetup& setup) {
+  capture::HeaderLines header;
+  if (setup.codes) header = capture::codes_to_header(*setup.codes);
+  const auto add = [&](capture::HeaderLines lines) {
+    std::move(lines.begin(), lines.end(), std::back_inserter(header));
+  };
+  if (setup.camera) add(capture::camera_to_header(*setup.camera));
+  if (setup.has_own_views()) add(capture::views_to_header(*setup.views));
+  return header;
+}
+
+Json setup_notes(const capture::RecordedSetup& setup, const fs::path& recording) {
+  Json notes = Json::object();
+  if (setup.codes) notes[kCodesNote] = with_size(capture::codes_to_json(*setup.codes), recording);
+  if (setup.camera) notes[kCameraNote] = with_size(capture::to_json(*setup.camera), recording);
+  if (setup.has_own_views()) {
+    notes[kViewsNote] = with_size({{"views", capture::orientation_name(*setup.views)}}, recording);
+  }
+  return notes;
+}
+
+Result<capture::RecordedSetup> recorded_setup(const fs::path& recording, const recordings::RecordingInfo& info) {
+  capture::RecordedSetup setup;
+  const std::string beside = record_path_beside(recording).string();
+  E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_header(info.header, recording.string()));
+  if (!setup.codes) {
+    if (const auto note = note_beside(recording, kCodesNote)) {
+      E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_json(*note, beside));
+    }
+  }
+  E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_header(info.header, recording.string()));
+  if (!setup.camera) {
+    if (const auto note = note_beside(recording, kCameraNote)) {
+      E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_json(*note, beside));
+    }
+  }
+  // The record takes precedence: with `e2lf convert --turn-views` it differs from the header, which is copied.
+  if (const auto note = note_beside(recording, kViewsNote)) {
+    E2LF_ASSIGN_OR_RETURN(setup.views, capture::orientation_from_name(note->value("views", ""), beside));
+  } else {
+    E2LF_ASSIGN_OR_RETURN(setup.views, capture::views_from_header(info.header, recording.string()));
+  }
+  if (!setup.views && setup.camera) setup.views = setup.camera->views;
+  return setup;
+}
+
+Result<capture::RecordedSetup> setup_of_cycles(const fs::path& recording, const cycles::CycleReader& reader) {
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, recorded_setup(recording, reader.recording().info()));
+  if (reader.schedule().views) setup.views = reader.schedule().views;
+  if (!setup.codes) return setup;
+  if (auto codes = cycles::codes_of_images(*setup.codes, reader.schedule())) setup.codes = std::move(codes);
+  return setup;
+}
+
+std::string recorded_colour_filter(const fs::path& events) {
+  const auto note = note_beside(events, kColourNote);
+  return note ? note->value("colours", "") : "";
+}
+
+Json colour_filter_notes(const std::string& filter, const fs::path& events) {
+  return filter.empty() ? Json::object() : Json{{kColourNote, with_size({{"colours", filter}}, events)}};
+}
+
+}  // namespace e2lf::pipeline

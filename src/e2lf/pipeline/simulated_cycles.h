@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "e2lf/base/result.h"
+#include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/lightfield/light_field.h"
+
+namespace e2lf::pipeline {
+
+/// A simulated camera whose events are counted pattern by pattern.
+struct SimulatedCamera {
+  capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
+  capture::Codes codes;
+  capture::SensorProfile profile = {};  ///< physical pixels, or an event model of the paper with its constants
+  float gain = 1.0F, residue = 0.0F;    ///< see sensor::EventModelOptions; physical pixels have no use for the residue
+  uint64_t seed = 0;
+};
+
+/// Returns the seed of the noise of one cycle of a static scene. The thresholds of physical pixels, which stay from
+/// cycle to cycle, have the seed of the camera.
+[[nodiscard]] inline uint64_t cycle_seed(uint64_t seed, uint64_t cycle) {
+  return seed + cycle;
+}
+
+/// Simulates what is measured in one cycle of a static scene: its events, if the measurement has any, and its intensity
+/// images. Fails as sensor::simulate_events(), sensor::simulate_pixel_events() and sensor::measure_images() do.
+[[nodiscard]] Result<capture::Measurement> simulate_cycle(const SimulatedCamera& camera,
+                                                          const lightfield::LightField& scene, uint64_t cycle);
+
+}  // namespace e2lf::pipeline

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+
+#include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/live/camera.h"
+
+namespace e2lf::recordings {
+
+/// Returns true if a source begins with the header of a RAW recording in EVT3. Fails as ByteSource::fetch() does.
+[[nodiscard]] Result<bool> is_evt3_recording(ByteSource& source);
+
+/// Makes a camera that delivers the bytes of a RAW recording in EVT3 as they are, each when its time has come. A step
+/// of the clock by more than a quarter of a second, where data is missing or damaged, takes no time.
+[[nodiscard]] std::unique_ptr<Camera> make_raw_replay(std::unique_ptr<ByteSource> source);
+
+}  // namespace e2lf::recordings

@@ -1,0 +1,101 @@
+// What the server of `e2lf live` answers; src/e2lf/live/live_requests.h says what there is.
+import { fetchFile } from './document';
+import { context2d, element } from './dom';
+
+export interface Statistics {
+  network: string;
+  size: string;
+  average: number;
+  has_ended: boolean;
+  error: string | null;
+  cycles: number;
+  fields: number;
+  skipped_cycles: number;
+  latency_s: { median: number; p90: number };
+  events: number;
+  events_per_s: number;
+  on_share: number;
+  triggers: Record<string, number>;
+  triggers_per_s: Record<string, number>;
+  schedule: { patterns: number; cycle_us: number };
+  found: string;
+  advice: string;
+  confidence: number;
+  least_confidence: number;
+  dropped_cycles: Record<string, number>;
+  inverted_cycles: number;
+  half_cycle_off_cycles: number;
+  late_triggers: number;
+  onset_us: number | null;
+  silenced_pixels: number;
+  left_out: Record<string, number>;
+  may_have_lost_events: boolean;
+  sensor_dropped_share?: number;
+  recording: { can_record: boolean; is_recording: boolean; file: string; bytes: number; error: string };
+  is_refining: boolean;
+  refining_error: string;
+}
+
+/** A header in JSON and the grey pixels behind it. */
+export interface Framed<Header> {
+  header: Header;
+  pixels: Uint8Array;
+}
+
+/** Asks for pictures; null where there is none yet. */
+export async function askForPicture<Header>(path: string): Promise<Framed<Header> | null> {
+  const answer = await fetchFile(path);
+  if (answer.status === 204) return null;
+  const bytes = await answer.arrayBuffer();
+  const length = new DataView(bytes).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as Header;
+  return { header, pixels: new Uint8Array(bytes, 4 + length) };
+}
+
+export async function askForStatistics(): Promise<Statistics> {
+  return (await fetchFile('statistics')).json() as Promise<Statistics>;
+}
+
+/** Tells the server to do something. Fails with its reason. */
+export async function command(path: string): Promise<void> {
+  const answer = await fetch(path, { method: 'POST' }).catch(() => null);
+  if (!answer) throw new Error('The server does not answer; is e2lf still running?');
+  if (!answer.ok) throw new Error(await answer.text());
+}
+
+export function drawGrey(canvas: HTMLCanvasElement, width: number, height: number, grey: Uint8Array): void {
+  if (canvas.width !== width || canvas.height !== height) {
+    canvas.width = width;
+    canvas.height = height;
+  }
+  if (width === 0 || height === 0) return;
+  const image = new ImageData(width, height);
+  const pixels = new Uint32Array(image.data.buffer);
+  for (let i = 0; i < pixels.length; ++i) pixels[i] = 0xff000000 | (grey[i]! * 0x010101);
+  context2d(canvas).putImageData(image, 0, 0);
+}
+
+export const rest = (ms: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, ms));
+
+/** Names and values, renewed by show(). */
+export class FigureList {
+  readonly root = element('dl', { class: 'list' });
+
+  show(rows: [name: string, value: string][]): void {
+    this.root.replaceChildren(...rows.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]));
+  }
+}
+
+export function countText(value: number): string {
+  if (value >= 1e6) return `${(value / 1e6).toFixed(2)} M`;
+  return value >= 1e4 ? `${(value / 1e3).toFixed(1)} k` : value.toFixed(value < 10 && value % 1 !== 0 ? 2 : 0);
+}
+
+/** Calls `follow` with the statistics twice a second until `isOver`. */
+export async function followStatistics(isOver: () => boolean, follow: (now: Statistics) => void): Promise<void> {
+  while (!isOver()) {
+    const now = await askForStatistics();
+    if (!isOver()) follow(now);
+    await rest(500);
+  }
+}

@@ -1,0 +1,142 @@
+// What comes from a live source, to set it up by: the events as a picture, how sharp it is, rates, triggers, cycles,
+// what is lost, and the switch of the recording.
+import type { LiveItem } from '../document';
+import { canvas, element } from '../dom';
+import { askForPicture, command, countText, drawGrey, FigureList, followStatistics, rest, type Statistics } from '../live';
+import { fit, setSize, type Context, type Screen } from '../screen';
+
+interface EventsHeader {
+  width: number;
+  height: number;
+  events: number;
+  sharpness: number;
+}
+
+const pauseMs = 60; // between two pictures of events
+const smoothing = 0.1;
+
+const sum = (counts: Record<string, number>): number => Object.values(counts).reduce((all, count) => all + count, 0);
+
+const reasons = (counts: Record<string, number>): [string, string][] =>
+  Object.entries(counts).filter(([, count]) => count > 0).map(([reason, count]) => [reason, countText(count)]);
+
+export class LiveSetupScreen implements Screen {
+  readonly keys: [string, string][] = [['r', 'record, or stop']];
+  private readonly picture = canvas('The events of the last moment: brighter = ON, darker = OFF', 'picture');
+  private readonly figure: HTMLElement;
+  private readonly sharpness = new FigureList();
+  private readonly events = new FigureList();
+  private readonly triggers = new FigureList();
+  private readonly cycles = new FigureList();
+  private readonly losses = new FigureList();
+  private readonly recording = new FigureList();
+  private readonly advice = element('p', { class: 'advice', role: 'status' });
+  private readonly recordButton: HTMLElement;
+  private isRecording = false;
+  private sharpest = 0;
+  private mean = 0; // of the sharpness of the last pictures
+  private numPictures = 0;
+  private isClosed = false;
+
+  constructor(private readonly context: Context, private readonly item: LiveItem) {
+    const { panel, stage } = context;
+    this.figure = element('figure', { class: 'live' }, this.picture);
+    stage.append(this.figure);
+    this.recordButton = panel.button('Record', () => this.switchRecording());
+    panel.group('Sharpness', this.sharpness.root, panel.button('Forget the best', () => (this.sharpest = 0)));
+    panel.group('Recording', this.recording.root, this.recordButton);
+    panel.group('Events', this.events.root);
+    panel.group('Triggers', this.triggers.root, this.advice);
+    panel.group('Cycles', this.cycles.root);
+    panel.group('Left out', this.losses.root);
+    const fail = (error: unknown) => this.isClosed || context.fail(error);
+    this.followEvents().catch(fail);
+    followStatistics(() => this.isClosed, (now) => this.show(now)).catch(fail);
+  }
+
+  private async followEvents(): Promise<void> {
+    while (!this.isClosed) {
+      const got = await askForPicture<EventsHeader>('events');
+      if (got) this.showEvents(got.header, got.pixels);
+      await rest(pauseMs);
+    }
+  }
+
+  private showEvents({ width, height, events, sharpness }: EventsHeader, pixels: Uint8Array): void {
+    drawGrey(this.picture, width, height, pixels);
+    // The pictures are of different patterns, so that a single one tells little.
+    this.mean = this.numPictures++ === 0 ? sharpness : this.mean + smoothing * (sharpness - this.mean);
+    if (this.numPictures * smoothing >= 1) this.sharpest = Math.max(this.sharpest, this.mean);
+    const share = this.sharpest > 0 ? this.mean / this.sharpest : 0;
+    this.sharpness.show([
+      ['now', this.mean.toFixed(3)],
+      ['best so far', this.sharpest.toFixed(3)],
+      ['share of the best', `${Math.round(100 * share)} %`],
+      ['events in the picture', countText(events)],
+    ]);
+  }
+
+  private show(now: Statistics): void {
+    const expected = (1e6 * now.schedule.patterns) / now.schedule.cycle_us;
+    this.events.show([
+      ['per second', countText(now.events_per_s)],
+      ['ON', `${(100 * now.on_share).toFixed(1)} %`],
+      ['all', countText(now.events)],
+    ]);
+    const rates = Object.entries(now.triggers_per_s).map(([channel, rate]): [string, string] => [`channel ${channel}, per second`, rate.toFixed(1)]);
+    this.triggers.show([
+      ...(rates.length > 0 ? rates : [['triggers', 'none so far'] as [string, string]]),
+      ['patterns of the schedule, per second', expected.toFixed(1)],
+    ]);
+    this.advice.textContent = now.error ?? now.advice;
+    this.cycles.show([
+      ['complete', String(now.cycles)],
+      ['dropped', String(sum(now.dropped_cycles))],
+      ...reasons(now.dropped_cycles),
+      ['confidence', `${now.confidence.toFixed(2)} (least ${now.least_confidence.toFixed(2)})`],
+      ['inverted polarity', String(now.inverted_cycles)],
+      ['half a cycle off', String(now.half_cycle_off_cycles)],
+      ['triggers out of step', String(now.late_triggers)],
+      ['events behind triggers', now.onset_us === null ? 'not known' : `${now.onset_us} us`],
+    ]);
+    const sensor: [string, string][] = now.sensor_dropped_share === undefined ? [] : [['by the sensor', `${(100 * now.sensor_dropped_share).toFixed(1)} %`]];
+    this.losses.show([
+      ...reasons(now.left_out),
+      ...sensor,
+      ['hot pixels silenced', String(now.silenced_pixels)],
+      ['by a reader that was too slow', now.may_have_lost_events ? 'yes' : 'nothing'],
+    ]);
+    this.showRecording(now.recording);
+  }
+
+  private showRecording({ can_record, is_recording, file, bytes, error }: Statistics['recording']): void {
+    this.isRecording = is_recording;
+    this.recordButton.textContent = is_recording ? 'Stop recording' : 'Record';
+    this.recordButton.toggleAttribute('disabled', !can_record);
+    const rows: [string, string][] = file === '' ? [] : [['file', file.split('/').pop()!], ['size', `${(bytes / 1e6).toFixed(1)} MB`]];
+    if (error !== '') rows.push(['error', error]);
+    if (!can_record) rows.push(['no folder', 'start e2lf live with -o']);
+    this.recording.show(rows);
+  }
+
+  private switchRecording(): void {
+    command(`record?on=${this.isRecording ? 0 : 1}`).catch((error: Error) => this.context.say(error.message));
+  }
+
+  follow(): void {}
+  layout(): void {
+    const { stage } = this.context;
+    setSize(this.picture, ...fit(this.item.width, this.item.height, stage.clientWidth - 16, stage.clientHeight - 16));
+  }
+  press(key: string): boolean {
+    if (key !== 'r') return false;
+    this.switchRecording();
+    return true;
+  }
+  pictures(): { name: string; canvas: HTMLCanvasElement }[] {
+    return [{ name: 'events', canvas: this.picture }];
+  }
+  close(): void {
+    this.isClosed = true;
+  }
+}

@@ -1,0 +1,129 @@
+// The page of `e2lf live`, while a recording plays at its own speed.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { readdirSync, readFileSync, rmSync, statSync } from 'node:fs';
+import net from 'node:net';
+import { assertNear, look, rowOf, settle, sizeOf, withPage } from './browser.mjs';
+
+const row = 20, numCycles = 120;
+
+/** Serves the instrument; `check` gets its address, and what asks it. */
+async function withInstrument(check) {
+  rmSync('instrument', { recursive: true, force: true });
+  const arguments_ = ['live', 'replay:long.raw', '-m', process.env.E2LF_MODEL, '--size', 'full', '-o', 'instrument', '--json'];
+  const program = spawn(process.env.E2LF, arguments_);
+  let said = '';
+  const address = await new Promise((resolve, reject) => {
+    program.stdout.on('data', (data) => { said += data; if (said.includes('\n')) resolve(JSON.parse(said.slice(0, said.indexOf('\n'))).url); });
+    program.on('exit', (code) => reject(new Error(`it ended with ${code}`)));
+  });
+  const ended = new Promise((resolve) => program.on('exit', resolve));
+  const statistics = async () => (await fetch(`${address}statistics`)).json();
+  try {
+    await check(address, statistics);
+  } finally {
+    program.kill('SIGINT');
+  }
+  assert.equal(await ended, 130, 'Ctrl-C ends it');
+  const { totals } = JSON.parse(said.trim().split('\n').at(-1));
+  assert.equal(totals.fields + totals.skipped_cycles, totals.cycles, 'each cycle is shown or counted as skipped');
+}
+
+async function until(what, isSo) {
+  for (const end = Date.now() + 120_000; !(await isSo());) {
+    assert.ok(Date.now() < end, what);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
+/** A row of a view of a cycle as `e2lf reconstruct` wrote it, in 8 bits. */
+function rowOfReconstruct(cycle, viewRow, viewColumn) {
+  const bytes = readFileSync(`long/cycle_${String(cycle).padStart(5, '0')}/lightfield.npy`);
+  const begin = 10 + bytes.readUInt16LE(8);
+  const [height, width] = /\(8, 8, (\d+), (\d+)\)/.exec(bytes.toString('latin1', 0, begin)).slice(1).map(Number);
+  const first = ((viewRow * 8 + viewColumn) * height + row) * width;
+  return Array.from({ length: width }, (_, x) => Math.round(255 * Math.min(Math.max(bytes.readFloatLE(begin + 4 * (first + x)), 0), 1)));
+}
+
+/** The values of a list of figures by their names. */
+const figures = (page) => page.evaluate(() => Object.fromEntries([...document.querySelectorAll('dl dt')].map((name) => [name.textContent, name.nextSibling.textContent])));
+
+export const tests = {
+  'light fields at the pace of the cycles, and a frozen one is that of reconstruct': () => withInstrument((address, statistics) =>
+    withPage(`${address}#tab=1`, {}, async (page) => {
+      const shown = async () => Number(await page.evaluate(() => document.querySelector('.pane')?.dataset.cycle ?? -1));
+      await until('a light field comes', async () => (await shown()) >= 0);
+      // The picture of view (4, 4), and of another one when that is asked for: pixel for pixel.
+      for (const [hash, viewRow, viewColumn] of [['tab=1&x=0.5&y=0.5', 4, 4], ['tab=1&x=-2.5&y=1.5', 5, 1]]) {
+        await look(page, hash);
+        await page.waitForTimeout(400);
+        const [cycle, pixels] = await page.evaluate((y) => {
+          const pane = document.querySelector('.pane'), canvas = pane.querySelector('canvas.picture');
+          const { data } = canvas.getContext('2d').getImageData(0, y, canvas.width, 1);
+          return [Number(pane.dataset.cycle), Array.from({ length: canvas.width }, (_, x) => data[4 * x])];
+        }, row);
+        assertNear(pixels, rowOfReconstruct(cycle, viewRow, viewColumn), 0, `cycle ${cycle}, view ${viewRow}, ${viewColumn}`);
+      }
+      const before = await shown();
+      await until('more light fields come', async () => (await shown()) > before + 4);
+      const rate = Number((await figures(page))['per second']);
+      assert.ok(rate > 1 && rate < 20, `${rate} light fields per second, of 10.6 cycles`);
+      await page.getByRole('button', { name: 'Freeze' }).click();
+      await until('the frozen one has a tab', async () => (await page.locator('#tabs button').count()) === 3);
+      await settle(page);
+      const name = await page.locator('#tabs button[aria-selected=true]').textContent();
+      const cycle = Number(/^cycle (\d+)$/.exec(name)[1]);
+      await look(page, 'tab=2&x=0.5&y=0.5');
+      assertNear(await rowOf(page, 'canvas.picture', row), rowOfReconstruct(cycle, 4, 4), 0, `frozen cycle ${cycle}`);
+      await page.locator('#tabs button').nth(1).click();
+      await page.getByRole('button', { name: 'Reconstruct this one well' }).click();
+      await until('both have tabs', async () => (await page.locator('#tabs button').count()) === 5);
+      await settle(page);
+      assert.match(await page.locator('#tabs button[aria-selected=true]').textContent(), /^cycle \d+, reconstructed well and cycle \d+$/);
+      assert.ok((await statistics()).fields > 5);
+    })),
+
+  'the set-up: events, figures and recording': () => withInstrument((address, statistics) =>
+    withPage(address, {}, async (page) => {
+      await until('a picture of events comes', async () => (await page.locator('dl dt', { hasText: 'best so far' }).count()) === 1);
+      assert.deepEqual(await sizeOf(page, '.live canvas.picture'), [64, 48]);
+      const seen = new Set(); // a picture may lie within a pattern that makes events of one sign
+      await until('ON and OFF events are seen', async () => {
+        for (const y of [5, 20, 35]) for (const value of await rowOf(page, '.live canvas.picture', y)) seen.add(value);
+        return Math.min(...seen) < 128 && Math.max(...seen) > 128;
+      });
+      await page.getByRole('button', { name: 'Record' }).click();
+      await until('it records', async () => (await statistics()).recording.bytes > 10_000);
+      await page.getByRole('button', { name: 'Stop recording' }).click();
+      await until('it has stopped', async () => !(await statistics()).recording.is_recording);
+      const { recording } = await statistics();
+      assert.deepEqual(readdirSync('instrument').sort(), ['recording_000.raw', 'run.json']);
+      assert.equal(statSync('instrument/recording_000.raw').size, recording.bytes);
+      await until('cycles are counted', async () => Number((await figures(page)).complete) > 0);
+      const shown = await figures(page);
+      assert.ok(Number.parseFloat(shown['ON']) > 0 && Number(shown['now']) > 0, JSON.stringify(shown));
+    })),
+
+  'its server takes commands of its own page alone, and a browser that hangs disturbs nothing': () => withInstrument(async (address, statistics) => {
+    const { pathname, port } = new URL(address);
+    const tell = async (path, headers = {}, method = 'POST') => (await fetch(`http://127.0.0.1:${port}${path}`, { method, headers })).status;
+    assert.equal(await tell(`${pathname}average?cycles=2`), 200);
+    assert.equal((await statistics()).average, 2);
+    assert.equal(await tell(`${pathname}average?cycles=1`, { Origin: 'http://evil.example' }), 403);
+    assert.equal(await tell(`${pathname}average?cycles=1`, { 'Sec-Fetch-Site': 'cross-site' }), 403);
+    assert.equal(await tell('/average?cycles=1'), 404);
+    assert.equal(await tell(`/${'0'.repeat(32)}/average?cycles=1`), 404);
+    assert.equal(await tell(`${pathname}average?cycles=1`, {}, 'GET'), 404);
+    assert.equal(await tell(`${pathname}average?cycles=1`, {}, 'PUT'), 405);
+    for (const path of ['nothing', 'document.json', '../../etc/passwd', 'record/x']) assert.equal(await tell(pathname + path), 404, path);
+    assert.equal((await statistics()).average, 2);
+    // Connections that ask for pictures and never read them.
+    const sockets = Array.from({ length: 8 }, () => net.connect(port, '127.0.0.1', function ask() {
+      this.pause();
+      this.write(`GET ${pathname}picture HTTP/1.1\r\nHost: 127.0.0.1:${port}\r\n\r\n`.repeat(50));
+    }));
+    const before = (await statistics()).fields;
+    await until('light fields go on', async () => (await statistics()).fields > Math.min(before + 5, numCycles / 2));
+    for (const socket of sockets) socket.destroy();
+  }),
+};
