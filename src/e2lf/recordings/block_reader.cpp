@@ -110,7 +110,8 @@ class BlockReader final : public RecordingReader {
     const Restart restart = blocks_->restarts()[part_];
     ++part_;
     triggers_apart_.begin_part();
-    begin_part(restart.byte, last_us_);
+    // Where nothing of a part was believable, the next one follows the part in front of it.
+    if (last_us_ > -kTimeLimitUs) begin_part(restart.byte, last_us_);
     last_trigger_us_ = last_us_ = -kTimeLimitUs;
   }
 

@@ -27,6 +27,7 @@ class ContinuedClock final : public EventBlocks {
       has_ended_ = !more;
     }
     block_byte_ = blocks_->block_byte();
+    drop_impossible_times(block, summary);
     if (block_byte_ != 0) block_byte_ -= waiting_.size() * event_bytes();
     if (!waiting_.empty()) {
       waiting_.append(block.events);
@@ -59,6 +60,24 @@ class ContinuedClock final : public EventBlocks {
  private:
   [[nodiscard]] int64_t shift_us() const { return restarts_.empty() ? 0 : restarts_.back().shift_us; }
 
+  /// Drops times that could not be moved without overflow.
+  void drop_impossible_times(EventBatch& block, DecodeSummary& summary) const {
+    EventColumns& events = block.events;
+    bool are_possible = true;
+    for (const int64_t t_us : events.t) are_possible &= is_time(t_us);
+    const auto is_impossible = [](const Trigger& trigger) { return !is_time(trigger.t); };
+    size_t dropped = std::erase_if(block.triggers, is_impossible);
+    if (!are_possible) {
+      EventColumns possible;
+      for (size_t i = 0; i < events.size(); ++i) {
+        if (is_time(events.t[i])) possible.push_back(events[i]);
+      }
+      dropped += events.size() - possible.size();
+      events = std::move(possible);
+    }
+    if (dropped > 0) summary.add(Violation::kTimeJump, block_byte_, dropped);
+  }
+
   void begin_part() {
     history_.clear();
     has_on_ = has_off_ = false;
@@ -75,7 +94,7 @@ class ContinuedClock final : public EventBlocks {
       }
       accept(events, begin, i);
       begin = i;
-      if (!starts_again(events, i)) continue;
+      if (!starts_again(events, i) || !is_time(shift_us() + history_.back())) continue;
       const uint64_t byte = event_bytes() == 0 ? 0 : block_byte_ + i * event_bytes();
       const int64_t before_us = history_.back();
       restarts_.push_back({byte, before_us, events.t[i], shift_us() + before_us + 1 - events.t[i]});

@@ -290,6 +290,23 @@ TEST(DatOfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
   EXPECT_EQ(chunked.summary.num_violations(), 0U);
 }
 
+TEST(DatOfThreeParts, GoesOnBehindAPartOfWhichNothingIsBelievable) {
+  const EventBatch first = part_of(5'000, 1000, 6'000'000, 1), second = part_of(5'000, 500, 7'000'000, 2);
+  Bytes bytes = joined(first, second, "dat", false);
+  const size_t begin = bytes.size();
+  const size_t header = header_bytes(bytes, "dat");
+  const Bytes later(bytes.begin() + static_cast<ptrdiff_t>(header + 8 * first.events.size()), bytes.end());
+  bytes.insert(bytes.end(), later.begin(), later.end());
+  // Columns of the part in the middle are beyond the sensor.
+  for (size_t at = begin - later.size(); at < begin; at += 8) bytes[at + 5] |= 0x20;
+  int64_t shift_us = 0;
+  const EventBatch expected = continued(first, second, shift_us, false);
+  const Decoded decoded = decode(bytes, 1);
+  EXPECT_TRUE(decoded.batch.events == expected.events);
+  EXPECT_EQ(decoded.summary.num_restarts, 1U);
+  EXPECT_EQ(decoded.summary.of(Violation::kOutOfRange).count, second.events.size());
+}
+
 TEST(Aedat4OfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
   const EventBatch first = part_of(6'000, 1000, 600'000, 1), second = part_of(6'000, 500, 700'000, 2);
   Bytes bytes = aedat4_of(first, EventBatch());
@@ -368,6 +385,19 @@ TEST(JoinedTexts, GoOnBehindTheEarlierPartAndAreNotMixed) {
   EXPECT_TRUE(decode_text(both, RestartPolicy::kSplit).batch.events == first.events);
   for (size_t i = first.events.size(); i < both.size(); ++i) both[i].t += shift_us;
   EXPECT_TRUE(events_of(decoded.batch) == both);
+}
+
+TEST(ImpossibleTimes, AreLeftOutAndCounted) {
+  const EventBatch first = part_of(3'000, 1000, 600'000, 1), second = part_of(2'000, 500, 900'000, 2);
+  std::vector<Event> all = events_of(first);
+  const std::vector<Event> later = events_of(second);
+  all.insert(all.end(), later.begin(), later.end());
+  const auto place = all.begin() + static_cast<ptrdiff_t>(first.events.size());
+  all.insert(place, 100, Event{1, 1, 1, 9'151'595'965'040'361'472});
+  const Decoded decoded = decode_text(all);
+  int64_t shift_us = 0;
+  EXPECT_TRUE(decoded.batch.events == continued(first, second, shift_us, false).events);
+  EXPECT_EQ(decoded.summary.num_violations(), 100U);
 }
 
 TEST(UnsortedTexts, AreSortedAndNotTakenForJoinedOnes) {

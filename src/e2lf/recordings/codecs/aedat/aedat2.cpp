@@ -58,7 +58,12 @@ class Aedat2Blocks final : public EventBlocks {
     }
     // A recording that was appended with its header.
     if (begins_header(bytes.data())) {
-      E2LF_RETURN_IF_ERROR(read_text_header(*source_));
+      E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source_));
+      if (header.bytes == 0) {
+        summary.add(Violation::kBadRecord, source_->position());
+        ++summary.dropped_words;
+        source_->consume(kRecordBytes);
+      }
       clock_ = {};
       return true;
     }

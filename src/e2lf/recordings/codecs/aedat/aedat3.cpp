@@ -67,7 +67,10 @@ class Aedat3Blocks final : public EventBlocks {
     if (bytes.size() < kPacketHeader) return give_up(Violation::kTruncated, summary);
     const auto packet = parse_packet(bytes);
     // A recording that was appended with its header.
-    if (!packet && detect_aedat3(bytes)) return read_text_header(*source_) ? Result<bool>(true) : Result<bool>(false);
+    if (!packet && detect_aedat3(bytes)) {
+      E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source_));
+      if (header.bytes > 0) return true;
+    }
     // The position of the next packet is unknown.
     if (!packet) return give_up(Violation::kMisaligned, summary);
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(kPacketHeader + packet->bytes));

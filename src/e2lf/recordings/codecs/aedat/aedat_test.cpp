@@ -67,6 +67,20 @@ TEST(Aedat2, ARecordThatBeginsWithAHashIsNoLineOfTheHeader) {
   EXPECT_EQ(opened.batch.events.size(), 2U);
 }
 
+TEST(AedatOfTwoParts, GoOnBehindTheHeaderOfTheLaterOneEvenWhereItIsDamaged) {
+  const Bytes second = aedat2_file("# AEChip: DVS128\r\n", {{0, 1}, {0, 1}});
+  const Bytes third = aedat3_file("#Source 1: DVS128\r\n", {polarity_packet(1, 0, {{3, 4, 1, 100}})});
+  for (const Bytes& one : {second, third}) {
+    Bytes twice = one;
+    twice.insert(twice.end(), one.begin(), one.end());
+    const Opened whole = open(twice);
+    EXPECT_EQ(whole.batch.events.size(), one == second ? 4U : 2U);
+    EXPECT_EQ(whole.summary.num_violations(), 0U);
+    twice[one.size() + 12] = 1;  // no text: the line is no header
+    EXPECT_GT(open(twice).summary.num_violations(), 0U);
+  }
+}
+
 TEST(Aedat2, ACutRecordIsCounted) {
   Bytes bytes = aedat2_file("# AEChip: DVS128\r\n", {{0, 1}, {0, 2}});
   bytes.pop_back();
