@@ -61,7 +61,8 @@ Result<Handle> open_file(ByteSource& source) {
     file = e2lf::hdf5::open_bytes(std::move(bytes));
   }
   if (!file.valid()) {
-    return Error{ErrorCode::kFormat, "the HDF5 library cannot open this file, which is damaged or incomplete",
+    return Error{ErrorCode::kFormat,
+                 "the HDF5 library cannot open this file, which is damaged or incomplete; copy it again",
                  source.name()};
   }
   return file;
