@@ -21,6 +21,15 @@ struct Field {
   double reconstruct_s = 0;                             ///< what the method took
   std::optional<recon::EventError> error = {};          ///< against its events, where the camera is known
   std::optional<recon::EventJudgement> judgement = {};  ///< of that error, at the first of a sequence
+  std::optional<double> motion = {};                    ///< recon::scene_motion(), if the sequence has a LitMethod
+  bool is_of_lit = false;                               ///< made of the lit transitions, because of the motion
+};
+
+/// What reconstructs the cycles in which the scene moves too much for the transitions of the whole cycle: a method for
+/// the lit transitions of the same patterns, and the comparison with their events.
+struct LitMethod {
+  recon::Method method;
+  std::optional<recon::EventCheck> check = {};
 };
 
 /// What a sequence does to brightness; nothing = found at the first light field of a cycle with events.
@@ -40,14 +49,17 @@ enum class Judging {
 /// sequence does not flicker.
 class FieldSequence {
  public:
-  /// `check`: nothing = no comparison with the events. `rival`: another camera that judge() compares with.
+  /// `check`: nothing = no comparison with the events. `rival`: another camera that judge() compares with. `lit`:
+  /// takes the place of the method in cycles whose recon::scene_motion() exceeds recon::kMuchMotion.
   FieldSequence(recon::Method method, Tone tone, std::optional<recon::EventCheck> check,
-                std::optional<recon::Rival> rival = {}, Judging judging = Judging::kNone)
+                std::optional<recon::Rival> rival = {}, Judging judging = Judging::kNone,
+                std::optional<LitMethod> lit = {})
       : method_(std::move(method)),
         tone_(tone),
         check_(std::move(check)),
         rival_(std::move(rival)),
-        judging_(judging) {}
+        judging_(judging),
+        lit_(std::move(lit)) {}
 
   /// The comparison with the events is made where there are some. Fails as the method and event_error() do.
   [[nodiscard]] Result<Field> next(const capture::Measurement& measurement, const ProgressFn& progress = {});
@@ -56,11 +68,15 @@ class FieldSequence {
   [[nodiscard]] const Tone& tone() const { return tone_; }
 
  private:
+  [[nodiscard]] Result<void> compare(const recon::EventCheck& check, const recon::Method& method,
+                                     const capture::Measurement& measurement, Field& field);
+
   recon::Method method_;
   Tone tone_;
   std::optional<recon::EventCheck> check_;
   std::optional<recon::Rival> rival_;
   Judging judging_ = Judging::kNone;
+  std::optional<LitMethod> lit_;
   bool is_first_ = true;
 };
 

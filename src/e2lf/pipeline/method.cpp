@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/recon/regularised.h"
@@ -31,6 +32,20 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   return {};
 }
 
+/// Opens the bundled network of the lit transitions, if the network takes those of the whole cycle and there is one.
+Result<void> open_lit(engine::Precision precision, OpenedMethod& opened) {
+  const auto& codes = opened.network->model().codes;
+  const auto shown = codes ? capture::codes_of_whole_cycle(*codes) : std::nullopt;
+  if (!shown) return {};
+  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network, bundled_network(*shown, opened.camera));
+  if (!network) return {};
+  if (model::is_told_the_camera(network->model) && opened.camera) network->model.camera = opened.camera;
+  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit,
+                        recon::Reconstructor::create(std::move(network->model), {.precision = precision}));
+  opened.lit = std::make_shared<const recon::Reconstructor>(std::move(lit));
+  return {};
+}
+
 Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
   model::Model& model = *choice.model;
@@ -53,6 +68,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor network,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
   opened.network = std::make_shared<const recon::Reconstructor>(std::move(network));
+  if (choice.lit_where_moving) E2LF_RETURN_IF_ERROR(open_lit(precision, opened));
   return {};
 }
 
@@ -154,6 +170,23 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
 
 namespace {
 
+/// Returns the method for cycles with motion, if there is a network for it. In colour, neighbouring pixels say nothing
+/// of the motion.
+std::optional<LitMethod> lit_of(const OpenedMethod& opened, const MethodUse& use,
+                                const std::optional<recon::EventCheck>& check) {
+  if (!opened.lit || !use.colour_filter.empty() || (use.cycles > 1 && !model::is_told_the_camera(opened.lit->model())))
+    return std::nullopt;
+  LitMethod lit;
+  lit.method = [network = opened.lit, use](const capture::Measurement& measured, const ProgressFn& progress) {
+    return network->reconstruct(measured, progress, use.passes, use.cycles);
+  };
+  if (check) {
+    lit.check = check;
+    lit.check->codes = *opened.lit->model().codes;
+  }
+  return lit;
+}
+
 /// The same network with its own sensor profile.
 std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
   if (!opened.rival) return std::nullopt;
@@ -187,7 +220,9 @@ Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse&
     if (is_pixel) check->pixels = method.camera;
     rival = rival_of(method);
   }
-  return FieldSequence(std::move(ready), method.complete(tone), std::move(check), std::move(rival), judging_of(method));
+  std::optional<LitMethod> lit = lit_of(method, use, check);
+  return FieldSequence(std::move(ready), method.complete(tone), std::move(check), std::move(rival), judging_of(method),
+                       std::move(lit));
 }
 
 }  // namespace e2lf::pipeline

@@ -23,6 +23,7 @@ struct MethodChoice {
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
   std::string precision = "auto";  ///< of the network
   bool prefers_fast = false;       ///< takes a bundled network that keeps the pace of a live source, if there is one
+  bool lit_where_moving = false;   ///< opens a second network beside one of the whole cycle; see OpenedMethod::lit
 };
 
 /// Says how a method is used on each measurement.
@@ -37,9 +38,10 @@ struct MethodUse {
 struct OpenedMethod {
   std::string algorithm;
   std::shared_ptr<const recon::Reconstructor> network;  ///< null for the other algorithms
-  std::optional<std::filesystem::path> bundled;         ///< file of the network that was taken because none was named
-  std::optional<KnownCodes> codes;                      ///< nothing if nobody tells the patterns, not even the model
-  std::optional<capture::SensorProfile> camera;         ///< whose pixels made the events, or nothing
+  std::shared_ptr<const recon::Reconstructor> lit;  ///< bundled network of the lit transitions, for cycles with motion
+  std::optional<std::filesystem::path> bundled;     ///< file of the network that was taken because none was named
+  std::optional<KnownCodes> codes;                  ///< nothing if nobody tells the patterns, not even the model
+  std::optional<capture::SensorProfile> camera;     ///< whose pixels made the events, or nothing
   ToldBy camera_told_by = ToldBy::kNobody;
   std::optional<capture::Orientation> views;    ///< how they come out, as the caller's profile or the events tell
   std::optional<capture::SensorProfile> rival;  ///< that of the network, if the caller names another one

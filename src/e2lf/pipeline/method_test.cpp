@@ -66,6 +66,16 @@ TEST(OpenMethod, TellsTheNetworkTheFirstCameraThatThereIs) {
   EXPECT_EQ(open_method({.model = bundled("e2lf-n4"), .camera = mine}).error().location, "camera");
 }
 
+TEST(OpenMethod, OpensTheNetworkOfTheLitTransitionsBesideThatOfTheWholeCycle) {
+  const auto opened = open_method({.model = bundled("e2lf-n4-cycle-camera"), .lit_where_moving = true});
+  ASSERT_TRUE(opened) << opened.error().text();
+  ASSERT_TRUE(opened->lit);
+  EXPECT_EQ(opened->lit->model().name, "e2lf-n4-camera");
+  EXPECT_EQ(opened->lit->model().camera->name, opened->camera->name);
+  EXPECT_FALSE(open_method({.model = bundled("e2lf-n4-cycle-camera")})->lit);
+  EXPECT_FALSE(open_method({.model = bundled("e2lf-n4-camera"), .lit_where_moving = true})->lit);
+}
+
 TEST(OpenMethod, RefusesMeasurementsThatNeedANetworkOfTheirOwn) {
   const auto failed = open_method({.algorithm = "inversion", .measurement = capture::MeasurementKind::kCodedImages});
   EXPECT_THAT(failed.error().message, HasSubstr("this is the measurement"));

@@ -75,9 +75,11 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
                  "number N of coding patterns of the paper's schedule; default: as many as the recording says, else 4")
       ->check(whole_number(2, 64))
       ->group(group);
-  app.add_option("--transitions", flags.transitions,
-                 "event images of the changes into the lit patterns a2 ... aN (lit), or of all changes of the whole "
-                 "cycle (all); default: all where the network or the recording's patterns are for them, else lit")
+  app.add_option(
+         "--transitions", flags.transitions,
+         "event images of the changes into the lit patterns a2 ... aN (lit), or of all changes of the whole "
+         "cycle (all); auto: all if the network or the recording's patterns are for them, else lit; reconstruct "
+         "then takes the lit ones of cycles in which the scene moves too much for the whole cycle")
       ->check(CLI::IsMember({"auto", "lit", "all"}))
       ->capture_default_str()
       ->group(group);

@@ -29,6 +29,10 @@ Result<lightfield::LightField> CycleWriter::process(const pipeline::CycleImages&
   about["gain"] = field.gain;
   about["black"] = field.black;
   about["reconstruct_s"] = field.reconstruct_s;
+  if (field.motion) {
+    about["motion"] = *field.motion;
+    about["transitions"] = field.is_of_lit ? "lit" : "all";
+  }
   about["latency_s"] = cycle.behind_s + seconds_since(cycle.ready);
   if (field.error) {
     about["event_error"] = field.error->at_first;

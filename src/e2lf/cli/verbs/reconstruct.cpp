@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // e2lf reconstruct: event images or a recording -> light field
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/camera_option.h"
@@ -105,6 +107,15 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
   }
 }
 
+/// Says which light fields were made of the lit transitions, because the scene moved.
+void say_motion(const fs::path& input, const Json& cycles, const std::string& network) {
+  const auto moving = std::count_if(cycles.begin(), cycles.end(),
+                                    [](const Json& cycle) { return cycle.value("transitions", "") == "lit"; });
+  if (moving == 0) return;
+  log_info(cat(input.string(), ": the scene moved during ", moving, " of ", cycles.size(), " cycles, which ", network,
+               " reconstructed from their lit transitions; --transitions all takes the whole cycle everywhere"));
+}
+
 Result<pipeline::OpenedMethod> open_method(const ReconstructArguments& arguments, const pipeline::CycleInput& input,
                                            pipeline::MethodChoice choice, RunRecord& record) {
   choice.measurement = input.measurement();
@@ -138,7 +149,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                           .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("reconstruct");
-  pipeline::MethodChoice choice{.algorithm = arguments.method, .precision = arguments.precision};
+  pipeline::MethodChoice choice{.algorithm = arguments.method,
+                                .precision = arguments.precision,
+                                .lit_where_moving = arguments.cycles.transitions == "auto"};
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(choice.codes, read_named_codes(arguments.codes));
   ConfidenceWatch confidence;
@@ -178,6 +191,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   warn_of_losses(arguments.input, input.summary());
   verb.note_failed_input(input.summary().live.failure);
   if (!writer.cycles().empty()) warn_of_verdict(writer.cycles().front());
+  if (method.lit) say_motion(arguments.input, writer.cycles(), method.lit->model().name);
   if (input.is_recording()) {
     const cycles::CycleReader& reader = input.reader();
     writer.live_log().finish(reader.report());
