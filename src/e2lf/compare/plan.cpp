@@ -146,7 +146,7 @@ class Planner {
     if (!config.camera.empty()) {
       if (!is_told) {
         return Error{ErrorCode::kInvalidValue,
-                     cat("the network of ", config.name, " works for one camera alone; leave \"camera\" out"), ""};
+                     cat("the network of ", config.name, " works for one camera only; leave \"camera\" out"), ""};
       }
       E2LF_ASSIGN_OR_RETURN(method.told, read_camera(config.camera));
     }

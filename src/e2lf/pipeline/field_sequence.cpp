@@ -14,7 +14,8 @@ recon::Method colour_method(recon::Method grey, const capture::ColourFilter& fil
   return [grey = std::move(grey), filter](const capture::Measurement& measurement,
                                           const ProgressFn& progress) -> Result<lightfield::LightField> {
     if (measurement.kind != capture::MeasurementKind::kEventImages) {
-      return Error{ErrorCode::kInvalidValue, "colours are told by event images alone; leave the filter out", ""};
+      return Error{ErrorCode::kInvalidValue,
+                   "colours can only be reconstructed from event images; leave the filter out", ""};
     }
     const capture::EventImages& images = measurement.events;
     if (images.height % 2 != 0 || images.width % 2 != 0) {
@@ -52,7 +53,7 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   if (check_ && capture::has_events(measurement.kind)) {
     E2LF_ASSIGN_OR_RETURN(field.error, recon::event_error(*check_, field.light_field, 1.0F, measurement.events));
     if (is_first_ && judging_ != Judging::kNone) {
-      // The images of intensities have no signs.
+      // Intensity images have no signs.
       const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
       const bool has_changes = judging_ == Judging::kChanges && is_of_events;
       E2LF_ASSIGN_OR_RETURN(field.judgement, recon::judge(*check_, field.light_field, measurement.events, rival_,
@@ -60,7 +61,7 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
     }
     is_first_ = false;
   }
-  // Without events nothing tells how bright the scene is: a later cycle does.
+  // Without events, the brightness of the scene is unknown; a later cycle determines it.
   const bool has_scene = !capture::has_events(measurement.kind) || !capture::is_without_events(measurement.events);
   if (!tone_.black && has_scene) tone_.black = recon::auto_black(field.light_field);
   field.black = tone_.black.value_or(0.0F);

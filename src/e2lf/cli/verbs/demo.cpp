@@ -41,7 +41,7 @@ Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, 
   E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(*path));
   if (choice.model->codes) return pipeline::open_method(std::move(choice));
   return Error{ErrorCode::kNotFound,
-               "the model holds no aperture patterns, which the demo's camera needs; name a model that has them",
+               "the model contains no aperture patterns, which the camera of the demo needs; give a model that does",
                path->string()};
 }
 

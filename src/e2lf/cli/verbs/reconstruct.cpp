@@ -244,7 +244,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   app.add_option("--cycles-per-field", reconstruction.cycles_per_field,
                  "make each light field of so many cycles of a scene that stands still: better with each doubling; for "
-                 "networks that are told the camera")
+                 "networks that are conditioned on the sensor profile")
       ->check(whole_number(1, 64))
       ->capture_default_str();
   app.add_option("--gain", reconstruction.gain,

@@ -309,7 +309,7 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
     return Error{ErrorCode::kInvalidValue, cat(why, "; leave it out"), flag};
   };
   if (has_intensities && !arguments.colour_filter.empty()) {
-    return useless("--colour-filter", "colours are told by event images alone");
+    return useless("--colour-filter", "colours can only be reconstructed from event images");
   }
   if (as_images && arguments.no_triggers) return useless("--no-triggers", "event images hold no triggers anyway");
   if (!is_stream) return verb.refuse_options(kStreamOptions, "counts of whole patterns");
