@@ -34,7 +34,7 @@ void warn_of_assumed_patterns(const fs::path& events, const std::string& whose) 
                   " are assumed, and nothing confirms it"));
 }
 
-/// A network works for the patterns that it was trained for alone.
+/// Records the source of the patterns, and warns unless the network was trained for them.
 void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord& record) {
   const model::Model& model = method.network->model();
   const bool is_told = pipeline::are_patterns_told(method.codes);
@@ -61,13 +61,14 @@ void note_network(const OpenedMethod& method, const fs::path& events, size_t pas
   note_patterns(method, events, record);
   if (!method.takes_sums() && is_pixel) {
     log_warning(cat("the events are those of physical pixels (", method.camera->name, "), which ", network.model().name,
-                    " has never seen: the light field will be wrong; use a network that is told the camera, such as ",
+                    " was not trained for: the light field will be wrong; use a network conditioned on the sensor "
+                    "profile, such as ",
                     "e2lf-n4-camera"));
   }
   const size_t made = network.num_passes(passes);
   if (made < passes) {
     log_warning(cat("--passes ", passes, ": the network tells apart ", made, " position", made == 1 ? "" : "s",
-                    " on its pixel grid, so many passes are made"));
+                    " on its pixel grid; the number of passes is reduced to this"));
   }
   const char* precision = engine::precision_name(network.engine().precision());
   record.resolve("precision", precision);
@@ -88,7 +89,7 @@ void note_classical(const OpenedMethod& method, const fs::path& events, const fs
   }
   if (method.camera && method.camera->is_pixel()) {
     log_warning(cat("the events are those of physical pixels (", method.camera->name, "); the method ",
-                    method.algorithm, " knows the paper's event model alone"));
+                    method.algorithm, " only supports the paper's event model"));
   }
 }
 
