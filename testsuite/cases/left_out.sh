@@ -81,7 +81,7 @@ check "$(json absolute.json "j['events']") == $(json relative.json "j['events']"
 
 # A text whose columns are not known is no recording without events.
 printf 'frame,time,row,column,sign\n1,2,3,4,5\n' >unknown.csv
-fails 1 "check which column holds them (--columns)" "$E2LF" info unknown.csv
+fails 1 "check which column contains them (--columns)" "$E2LF" info unknown.csv
 fails 1 "--columns" "$E2LF" convert unknown.csv unknown.npz
 absent unknown.npz
 # Event images of another size are not those of a light field.

@@ -59,7 +59,7 @@ class DescriptorCamera final : public Camera {
   bool keeps_unread() const override { return true; }
 
  private:
-  /// What had come and was not read yet; a sender may go on for ever.
+  /// Determines how many unread bytes had arrived, because a sender may never end.
   [[nodiscard]] size_t unread_bytes() const {
     int bytes = 0;
     return ::ioctl(descriptor_, FIONREAD, &bytes) == 0 && bytes > 0 ? static_cast<size_t>(bytes) : 0;
