@@ -22,7 +22,7 @@ fails 1 "no camera is connected" "$E2LF" camera list
 fails 1 "no camera is connected" "$E2LF" record camera://metavision -o x.raw
 fails 1 "those connected are" camera "" record camera://metavision/C3 -o x.raw
 fails 1 "busy" camera "busy" record camera://metavision -o x.raw
-fails 1 "EVT4, which is not read" camera "format=EVT4" convert camera://metavision x.csv
+fails 1 "EVT4, which e2lf cannot read" camera "format=EVT4" convert camera://metavision x.csv
 fails 1 "leave the option out" camera "" record camera://metavision --trigger-channel 3 -o x.raw
 fails 1 "is not a region" camera "" record camera://metavision --roi 1,2,3 -o x.raw
 fails 1 "settings of a camera" "$E2LF" info sent.raw --max-event-rate 5

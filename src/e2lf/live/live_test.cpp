@@ -317,7 +317,7 @@ TEST(Recorder, WritesWhatCameBetweenOnAndOffAndNeverReplacesAFile) {
   Recorder again(folder / ".", info);
   ASSERT_TRUE(again.begin().ok());
   EXPECT_NE(again.json()["file"], recorder.json()["file"]);
-  EXPECT_FALSE(Recorder({}, info).begin().ok()) << "there is no folder";
+  EXPECT_FALSE(Recorder({}, info).begin().ok()) << "no folder";
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ TEST(Camera, AReaderThatFallsBehindIsToldOnceAndItIsCounted) {
       EXPECT_LE(bytes.size(), 2 * kMaxWaitingBytes);
       source->consume(bytes.size());
     }
-    const char* const fate = keeps_unread ? "nothing is lost" : "what the camera sends is dropped";
+    const char* const fate = keeps_unread ? "nothing is lost" : "the data of the camera are dropped";
     EXPECT_NE(log.text().find(fate), std::string::npos) << log.text();
     EXPECT_EQ(std::count(log.text().begin(), log.text().end(), '\n'), 1) << log.text();
     const DecodeSummary summary = source->left_out();

@@ -75,7 +75,7 @@ class MetavisionCamera final : public Camera {
         end_stream();
         return false;
       }
-      if (state < 0) return Error{ErrorCode::kIo, "the stream of the camera has ended; start it again", name()};
+      if (state < 0) return Error{ErrorCode::kIo, "the stream of the camera ended by itself; start it again", name()};
       if (state == 0) {
         std::this_thread::sleep_for(kPoll);
       } else {
