@@ -109,7 +109,7 @@ kill -INT "$process"
 code=0
 wait "$process" || code=$?
 [ "$code" -eq 130 ] || fail "exit code $code instead of 130"
-grep -q "are missing; give the same command again to go on" stderr.txt || fail "nothing said how to go on: $(cat stderr.txt)"
+grep -q "are missing; repeat the command to continue" stderr.txt || fail "nothing said how to go on: $(cat stderr.txt)"
 before=$(find killed/results -name '*.json' | wc -l)
 "$E2LF" compare c.json -o killed --quiet
 [ "$(new killed)" -eq "$((48 - before))" ] || fail "it did not go on"
