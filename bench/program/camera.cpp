@@ -117,7 +117,7 @@ Result<std::vector<NamedModel>> read_models(const CameraBench& options, RunRecor
     const CodesSource source{model.codes && options.codes.empty() ? path : fs::path(), options.codes};
     E2LF_ASSIGN_OR_RETURN(pipeline::KnownCodes known, load_codes(source, record));
     if (!model.codes && options.codes.empty()) {
-      return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera with --codes",
+      return Error{ErrorCode::kNotFound, "the model contains no patterns; give those of its camera with --codes",
                    path.string()};
     }
     models.push_back({std::move(model), std::move(known.codes)});

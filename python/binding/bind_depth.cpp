@@ -31,8 +31,7 @@ void bind_depth(py::module_& module) {
       "depth", &estimate, py::arg("light_field"), py::kw_only(), py::arg("view") = py::none(),
       py::arg("range_px") = py::none(), E2LF_ORIENTATION_ARGUMENTS, py::arg("progress") = py::none(),
       "Estimates the disparity of each pixel of a view, as `e2lf depth` does. Returns a DisparityMap with disparity "
-      "and "
-      "confidence, float32 [y, x].\n\n"
+      "and confidence, float32 [y, x].\n\n"
       "light_field: [view_y, view_x, y, x]; one with [channel] is converted to grey.\n"
       "view: (view_y, view_x), the view for whose pixels disparities are estimated; None = the middle one, (4, 4) of "
       "8x8.\n"

@@ -73,8 +73,7 @@ void bind_eval(py::module_& module) {
   module.def("compare", &compare, py::arg("truth"), py::arg("reconstruction"), py::kw_only(), py::arg("clamp") = true,
              py::arg("progress") = py::none(),
              "Compares a reconstructed light field with the true one. Returns the dict that `e2lf eval --json` prints, "
-             "with psnr_db, "
-             "ssim_uniform7, ssim_gaussian, epi_rms_error, epi_relative_error and views.\n\n"
+             "with psnr_db, ssim_uniform7, ssim_gaussian, epi_rms_error, epi_relative_error and views.\n\n"
              "truth, reconstruction: [view_y, view_x, y, x], or both with [channel].\n"
              "clamp: clamp the reconstruction to [0, 1] first.\n"
              "progress: called with (views done, views).");

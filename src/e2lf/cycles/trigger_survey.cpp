@@ -156,7 +156,8 @@ std::string trigger_advice(const TriggerSurvey& survey, const Schedule& schedule
                            int64_t last_us) {
   const auto& inputs = survey.inputs();
   if (inputs.empty()) {
-    return "the recording holds no triggers: enable the camera's trigger input and check the wire, or let the events "
+    return "the recording contains no triggers: enable the trigger input of the camera and check its cable, or use the "
+           "events "
            "tell with --source bursts, which needs pixels that are faster than the patterns";
   }
   if (options.has_channel && !inputs.contains(options.channel)) {

@@ -116,8 +116,8 @@ Result<int> open_stream(const fs::path& path) {
     const bool has_no_reader = errno == ENXIO && waiting != 0;
     if (errno != EINTR && !has_no_reader) return system_error(path, "write", errno);
     if (stop_requested()) {
-      return Error{ErrorCode::kCancelled, "nobody read from here before the run was ended; start the reader first",
-                   path.string()};
+      return Error{ErrorCode::kCancelled,
+                   "no program read from here before the run was stopped; start the reader first", path.string()};
     }
     if (has_no_reader) std::this_thread::sleep_for(kReaderPoll);
   }
@@ -156,8 +156,7 @@ Result<void> check_output(const fs::path& path, bool overwrite) {
 
 Result<AtomicFile> AtomicFile::create(const fs::path& target) {
   if (is_stream(target)) {
-    return Error{ErrorCode::kUnsupported,
-                 "this is a device or a pipe, and what is written needs a file to go back in; name a file",
+    return Error{ErrorCode::kUnsupported, "this is a device or a pipe, but the format requires seeking; give a file",
                  target.string()};
   }
   E2LF_RETURN_IF_ERROR(make_parent(target));

@@ -145,7 +145,7 @@ Result<void> check_replaceable(const fs::path& target, bool overwrite) {
   if (error) return io_error(target, "look into the folder", error.value());
   if (record_of(target / kRecord).is_null()) {
     return exists(target,
-                  "e2lf did not write this folder (it holds no run.json of ours), so it is never replaced; name "
+                  "e2lf did not write this folder (it contains no run.json of e2lf), so it is never replaced; name "
                   "another folder");
   }
   E2LF_ASSIGN_OR_RETURN(const auto foreign, foreign_entries(target));
@@ -167,7 +167,7 @@ Result<void> rename_to_free(const fs::path& from, const fs::path& to) {
     error_number = errno;
   }
   if (error_number == EEXIST || error_number == EINVAL) {
-    return exists(to, "the output came to be while it was made; name another");
+    return exists(to, "the output was created by another program in the meantime; name another");
   }
   return io_error(to, "put the folder in place", error_number);
 }

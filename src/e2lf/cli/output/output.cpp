@@ -69,7 +69,7 @@ Result<fs::path> resolve(const fs::path& named) {
   std::error_code error;
   if (path.empty()) return Error{ErrorCode::kInvalidValue, "the output has no name; give one", "--output"};
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
-    return exists(path, "the output is a link to nothing; remove it or name another output");
+    return exists(path, "the output is a link whose target does not exist; remove it or name another output");
   }
   fs::path resolved = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? path : resolved;
@@ -357,8 +357,8 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
   if (is_there(path_) && !fs::is_empty(path_, error)) {
     const auto earlier = is_our_record(path_ / "run.json") ? read_json(path_ / "run.json") : Json::object();
     if (!earlier || earlier->value("verb", "") != verb_) {
-      return exists(path_,
-                    cat("this folder was not written by e2lf ", verb_, " (it holds no run.json of it); name another"));
+      return exists(path_, cat("this folder was not written by e2lf ", verb_,
+                               " (it contains no run.json of e2lf); name another"));
     }
     if (earlier->contains("files")) listed = earlier->value("files", std::vector<std::string>());
   }

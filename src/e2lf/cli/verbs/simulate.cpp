@@ -133,7 +133,7 @@ Result<void> write_recording(const SimulateArguments& arguments, const fs::path&
   synthesis.schedule = cycles::paper_schedule_of(*setup.codes);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
   if (!arguments.no_triggers && !writer->holds_triggers()) {
-    log_warning(cat(arguments.output.string(), ": this format holds no triggers, so they are left out; write .raw, ",
+    log_warning(cat(arguments.output.string(), ": this format cannot hold triggers, so they are left out; write .raw, ",
                     ".hdf5 or .dat for them"));
   }
   E2LF_RETURN_IF_ERROR(cycles::synthesise_recording(*writer, arguments.cycles, synthesis, images_of));

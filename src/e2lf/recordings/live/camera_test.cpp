@@ -163,7 +163,7 @@ TEST(Camera, WhatCameBeforeAFailureIsReadInEveryFormatAndTheFailureIsTold) {
       ASSERT_TRUE(all.ok()) << all.error().text();
       EXPECT_GE(all->events.size(), 2990u) << format;
       EXPECT_EQ(reader->summary().live.failure, fails ? "camera://broken: unplugged" : "");
-      EXPECT_EQ(log.text().find("unplugged; what came before that is kept") != std::string::npos, fails) << log.text();
+      EXPECT_EQ(log.text().find("unplugged; the data before that are kept") != std::string::npos, fails) << log.text();
       EXPECT_EQ(fails ? reader->summary().num_violations() : 0, 0u) << format;
     }
   }

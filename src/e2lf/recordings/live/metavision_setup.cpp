@@ -165,7 +165,7 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
       biases->load_from_file(setup.biases.string());
     } catch (const std::exception& failure) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("the camera does not take these biases (", hal_text(failure), "); give a file made for it"),
+                   cat("the camera rejects these biases (", hal_text(failure), "); give a file made for it"),
                    setup.biases.string()};
     }
   }

@@ -77,7 +77,7 @@ Result<void> wait_for_bytes(int descriptor, const std::string& address) {
   pollfd waiting = {descriptor, POLLIN, 0};
   while (::poll(&waiting, 1, kPollMs) <= 0) {
     if (stop_requested()) {
-      return Error{ErrorCode::kCancelled, "nobody wrote to it before the run was ended; start the writer first",
+      return Error{ErrorCode::kCancelled, "no program wrote to it before the run was stopped; start the writer first",
                    address};
     }
   }

@@ -114,7 +114,8 @@ Error unopened_error(const std::string& address, const std::vector<std::string>&
   if (!usb.empty()) {
     return {ErrorCode::kNotFound,
             cat("the USB has ", usb.front().name,
-                ", but no plugin of the HAL takes it for a camera; name the plugins' folder in MV_HAL_PLUGIN_PATH"),
+                ", but no plugin of the HAL recognises it as a camera; set MV_HAL_PLUGIN_PATH to the folder of the "
+                "plugins"),
             location};
   }
   return {

@@ -109,9 +109,10 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
   const double value = table::to_doubles(bytes.data(), field, 1)[0];
   const bool is_whole = value == std::trunc(value);
   if (options.time_unit == TimeUnit::kAuto && unit == TimeUnit::kSeconds && is_whole && value != 0) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the times are seconds, and the offset ", value, " does not say its unit; name the unit of both"),
-                 place, Setting::kTimeUnit};
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("the times are seconds, and the offset ", value, " does not state its unit; give the unit of both"), place,
+        Setting::kTimeUnit};
   }
   if (options.time_unit == TimeUnit::kAuto && !is_whole) unit = TimeUnit::kSeconds;
   int64_t offset_us = 0;
