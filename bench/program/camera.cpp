@@ -130,7 +130,7 @@ Result<std::vector<LightField>> read_scenes(const CameraBench& options) {
   for (const fs::path& path : options.scenes) {
     E2LF_ASSIGN_OR_RETURN(LightField scene, load_scene(path, SceneOptions{}, true));
     if (scene.shape().width < kMargin + 16) {
-      return Error{ErrorCode::kShape, cat("the views are narrower than ", kMargin + 16, " px; name larger ones"),
+      return Error{ErrorCode::kShape, cat("the views are narrower than ", kMargin + 16, " px; use larger ones"),
                    path.string()};
     }
     scenes.push_back(std::move(scene));
@@ -205,7 +205,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   RunRecord record("camera");
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
-    return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; name another",
+    return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; choose another",
                  "--camera " + options.camera};
   }
   E2LF_ASSIGN_OR_RETURN(const auto models, read_models(options, record));
@@ -238,7 +238,7 @@ int run_camera(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     if (options.models.empty()) {
       const auto path = bundled_model();
-      if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; name one with -m", ""};
+      if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; give one with -m", ""};
       options.models.push_back(*path);
     }
     return bench(options, report_names, verb);

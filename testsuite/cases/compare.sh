@@ -142,7 +142,7 @@ fails 1 "write e.g. 1/4" "$E2LF" compare c.json -o out --shard 3/2
 mkdir foreign && echo mine >foreign/table.csv
 fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o foreign
 fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o demo
-fails 1 "this is no folder of results of e2lf compare" "$E2LF" compare c.json -o out2 --merge foreign
+fails 1 "this is not a folder of results of e2lf compare" "$E2LF" compare c.json -o out2 --merge foreign
 [ "$(cat foreign/table.csv)" = mine ] || fail "a file of someone else was replaced"
 echo mine >one/notes.txt
 "$E2LF" compare more.json -o one --set seeds=[1,2] --quiet

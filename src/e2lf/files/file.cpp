@@ -145,10 +145,10 @@ Result<void> write_file(const fs::path& path, const std::string& text) {
 Result<void> check_output(const fs::path& path, bool overwrite) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
-    return Error{ErrorCode::kExists, "the output is a file, and a folder has this name; name another", path.string()};
+    return Error{ErrorCode::kExists, "the output is a file, and a folder has this name; choose another", path.string()};
   }
   if (!overwrite && !is_stream(path) && fs::exists(fs::symlink_status(path, error))) {
-    return Error{ErrorCode::kExists, "the output exists already; replace it or name another", path.string(),
+    return Error{ErrorCode::kExists, "the output exists already; replace it or choose another", path.string(),
                  Setting::kOverwrite};
   }
   return {};

@@ -57,7 +57,7 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
   return Error{ErrorCode::kFormat,
-               "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; name "
+               "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; give "
                "a file or folder in it",
                path.string()};
 }

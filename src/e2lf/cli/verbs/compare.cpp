@@ -163,7 +163,7 @@ Result<void> take_over(const CompareArguments& arguments, const compare::Plan& p
   for (const compare::Scene& scene : plan.scenes) pictures.push_back(compare::truth_key(scene));
   for (const fs::path& folder : arguments.merged) {
     if (!is_our_record(folder / "run.json")) {
-      return Error{ErrorCode::kNotFound, "this is no folder of results of e2lf compare; name one", folder.string()};
+      return Error{ErrorCode::kNotFound, "this is not a folder of results of e2lf compare; give one", folder.string()};
     }
     E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder), pictures));
     log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " taken over"));

@@ -39,8 +39,8 @@ Result<fs::path> bias_place(const RecordArguments& arguments, bool overwrite) {
   const bool is_ours = earlier && earlier->contains("notes") && (*earlier)["notes"].is_object() &&
                        (*earlier)["notes"].value("biases", "") == place.filename().string();
   if (overwrite && is_ours) return place;
-  return Error{ErrorCode::kExists, "the camera's settings would replace this file; move it away or name another output",
-               place.string()};
+  return Error{ErrorCode::kExists,
+               "the camera's settings would replace this file; move it away or choose another output", place.string()};
 }
 
 struct Copied {

@@ -75,10 +75,10 @@ Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& opt
   if (std::all_of(named.begin(), named.end(), [](const auto& column) { return column.has_value(); })) {
     return Columns{{*named[0], *named[1], *named[2], *named[3]}, Reason::kFile};
   }
-  const Error error = undecided(
-      cat("neither names nor values determine which of the ", sample.columns.size(),
-          " columns are t, x, y and p; name them, e.g. ", std::string("txyp-----").substr(0, sample.columns.size())),
-      location, Setting::kColumns);
+  const Error error = undecided(cat("neither names nor values determine which of the ", sample.columns.size(),
+                                    " columns are t, x, y and p; give their order, e.g. ",
+                                    std::string("txyp-----").substr(0, sample.columns.size())),
+                                location, Setting::kColumns);
   if (sample.columns.size() != kNumFields) return error;
   OrderHints hints{{}, info.width, info.height, sample.usual_order};
   for (size_t field = 0; field < kNumFields; ++field) {
@@ -236,7 +236,7 @@ Result<void> require_mostly_events(uint64_t events, uint64_t bad, const Recordin
   const std::string columns = info.table ? info.table->columns : "t, x, y, p";
   return Error{ErrorCode::kFormat,
                cat(bad, " of ", bad + events, " rows cannot be read as ", columns, " (the first ", first_bad,
-                   "); name the columns or correct the file"),
+                   "); give the order of the columns or correct the file"),
                location, Setting::kColumns};
 }
 
