@@ -56,7 +56,7 @@ export async function askForStatistics(): Promise<Statistics> {
   return (await fetchFile('statistics')).json() as Promise<Statistics>;
 }
 
-/** Sends a command. Fails with the message of the server. */
+/** Tells the server to do something. Fails with its reason. */
 export async function command(path: string): Promise<void> {
   const answer = await fetch(path, { method: 'POST' }).catch(() => null);
   if (!answer) throw new Error('The server does not answer; is e2lf still running?');

@@ -33,7 +33,7 @@ export interface Screen {
   close(): void;
 }
 
-/** Returns the largest size of a picture in a box with its proportions kept; pictures grow to at most four times their size. */
+/** The largest size that keeps the proportions of a picture in a box; small pictures grow to four times their size. */
 export function fit(width: number, height: number, boxWidth: number, boxHeight: number): [number, number] {
   const scale = Math.max(Math.min(boxWidth / width, boxHeight / height, 4), 16 / Math.max(width, height));
   return [Math.floor(width * scale), Math.floor(height * scale)];

@@ -310,7 +310,7 @@ export class LightFieldScreen implements Screen {
     this.context.say(`focus on x ${Math.floor(x)}, y ${Math.floor(y)}: disparity ${disparity.toFixed(2)} px per view`);
   }
 
-  /** Moves along the path once, records the first picture, saves the film and restores the state. */
+  /** Goes along the path once, records the first picture and saves the film; then all is as before. */
   private async record(ending: string, recorder: typeof recordGif): Promise<void> {
     if (this.isRecording || !this.sheet.hidden) return;
     const { state, say } = this.context;
