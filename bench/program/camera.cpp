@@ -93,7 +93,7 @@ Result<std::vector<NamedModel>> read_models(const CameraBench& options, RunRecor
     const CodesSource source{model.codes && options.codes.empty() ? path : fs::path(), options.codes};
     E2LF_ASSIGN_OR_RETURN(pipeline::KnownCodes known, load_codes(source, record));
     if (!model.codes && options.codes.empty()) {
-      return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera with --codes",
+      return Error{ErrorCode::kNotFound, "the model contains no patterns; give those of its camera with --codes",
                    path.string()};
     }
     models.push_back({std::move(model), std::move(known.codes)});
@@ -177,7 +177,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   RunRecord record("camera");
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
-    return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; name another",
+    return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; choose another",
                  "--camera " + options.camera};
   }
   E2LF_ASSIGN_OR_RETURN(const auto models, read_models(options, record));
@@ -210,7 +210,7 @@ int run_camera(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     if (options.models.empty()) {
       const auto path = bundled_model();
-      if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; name one with -m", ""};
+      if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; give one with -m", ""};
       options.models.push_back(*path);
     }
     return bench(options, report_names, verb);

@@ -16,7 +16,7 @@ Result<LightField> in_view(const LightField& scene, size_t size, size_t motion_p
   constexpr size_t kMargin = kMostMotionPx + 1;
   const lightfield::Shape& shape = scene.shape();
   if (shape.width < kMargin + 16) {
-    return Error{ErrorCode::kShape, cat("the views are narrower than ", kMargin + 16, " px; name larger ones"), ""};
+    return Error{ErrorCode::kShape, cat("the views are narrower than ", kMargin + 16, " px; use larger ones"), ""};
   }
   const size_t height = std::min(size, shape.height);
   const size_t width = std::min(size, shape.width - kMargin);

@@ -184,10 +184,10 @@ int run_rig(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
     const auto path = options.model.empty() ? bundled_model() : options.model;
-    if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; name one with -m", ""};
+    if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; give one with -m", ""};
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
     if (!model.codes)
-      return Error{ErrorCode::kNotFound, "the model holds no patterns; use one that does", path->string()};
+      return Error{ErrorCode::kNotFound, "the model contains no patterns; use one that does", path->string()};
     RunRecord record("rig");
     E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
     E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, std::move(model)));

@@ -32,8 +32,8 @@ fails 1 "this is a model" "$E2LF" reconstruct "$model" -m "$model" -o out
 fails 1 "this is a folder of cycles" "$E2LF" reconstruct cycles -m "$model" -o out
 fails 1 "these are event images" "$E2LF" convert events.npz out
 fails 1 "this is a model" "$E2LF" convert "$model" out
-fails 1 "name one, as cycles/cycle_00000" "$E2LF" convert cycles out
-fails 1 "name one, as cycles/cycle_00000" "$E2LF" eval demo/scene cycles
+fails 1 "give one, e.g. cycles/cycle_00000" "$E2LF" convert cycles out
+fails 1 "give one, e.g. cycles/cycle_00000" "$E2LF" eval demo/scene cycles
 fails 1 "no such file" "$E2LF" convert none out
 mkdir empty
 fails 1 "the folder contains neither" "$E2LF" info empty

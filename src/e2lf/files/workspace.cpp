@@ -86,7 +86,7 @@ Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead
     if (!lock.locks(LOCK_EX | LOCK_NB)) {
       return Error{ErrorCode::kExists,
                    cat("another run is writing this output (in ", workspace.filename().string(),
-                       "); wait for it or name another output"),
+                       "); wait for it or choose another output"),
                    target.string()};
     }
     if (on_dead) on_dead(workspace);

@@ -13,7 +13,7 @@ float tent(float offset) {
   return std::max(0.0F, 1.0F - std::abs(offset));
 }
 
-/// Limits a number that came from a browser; NaN becomes 0.
+/// Limits the range of a number from the browser; NaN becomes 0.
 float limited(float value, float most) {
   return std::isnan(value) ? 0.0F : std::clamp(value, -most, most);
 }

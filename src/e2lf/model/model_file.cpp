@@ -48,8 +48,8 @@ Result<void> check_all_used(const Model& model, const Safetensors& tensors, cons
 Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
   const auto metadata = tensors.metadata.find(kMetadataKey);
   if (metadata == tensors.metadata.end()) {
-    return Error{ErrorCode::kFormat, "no e2lf model (its metadata has no \"e2lf\"); make one with `e2lf model import`",
-                 file};
+    return Error{ErrorCode::kFormat,
+                 "not an e2lf model (its metadata has no \"e2lf\"); create one with `e2lf model import`", file};
   }
   return parse_json(metadata->second, cat(file, ": ", kMetadataKey));
 }

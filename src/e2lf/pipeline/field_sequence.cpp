@@ -15,7 +15,8 @@ recon::Method colour_method(recon::Method grey, const capture::ColourFilter& fil
   return [grey = std::move(grey), filter](const capture::Measurement& measurement,
                                           const ProgressFn& progress) -> Result<lightfield::LightField> {
     if (measurement.kind != capture::MeasurementKind::kEventImages) {
-      return Error{ErrorCode::kInvalidValue, "colours are told by event images alone; leave the filter out", ""};
+      return Error{ErrorCode::kInvalidValue,
+                   "colours can only be reconstructed from event images; leave the filter out", ""};
     }
     const capture::EventImages& images = measurement.events;
     if (images.height % 2 != 0 || images.width % 2 != 0) {
@@ -49,7 +50,7 @@ Result<void> FieldSequence::compare(const recon::EventCheck& check, const recon:
                                     const capture::Measurement& measurement, Field& field) {
   E2LF_ASSIGN_OR_RETURN(field.error, recon::event_error(check, field.light_field, 1.0F, measurement.events));
   if (is_first_ && judging_ != Judging::kNone) {
-    // The images of intensities have no signs.
+    // Intensity images have no signs.
     const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
     const bool has_changes = judging_ == Judging::kChanges && is_of_events;
     E2LF_ASSIGN_OR_RETURN(field.judgement, recon::judge(check, field.light_field, measurement.events, rival_,
@@ -75,7 +76,7 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   E2LF_ASSIGN_OR_RETURN(field.light_field, method(used, progress));
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (check && capture::has_events(used.kind)) E2LF_RETURN_IF_ERROR(compare(*check, method, used, field));
-  // Without events nothing tells how bright the scene is: a later cycle does.
+  // Without events, the brightness of the scene is unknown; a later cycle determines it.
   const bool has_scene = !capture::has_events(used.kind) || !capture::is_without_events(used.events);
   if (!tone_.black && has_scene) tone_.black = recon::auto_black(field.light_field);
   field.black = tone_.black.value_or(0.0F);

@@ -10,7 +10,7 @@
 namespace e2lf::pipeline {
 namespace {
 
-/// A method whose light field has the value of the first count everywhere, in hundredths.
+/// Returns a method whose light field is constant: the first count divided by 100.
 Result<lightfield::LightField> constant_field(const capture::Measurement& measurement, const ProgressFn&) {
   const capture::EventImages& images = measurement.events;
   if (images.counts[0] < 0) return Error{ErrorCode::kInvalidValue, "no light", ""};
@@ -82,7 +82,7 @@ TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
 
 TEST(ColourMethod, EachColourComesFromThePixelsBehindItsFilter) {
   capture::EventImages images(3, 4, 6);
-  const std::array<int16_t, 4> counts = {10, 20, 40, 70};  // of the places of each block
+  const std::array<int16_t, 4> counts = {10, 20, 40, 70};  // for the four pixels of each block
   for (size_t place = 0; place < 4; ++place) images.counts[place / 2 * 6 + place % 2] = counts[place];
   const recon::Method colour = colour_method(constant_field, capture::colour_filter_from_name("rggb").value());
   const auto field = colour(images, {});

@@ -13,7 +13,7 @@ namespace e2lf::pipeline {
 namespace fs = std::filesystem;
 namespace {
 
-/// Sets the network that was trained for the patterns, if none is named.
+/// Selects the bundled network that was trained for the patterns, if none is given.
 Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, std::optional<fs::path>& path) {
   if (choice.model) return {};
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
@@ -52,7 +52,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
   const bool is_told = model::is_told_the_camera(model);
   if (!is_told && choice.camera) {
-    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave it out"), "camera"};
+    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera only; leave it out"), "camera"};
   }
   const bool has_pixels = is_told && model.camera && model.camera->is_pixel();
   if (has_pixels && choice.camera && capture::to_json(*model.camera) != capture::to_json(*choice.camera)) {
@@ -75,7 +75,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
 Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
   opened.codes = known_codes(choice.codes, choice.events.codes, choice.model ? &*choice.model : nullptr);
   if (!opened.codes && choice.model) {
-    return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; name those of the camera",
+    return Error{ErrorCode::kNotFound, "the model contains no aperture patterns; give those of the camera",
                  choice.model->name, Setting::kCodes};
   }
   if (!opened.codes) {
@@ -147,7 +147,7 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   if (use.cycles > 1 && !takes_sums()) {
     return Error{ErrorCode::kInvalidValue,
                  network ? cat(network->model().name, " takes one cycle for each light field; leave it out, or use a ",
-                               "model that is told the camera")
+                               "model that is conditioned on the sensor profile")
                          : cat("the method ", algorithm, " takes one cycle for each light field; leave it out"),
                  "cycles"};
   }
@@ -170,8 +170,8 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
 
 namespace {
 
-/// Returns the method for cycles with motion, if there is a network for it. In colour, neighbouring pixels say nothing
-/// of the motion.
+/// Returns the method for cycles with motion, if there is a network for it. Behind colour
+/// filters, the correlation of neighbouring pixels does not measure motion.
 std::optional<LitMethod> lit_of(const OpenedMethod& opened, const MethodUse& use,
                                 const std::optional<recon::EventCheck>& check) {
   if (!opened.lit || !use.colour_filter.empty() || (use.cycles > 1 && !model::is_told_the_camera(opened.lit->model())))
@@ -187,7 +187,7 @@ std::optional<LitMethod> lit_of(const OpenedMethod& opened, const MethodUse& use
   return lit;
 }
 
-/// The same network with its own sensor profile.
+/// Returns the same network with its own sensor profile.
 std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
   if (!opened.rival) return std::nullopt;
   auto method = [network = opened.network->with_camera(*opened.rival)](const capture::Measurement& measured,
@@ -197,8 +197,8 @@ std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
   return recon::Rival{std::move(method), {opened.codes->codes, opened.codes->constants, {}, opened.rival}};
 }
 
-/// Returns how the check is judged. A method that does not know the camera leaves an error that says nothing about the
-/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own.
+/// Returns how the check is judged. The error of a method that does not use the sensor profile does not depend on the
+/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own profile.
 Judging judging_of(const OpenedMethod& opened) {
   if (!opened.camera) return opened.network ? Judging::kNoise : Judging::kNone;
   if (opened.camera->is_pixel() && !opened.takes_sums()) return Judging::kNone;
@@ -212,8 +212,8 @@ Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse&
   const bool is_pixel = method.camera && method.camera->is_pixel();
   std::optional<recon::EventCheck> check;
   std::optional<recon::Rival> rival;
-  // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
-  // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
+  // The check is meaningless with assumed patterns, because wrong ones explain the events too, and it does not support
+  // sums over several cycles or colours.
   if (is_checked && are_patterns_told(method.codes) && use.cycles == 1 && use.colour_filter.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(method.codes->event_model));
     check = recon::EventCheck{method.codes->codes, method.codes->constants, model};

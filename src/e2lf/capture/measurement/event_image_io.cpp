@@ -147,10 +147,11 @@ Result<std::vector<fs::path>> list_images(const fs::path& folder) {
   }
   if (status) return Error{ErrorCode::kIo, cat("cannot list the folder: ", status.message()), folder.string()};
   if (found.empty()) {
-    return Error{ErrorCode::kNotFound,
-                 "no event_image_*.npy in the folder; give a folder of event images (`e2lf simulate` makes them of a "
-                 "light field)",
-                 folder.string()};
+    return Error{
+        ErrorCode::kNotFound,
+        "no event_image_*.npy in the folder; give a folder of event images (`e2lf simulate` generates them from a "
+        "light field)",
+        folder.string()};
   }
   std::sort(found.begin(), found.end());
   std::vector<fs::path> paths;

@@ -57,7 +57,7 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
   return Error{ErrorCode::kFormat,
-               "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; name "
+               "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; give "
                "a file or folder in it",
                path.string()};
 }
@@ -93,14 +93,14 @@ bool holds_event_images(const fs::path& path) {
 std::string use_of(FileKind kind, const fs::path& path) {
   switch (kind) {
     case FileKind::kRecording:
-      return ": `e2lf reconstruct` makes light fields of it, `e2lf accumulate` event images";
+      return ": `e2lf reconstruct` computes light fields from it, `e2lf accumulate` event images";
     case FileKind::kEventImages:
     case FileKind::kImages:
-      return ": `e2lf reconstruct` makes a light field of them";
+      return ": `e2lf reconstruct` computes a light field from them";
     case FileKind::kLightField:
-      return ": `e2lf simulate` makes events of it";
+      return ": `e2lf simulate` generates events from it";
     case FileKind::kCycles:
-      return cat(": name one of them, as ", (path / "cycle_00000").string());
+      return cat(": give one of them, e.g. ", (path / "cycle_00000").string());
     case FileKind::kTrainingRun:
       return ": its model is a .safetensors in the folder, `e2lf resume` continues it";
     case FileKind::kDisplay:
@@ -108,7 +108,7 @@ std::string use_of(FileKind kind, const fs::path& path) {
     case FileKind::kModel:
       return ": models are given with -m";
     case FileKind::kResults:
-      return ": `e2lf info` states what made it";
+      return ": `e2lf info` describes the run that wrote it";
   }
   return "";
 }

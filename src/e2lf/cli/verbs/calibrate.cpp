@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf calibrate: event images of static scenes -> constants of the camera
+// e2lf calibrate: estimates the constants of a camera from event images of static scenes
 #include "e2lf/calibrate/calibrate.h"
 
 #include <algorithm>
@@ -38,7 +38,7 @@ struct CalibrateArguments {
   CycleFlags cycles;
 };
 
-/// All cycles of an input, and the patterns that it names.
+/// All cycles of an input, and the patterns that it states.
 struct Source {
   calibrate::StillScene scene;
   std::optional<capture::Codes> codes;

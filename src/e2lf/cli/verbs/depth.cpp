@@ -255,7 +255,7 @@ int run_depth(const std::vector<std::string>& arguments) {
                  "disparity of the farthest points, px per view step; default of both: estimated, within 6 px");
   app.add_option("--view-row", depth_arguments.view_row,
                  "view for whose pixels the disparity is estimated; default: the middle one, (4, 4)");
-  app.add_option("--view-column", depth_arguments.view_column, "the same");
+  app.add_option("--view-column", depth_arguments.view_column, "column of this view");
   app.add_option("--infinity", depth_arguments.infinity,
                  "points: disparity at infinite distance, px per view step; default: assumed, see run.json")
       ->check(positive_number());

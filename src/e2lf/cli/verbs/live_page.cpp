@@ -53,7 +53,8 @@ class LivePage::Impl {
   Result<void> finish() {
     if (!stop_requested()) {
       hide_progress();
-      std::fprintf(stderr, "the source has ended; the last light field is shown at %s; Ctrl-C ends\n", url().c_str());
+      std::fprintf(stderr, "the source has ended; the last light field is shown at %s; press Ctrl-C to end\n",
+                   url().c_str());
     }
     serving_.join();
     return result_;
@@ -93,11 +94,11 @@ class LivePage::Impl {
     return {200, "application/json", "{}"};
   }
 
-  /// Reconstructs the frozen cycle again, in a thread of its own.
+  /// Reconstructs the frozen cycle again in a separate thread.
   Answer refine() {
     {
       const std::lock_guard lock(mutex_);
-      if (is_refining_) return refusal("one is being made");
+      if (is_refining_) return refusal("a reconstruction is in progress");
       if (!quick_) return refusal("nothing is frozen yet");
       is_refining_ = true;
       refining_error_.clear();
@@ -118,7 +119,7 @@ class LivePage::Impl {
     return {200, "application/json", "{}"};
   }
 
-  /// What the page shows now; mutex_ is locked, or nobody asks yet.
+  /// Returns the current content of the page. mutex_ must be locked unless the server has not started yet.
   [[nodiscard]] view::Document document() const {
     const recordings::RecordingInfo& info = session_.reader().cycles().recording().info();
     const model::Model& model = session_.model();

@@ -42,18 +42,18 @@ class Camera {
   /// be called by any thread.
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 
-  /// The settings of the sensor as the vendor's programs read them (.bias), once the camera has started; empty where it
-  /// has none.
+  /// Returns the biases of the sensor in the form that the vendor's programs read (.bias), after the camera has
+  /// started; empty if it has none.
   [[nodiscard]] virtual std::string bias_file_text() const { return {}; }
 };
 
-/// The bytes of a live input as they come.
+/// The bytes of a live input.
 class LiveSource : public ByteSource {
  public:
-  /// Ends the input at that time, as a request to stop does: what has come until then is still read.
+  /// Ends the input at the given time, as a stop request does: bytes that have arrived by then are still read.
   virtual void end_at(std::chrono::steady_clock::time_point time) = 0;
 
-  /// See Camera::bias_file_text().
+  /// Returns Camera::bias_file_text().
   [[nodiscard]] virtual std::string bias_file_text() const = 0;
 };
 
@@ -62,7 +62,7 @@ struct CameraPlugin {
   std::string name;         ///< as in camera://NAME or camera://NAME/ADDRESS
   std::string description;  ///< for help texts: what it is, and the meaning of ADDRESS
   Result<std::unique_ptr<Camera>> (*open)(const std::string& address) = nullptr;
-  /// The addresses of the cameras that are connected; null = there is no such list.
+  /// Returns the addresses of the connected cameras; null = they cannot be listed.
   Result<std::vector<std::string>> (*list)() = nullptr;
 };
 

@@ -34,7 +34,8 @@ Error undecided(std::string message, const std::string& location, Setting settin
 Result<ColumnsOfFields> order_of_option(const std::string& order, const TableSample& sample,
                                         const std::string& location) {
   if (!sample.is_ordered) {
-    return undecided("the columns have names but no order; leave the option out", location, Setting::kColumns);
+    return undecided("the columns are identified by names, so they have no order; leave the option out", location,
+                     Setting::kColumns);
   }
   ColumnsOfFields columns = {};
   bool fits = order.size() == sample.columns.size();
@@ -74,10 +75,10 @@ Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& opt
   if (std::all_of(named.begin(), named.end(), [](const auto& column) { return column.has_value(); })) {
     return Columns{{*named[0], *named[1], *named[2], *named[3]}, Reason::kFile};
   }
-  const Error error = undecided(
-      cat("neither names nor values determine which of the ", sample.columns.size(),
-          " columns are t, x, y and p; name them, e.g. ", std::string("txyp-----").substr(0, sample.columns.size())),
-      location, Setting::kColumns);
+  const Error error = undecided(cat("neither names nor values determine which of the ", sample.columns.size(),
+                                    " columns are t, x, y and p; give their order, e.g. ",
+                                    std::string("txyp-----").substr(0, sample.columns.size())),
+                                location, Setting::kColumns);
   if (sample.columns.size() != kNumFields) return error;
   OrderHints hints{{}, info.width, info.height, sample.usual_order};
   for (size_t field = 0; field < kNumFields; ++field) {
@@ -142,7 +143,7 @@ Result<Unit> decide_unit(TableSample& sample, size_t column, const OpenOptions& 
   // A few values may be damaged.
   if (fractions > 0 && 10 * fractions >= set) {
     if (const auto unit = unit_of_fractions(times.values)) return Unit{*unit, Reason::kValues, "not whole numbers"};
-    return undecided("the times are not integers, and too far apart for seconds; name their unit", location,
+    return undecided("the times are not integers, but too far apart to be seconds; give their unit", location,
                      Setting::kTimeUnit);
   }
   const bool are_ns = 2 * large > times.values.size();
@@ -169,9 +170,10 @@ Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::
   std::vector<double>& values = sample.columns[column].values;
   PolarityGuess guess = guess_polarity(values);
   if (10 * guess.explained < 9 * values.size()) {
-    return undecided(cat("the polarities of column ", column + 1, " are ", values_text(values),
-                         "; known are 0/1, -1/1, 1/2, 0/255, true/false, on/off; check which column holds them"),
-                     location, Setting::kColumns);
+    return undecided(
+        cat("the polarities of column ", column + 1, " are ", values_text(values),
+            "; supported are 0/1, -1/1, 1/2, 0/255, true/false and on/off; check which column contains them"),
+        location, Setting::kColumns);
   }
   if (guess.has_off != guess.has_on && sample.find_further) {
     const double known = guess.has_on ? guess.code.on : guess.code.off;
@@ -234,7 +236,7 @@ Result<void> require_mostly_events(uint64_t events, uint64_t bad, const Recordin
   const std::string columns = info.table ? info.table->columns : "t, x, y, p";
   return Error{ErrorCode::kFormat,
                cat(bad, " of ", bad + events, " rows cannot be read as ", columns, " (the first ", first_bad,
-                   "); name the columns or correct the file"),
+                   "); give the order of the columns or correct the file"),
                location, Setting::kColumns};
 }
 

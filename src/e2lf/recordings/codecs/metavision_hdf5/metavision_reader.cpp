@@ -70,7 +70,7 @@ RecordingInfo read_info(hid_t file) {
 
 bool detect(std::span<const uint8_t> head) {
   constexpr uint8_t kMagic[] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
-  // MATLAB puts a text of its own in front.
+  // MATLAB files begin with another text.
   for (const size_t begin : {size_t{0}, size_t{512}, size_t{1024}, size_t{2048}}) {
     const bool has_room = head.size() >= begin + sizeof(kMagic);
     if (has_room && std::memcmp(head.data() + begin, kMagic, sizeof(kMagic)) == 0) return true;

@@ -218,7 +218,7 @@ Result<void> check_count(const NpyHeader& header, const ByteSource& source) {
   const uint64_t stored = bytes < header.data_offset ? 0 : (bytes - header.data_offset) / header.array.item_size;
   if (stored <= header.array.shape[0]) return {};
   return Error{ErrorCode::kFormat,
-               cat("the header says ", header.array.shape[0], " events, but the file holds ", stored,
+               cat("the header states ", header.array.shape[0], " events, but the file contains ", stored,
                    ": writing was not finished; write it again, or correct the shape in its header"),
                source.name()};
 }
