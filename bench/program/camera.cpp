@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf-bench camera: scenes before a camera with one imperfection more or less, reconstructed by each model
+// e2lf-bench camera: reconstructs scenes recorded by a camera with one imperfection added or removed, with each model
 #include "bench/program/camera.h"
 
 #include <algorithm>
@@ -38,7 +38,7 @@ struct CameraBench {
   float scene_gain = 1.0F;
 };
 
-/// The event images of the second cycle: by then a pixel's reference is what the cycle before left.
+/// Returns the event images of the second cycle, in which the references are those that the first cycle left.
 Result<capture::EventImages> play(const CameraSetting& setting, const capture::Codes& codes, const LightField& scene,
                                   const CameraBench& options, uint64_t seed) {
   E2LF_ASSIGN_OR_RETURN(const LightField first, in_view(scene, options.size, 0));
@@ -109,7 +109,7 @@ Result<std::vector<LightField>> read_scenes(const CameraBench& options) {
   return scenes;
 }
 
-/// PSNR of every setting, model and scene.
+/// Measures the PSNR for every setting, model and scene.
 Result<Json> measure(const CameraBench& options, const capture::SensorProfile& camera,
                      const std::vector<NamedModel>& models, const std::vector<LightField>& scenes, bool is_quiet) {
   const std::vector<CameraSetting> settings = camera_settings(camera);
@@ -190,7 +190,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
 
 int run_camera(const std::vector<std::string>& arguments) {
   Verb verb("camera",
-            "What each imperfection of a camera costs in PSNR, for each model; at the brightness that fits best.",
+            "Measure the cost of each imperfection of a camera in PSNR for each model, after a fit of the brightness.",
             "e2lf-bench camera scene/ -m e2lf-n4");
   CameraBench options;
   std::vector<fs::path> report_names;
@@ -198,7 +198,7 @@ int run_camera(const std::vector<std::string>& arguments) {
   add_report_option(app, report_names);
   app.add_option("scenes,-i,--input", options.scenes, "light fields of any format e2lf reads")->required();
   add_model_option(app, "-m,--model", options.models, "model files or bundled models; default: e2lf-n4");
-  add_codes_option(app, options.codes, "patterns of models that hold none");
+  add_codes_option(app, options.codes, "patterns for models that contain none");
   app.add_option("--size", options.size, "height and width of the middle part that is used, px")
       ->check(whole_number(16))
       ->capture_default_str();

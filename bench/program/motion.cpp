@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf-bench motion: scenes that move before the camera, reconstructed from the lit transitions and from those of the
-// whole cycle.
+// e2lf-bench motion: reconstructs moving scenes from the lit transitions and from those of the whole cycle.
 #include "bench/program/motion.h"
 
 #include <algorithm>
@@ -47,7 +46,7 @@ struct Shot {
   std::vector<LightField> truths;
 };
 
-/// What one kind of motion is, and how each scene performs it.
+/// One kind of motion, and the shots of all scenes with it.
 struct Motion {
   std::string name;
   std::vector<Shot> shots;
@@ -95,7 +94,7 @@ Result<std::vector<Motion>> motions(const std::vector<LightField>& scenes, const
   return result;
 }
 
-/// Returns the event images of the whole second cycle: by then the references of the pixels are as the first left them.
+/// Returns the event images of the whole second cycle, in which the references are those that the first cycle left.
 Result<capture::EventImages> play(const Shot& shot, const capture::Codes& codes, const capture::SensorProfile& camera,
                                   uint64_t seed) {
   streams::RigOptions options;
@@ -196,7 +195,7 @@ Result<void> bench(const MotionBench& options, const std::vector<fs::path>& repo
   const std::optional<capture::Codes> codes = whole.model().codes;
   if (!codes || !capture::codes_of_whole_cycle(*codes) || lit.model().codes != capture::codes_of_whole_cycle(*codes)) {
     return Error{ErrorCode::kInvalidValue,
-                 "the two networks do not take the lit transitions and the whole cycle of the same patterns; name "
+                 "the two networks are not for the lit transitions and the whole cycle of the same patterns; give "
                  "others with --lit and --whole",
                  ""};
   }
@@ -215,8 +214,8 @@ Result<void> bench(const MotionBench& options, const std::vector<fs::path>& repo
 
 int run_motion(const std::vector<std::string>& arguments) {
   Verb verb("motion",
-            "What the whole cycle gains or loses against the lit transitions if the scene moves, in PSNR at the "
-            "brightness that fits best.",
+            "Compare the whole cycle with the lit transitions while the scene moves, in PSNR after a fit of the "
+            "brightness.",
             "e2lf-bench motion scene/");
   MotionBench options;
   std::vector<fs::path> report_names;

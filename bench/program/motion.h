@@ -6,7 +6,7 @@
 
 namespace e2lf::bench {
 
-/// e2lf-bench motion: what the transitions of a whole cycle gain or lose if the scene moves.
+/// Implements e2lf-bench motion, which compares the whole cycle with the lit transitions while the scene moves.
 int run_motion(const std::vector<std::string>& arguments);
 
 }  // namespace e2lf::bench

@@ -162,7 +162,7 @@ class WritingTest(InFolder):
                 writer.write(wrong)
         with self.assertRaisesRegex(e2lf.Error, "field t"):
             writer.write(self.events[["x", "y", "p"]])
-        with self.assertRaisesRegex(e2lf.Error, "whole numbers"):
+        with self.assertRaisesRegex(e2lf.Error, "integers"):
             writer.write(with_types(self.events, x="u2", y="u2", p="i2", t="f8"))
 
     def test_triggers_are_never_lost(self):

@@ -136,7 +136,7 @@ bad 'nothing is left to compare'
 grep -q "the method a is left out" stderr.txt || fail "the method left out was not named"
 echo '{"methods": [' >bad.json
 bad 'not valid JSON'
-fails 1 "write e.g. 1/4" "$E2LF" compare c.json -o out --shard 3/2
+fails 1 "give e.g. 1/4" "$E2LF" compare c.json -o out --shard 3/2
 
 # What e2lf compare did not write stays.
 mkdir foreign && echo mine >foreign/table.csv

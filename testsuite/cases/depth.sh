@@ -57,7 +57,7 @@ exists maps/run.json maps/cycle_00000/run.json maps/cycle_00001/points.ply
 cmp maps/cycle_00000/disparity.npy out/disparity.npy
 py -c 'import numpy as np; d = np.load("maps/cycle_00001/disparity.npy"); assert np.abs(d[8:-8, 8:-8] - 0.6).max() < 0.02'
 
-fails 1 'name one of them' "$E2LF" depth cycles -o x.ply
+fails 1 'give one of them' "$E2LF" depth cycles -o x.ply
 fails 1 'give a larger one' "$E2LF" depth cycles/cycle_00001/lightfield.npy -o x.ply --infinity 0.5
 fails 1 'there is no view (8, 0)' "$E2LF" depth plane.npy -o x --view-row 8 --view-column 0
 fails 1 'two limits' "$E2LF" depth plane.npy -o x --min-disparity 0

@@ -66,7 +66,7 @@ const Meaning& meaning_of(const std::string& key) {
 }
 
 std::string constants_text(const Calibration& calibration) {
-  std::string text = format("%-23s %10s %-13s %-22s %s\n", "constant", "value", "unit", "95 % range", "what it is");
+  std::string text = format("%-23s %10s %-13s %-22s %s\n", "constant", "value", "unit", "95 % range", "meaning");
   for (const Estimate& each : calibration.estimates) {
     const Meaning& meaning = meaning_of(each.key);
     const std::string range = each.is_determined ? format("%.4g to %.4g", each.low, each.high) : "kept";

@@ -223,8 +223,8 @@ class Planner {
       E2LF_ASSIGN_OR_RETURN(scenes, find_all(group.stand_in, group, none_stands_in));
       if (scenes.empty() && !group.optional) return *missing;
       log_warning(scenes.empty() ? cat("the group ", group.name, " is left out: ", missing->text())
-                                 : cat("of the group ", group.name, " no scene is there: ", scenes.size(),
-                                       scenes.size() == 1 ? " other stands" : " others stand", " in for it"));
+                                 : cat("no scene of the group ", group.name, " was found; ", scenes.size(),
+                                       scenes.size() == 1 ? " substitute is" : " substitutes are", " used instead"));
     }
     if (!scenes.empty()) plan_.groups.push_back(group.name);
     for (Scene& scene : scenes) {

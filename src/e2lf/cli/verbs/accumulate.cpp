@@ -231,8 +231,10 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
 }  // namespace
 
 int run_accumulate(const std::vector<std::string>& arguments) {
-  Verb verb("accumulate", "Cut a recording into pattern cycles and accumulate each into event images. Constant memory.",
-            "e2lf accumulate recording.raw -o events.npz --source bursts");
+  Verb verb(
+      "accumulate",
+      "Divide a recording into pattern cycles and sum the events of each into event images. Needs constant memory.",
+      "e2lf accumulate recording.raw -o events.npz --source bursts");
   AccumulateArguments accumulation;
   verb.app()
       .add_option("input,-i,--input", accumulation.input,

@@ -166,7 +166,7 @@ Result<void> take_over(const CompareArguments& arguments, const compare::Plan& p
       return Error{ErrorCode::kNotFound, "this is not a folder of results of e2lf compare; give one", folder.string()};
     }
     E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder), pictures));
-    log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " taken over"));
+    log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " copied"));
   }
   return {};
 }

@@ -108,13 +108,13 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
   }
 }
 
-/// Says which light fields were made of the lit transitions, because the scene moved.
+/// Logs how many light fields were reconstructed from the lit transitions because the scene moved.
 void say_motion(const fs::path& input, const Json& cycles, const std::string& network) {
   const auto moving = std::count_if(cycles.begin(), cycles.end(),
                                     [](const Json& cycle) { return cycle.value("transitions", "") == "lit"; });
   if (moving == 0) return;
   log_info(cat(input.string(), ": the scene moved during ", moving, " of ", cycles.size(), " cycles, which ", network,
-               " reconstructed from their lit transitions; --transitions all takes the whole cycle everywhere"));
+               " reconstructed from their lit transitions; --transitions all uses the whole cycle in every case"));
 }
 
 Result<pipeline::OpenedMethod> open_method(const ReconstructArguments& arguments, const pipeline::CycleInput& input,

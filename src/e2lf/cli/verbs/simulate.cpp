@@ -373,7 +373,9 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_simulate(const std::vector<std::string>& arguments) {
-  Verb verb("simulate", "Simulate the event images that a coded-aperture event camera records of a light field.",
+  Verb verb("simulate",
+            "Simulate the event images or the recording that an event camera with a coded aperture makes "
+            "of a light field.",
             "e2lf simulate scene/ -m e2lf-n4 -o events.npz --sigma-w 0.175 --seed 1");
   SimulateArguments simulation;
   CLI::App& app = verb.app();
