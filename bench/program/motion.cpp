@@ -81,7 +81,7 @@ Shot turn(double rpm, int64_t cycle_us, size_t size, uint64_t seed) {
 Result<std::vector<Motion>> motions(const std::vector<LightField>& scenes, const MotionBench& options,
                                     int64_t cycle_us) {
   std::vector<Motion> result;
-  for (const double px : {0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 6.0}) {
+  for (const double px : {0.0, 0.5, 1.0, 2.0, 3.0, 6.0}) {
     Motion& motion = result.emplace_back(Motion{cat("scenes that move ", px, " px per cycle"), {}});
     for (const LightField& scene : scenes) {
       E2LF_ASSIGN_OR_RETURN(motion.shots.emplace_back(), shift(scene, px, cycle_us, options.size));
