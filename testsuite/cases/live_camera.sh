@@ -25,7 +25,7 @@ fails 1 "busy" camera "busy" record camera://metavision -o x.raw
 fails 1 "EVT4, which e2lf cannot read" camera "format=EVT4" convert camera://metavision x.csv
 fails 1 "leave the option out" camera "" record camera://metavision --trigger-channel 3 -o x.raw
 fails 1 "is not a region" camera "" record camera://metavision --roi 1,2,3 -o x.raw
-fails 1 "settings of a camera" "$E2LF" info sent.raw --max-event-rate 5
+fails 1 "camera settings do not apply" "$E2LF" info sent.raw --max-event-rate 5
 absent x.raw x.csv x.bias
 
 # Byte for byte, with the settings as they were read back.
