@@ -23,10 +23,13 @@ using Parameters = std::map<std::string, std::string>;
 /// EPIs of `x` by `views` and `views` by `y` pixels.
 ///   picture?after=N&x=&y=&focus=&radius=&row=&column=   the newest picture, or 204 if none comes soon
 ///   events                                              the newest events, or 204
-///   statistics                                          Session::json() and "recording": Recorder::json()
+///   disparity?x=&y=                                     {"disparity"}: Session::disparity_at(), or 204
 /// and, as commands (POST): record?on=1|0, average?cycles=K, size?to=auto|full|half, brightness.
 /// Returns nothing for another request.
 [[nodiscard]] std::optional<Answer> answer(Session& session, bool is_command, const std::string& name,
                                            const Parameters& parameters);
+
+/// Returns all figures of the page: Session::json(), and "recording": Recorder::json().
+[[nodiscard]] Json statistics(Session& session);
 
 }  // namespace e2lf::live

@@ -25,6 +25,9 @@ class SizeChoice {
   explicit SizeChoice(std::optional<PictureSize> named = {}) : named_(named) {}
 
   [[nodiscard]] PictureSize size() const { return named_.value_or(size_); }
+  [[nodiscard]] const char* name() const {
+    return named_ ? size_name(*named_) : "auto";
+  }  ///< as size_from_name() reads
 
   /// Adds how long a light field of size() took, and how long a cycle takes. Returns true if the size changes.
   bool add(double field_s, double cycle_s);

@@ -16,7 +16,7 @@ using FineMethod = std::function<Result<lightfield::LightField>(const live::Live
 
 /// The page of `e2lf live`, served by a thread of its own: what live_requests.h answers, the light field that was
 /// frozen last with all its views, and the same cycle reconstructed well. Commands (POST) beside those of
-/// live_requests.h: freeze, fine.
+/// live_requests.h: freeze, fine; both answer {"name"} of the light field that the page will have.
 class LivePage {
  public:
   /// Serves from now on. `session` must outlive the page. Fails with kIo where the port is taken, and with
