@@ -6,6 +6,7 @@ tools. Times are microseconds (us), lengths pixels (px). Bad data raises Error. 
 """
 from ._e2lf import (
     Camera,
+    CameraSetup,
     Cycles,
     Error,
     EventSlices,
