@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// e2lf-bench depth: disparity maps against true ones, and the sign that occlusions tell of light fields as they are and
-// turned by 180 degrees.
+// e2lf-bench depth: compares disparity maps with true ones, and determines the sign of the disparities from occlusions
+// for light fields as they are and turned by 180 degrees.
 #include "bench/program/depth.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ using lightfield::LightField;
 
 constexpr const char* kTruthFile = "gt_disparity.npy";
 
-/// A light field, and its true disparities in the middle view, if they are known.
+/// A light field with the true disparities of its middle view, if they are known.
 struct DepthScene {
   std::string name;
   LightField light_field;
@@ -52,7 +52,7 @@ Result<DepthScene> read(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(truth));
   const lightfield::Shape& shape = scene.light_field.shape();
   if (!std::ranges::equal(array.shape, std::array{shape.height, shape.width})) {
-    return Error{ErrorCode::kShape, "these disparities are not of the size of the views", truth.string()};
+    return Error{ErrorCode::kShape, "these disparities do not have the size of the views", truth.string()};
   }
   scene.truth = Image(shape.height, shape.width);
   E2LF_ASSIGN_OR_RETURN(scene.truth.pixels, array.to_float(truth.string()));
@@ -97,7 +97,7 @@ Result<Json> measure(DepthScene scene) {
 }
 
 BenchReport depth_report(const Json& scenes) {
-  report::Table table{"The order of views that the occlusions tell, of the views as they are and turned.",
+  report::Table table{"The order of the views according to the occlusions, for the views as they are and turned.",
                       {{"scene"},
                        {"bad at 0.2 px, %", true},
                        {"at 0.07 px, %", true},
@@ -122,8 +122,8 @@ BenchReport depth_report(const Json& scenes) {
     table.rows.push_back(std::move(row));
   }
   return {"Disparity maps",
-          cat("Disparity maps of the middle view. Bad pixels are those with a larger error than stated; the truth is "
-              "known of the demo scene and of folders with ",
+          cat("Disparity maps of the middle view. Bad pixels have a larger error than stated. The truth is known for "
+              "the demo scene and for folders with ",
               kTruthFile),
           {table}};
 }
@@ -147,8 +147,8 @@ Result<void> bench(const std::vector<fs::path>& paths, const std::vector<fs::pat
 
 int run_depth(const std::vector<std::string>& arguments) {
   Verb verb("depth",
-            "The errors of disparity maps of the demo scene and of light fields with true disparities, and the order "
-            "of the views that occlusions tell.",
+            "Measure the errors of disparity maps for the demo scene and for light fields with true disparities, and "
+            "determine the order of the views from occlusions.",
             "e2lf-bench depth scene/");
   std::vector<fs::path> scenes, report_names;
   CLI::App& app = verb.app();

@@ -6,7 +6,8 @@
 
 namespace e2lf::bench {
 
-/// e2lf-bench depth: the errors of disparity maps, and whether occlusions tell the order of the views.
+/// Implements e2lf-bench depth, which measures the errors of disparity maps, and the order of the views that follows
+/// from occlusions.
 int run_depth(const std::vector<std::string>& arguments);
 
 }  // namespace e2lf::bench

@@ -76,10 +76,11 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
                  "number N of coding patterns of the paper's schedule; default: as the recording states, or else 4")
       ->check(whole_number(2, 64))
       ->group(group);
-  app.add_option("--transitions", flags.transitions,
-                 "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
-                 "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
-                 "then uses the lit ones in cycles during which the scene moves too much")
+  app.add_option(
+         "--transitions", flags.transitions,
+         "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
+         "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
+         "then uses the lit ones in cycles during which the scene moves too much")
       ->check(CLI::IsMember({"auto", "lit", "all"}))
       ->capture_default_str()
       ->group(group);
