@@ -23,9 +23,6 @@ constexpr size_t kMostRowsPerRound = 64;
 // Threads take at most the remaining work divided by this and by the number of threads at a time.
 constexpr size_t kRunsPerThread = 4;
 
-// Kernels read up to this many pixels beyond the last one of a row for sums that they discard.
-constexpr size_t kReadAhead = 8;
-
 /// Returns the first input row that output rows from `y` on need.
 size_t first_needed(const Reach& reach, size_t y) {
   const size_t row = y * reach.down / reach.up;
@@ -84,8 +81,6 @@ void Stream::add_margins() {
 
 /// Uses the memory of the previous frame, or creates it with zeros for the first frame.
 void Stream::open_memory(FrameMemory& memory) {
-  // Rows whose distance is a multiple of a page would compete for the same cache sets.
-  constexpr size_t kPage = 4096, kCacheLine = 64;
   const size_t states = plan_.states.size();
   const bool is_new = memory.before.empty();
   if (is_new) {
@@ -101,7 +96,7 @@ void Stream::open_memory(FrameMemory& memory) {
     recalled.left = kept.left = std::max(recalled.left, kept.left);
     recalled.right = kept.right = std::max(recalled.right, kept.right);
     recalled.slack = kept.slack = std::max(recalled.slack, kept.slack);
-    const size_t stride = round_up(kept.row_bytes(), kPage) + kCacheLine;
+    const size_t stride = spread_stride(kept.row_bytes());
     for (auto& tensors : {&memory.before, &memory.now}) {
       if (is_new) (*tensors)[i] = {AlignedBuffer(kept.height * stride), stride};
     }
