@@ -205,11 +205,42 @@ void bind_recording(py::module_& module) {
       .def("__repr__", [](const Recording& self) { return "<e2lf.Recording " + self.name() + ">"; });
 }
 
+/// (x, y, width, height).
+using RegionArgument = std::tuple<int, int, int, int>;
+
+void bind_camera_setup(py::module_& module) {
+  using recordings::CameraSetup;
+  py::class_<CameraSetup>(
+      module, "CameraSetup",
+      "What a live camera is set to before it starts. What is not given stays as the camera has it.")
+      .def(py::init([](std::vector<std::string> trigger_channels, const fs::path& biases,
+                       std::optional<uint32_t> max_events_per_s, const std::vector<RegionArgument>& regions,
+                       const std::string& encoding) {
+             CameraSetup setup{.trigger_channels = std::move(trigger_channels),
+                               .biases = biases,
+                               .max_events_per_s = max_events_per_s,
+                               .regions = {},
+                               .encoding = encoding};
+             if (!encoding.empty()) check_word(encoding, {"evt2", "evt2.1", "evt3"}, "encoding");
+             for (const auto& [x, y, width, height] : regions) setup.regions.push_back({x, y, width, height});
+             return setup;
+           }),
+           py::kw_only(), py::arg("trigger_channels") = std::vector<std::string>(), py::arg("biases") = "",
+           py::arg("max_events_per_s") = py::none(), py::arg("regions") = std::vector<RegionArgument>(),
+           py::arg("encoding") = "",
+           "trigger_channels: inputs to switch on: \"main\", \"aux\", their number, or [\"none\"]; [] = all.\n"
+           "biases: a file of biases (.bias).\n"
+           "max_events_per_s: beyond which the sensor drops events; 0 = no limit.\n"
+           "regions: rectangles of the sensor that send events, (x, y, width, height) in px; [] = all.\n"
+           "encoding: \"evt2\", \"evt2.1\" or \"evt3\".");
+}
+
 }  // namespace
 
 void bind_recordings(py::module_& module) {
   module.attr("event_dtype") = event_dtype();
   module.attr("trigger_dtype") = trigger_dtype();
+  bind_camera_setup(module);
   bind_recording(module);
   module.def(
       "open_recording", [](const fs::path& path, E2LF_OPEN_PARAMETERS) { return open(path, E2LF_OPEN_VALUES); },

@@ -8,16 +8,19 @@
 #define E2LF_OPEN_PARAMETERS                                                                                     \
   const std::string &format, size_t width, size_t height, const std::string &stream, const std::string &columns, \
       const std::string &time_unit, std::optional<int64_t> from_us, std::optional<int64_t> to_us, bool relative, \
-      bool shift_time, bool strict, int threads, const std::string &restart
-#define E2LF_OPEN_VALUES                                                                                              \
-  ::e2lf::python::OpenArguments {                                                                                     \
-    format, stream, columns, time_unit, restart, width, height, from_us, to_us, relative, shift_time, strict, threads \
+      bool shift_time, bool strict, int threads, const std::string &restart,                                     \
+      const std::optional<::e2lf::recordings::CameraSetup>&camera_setup
+#define E2LF_OPEN_VALUES                                                                                               \
+  ::e2lf::python::OpenArguments {                                                                                      \
+    format, stream, columns, time_unit, restart, width, height, from_us, to_us, relative, shift_time, strict, threads, \
+        camera_setup                                                                                                   \
   }
 #define E2LF_OPEN_ARGUMENTS                                                                    \
   py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0, py::arg("stream") = "", \
   py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("from_us") = py::none(),     \
   py::arg("to_us") = py::none(), py::arg("relative") = false, py::arg("shift_time") = false,   \
-  py::arg("strict") = false, py::arg("threads") = 0, py::arg("restart") = "continue"
+  py::arg("strict") = false, py::arg("threads") = 0, py::arg("restart") = "continue",          \
+  py::arg("camera_setup") = py::none()
 #define E2LF_OPEN_DOC                                                                                              \
   "\n\npath: a file, the folder of a bag of ROS 2, \"-\" for standard input, a named pipe, tcp://ADDRESS:PORT, "   \
   "camera://NAME or replay:FILE.\n"                                                                                \
@@ -32,4 +35,5 @@
   "strict: whether damage is an error; otherwise, the damaged part is left out and counted.\n"                     \
   "threads: number of threads for decoding; 0 = all cores.\n"                                                      \
   "restart: if the clock starts again: \"continue\" shifts the later part behind the earlier one, \"split\" ends " \
-  "there (next_part() continues), \"refuse\" is an error."
+  "there (next_part() continues), \"refuse\" is an error.\n"                                                       \
+  "camera_setup: the CameraSetup of a live camera; None = its current settings, with all of its trigger inputs."

@@ -48,6 +48,7 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
     E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions options, cli::open_options(name, flags, reads_parts));
     options.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
     options.threads = arguments.threads;
+    options.camera = arguments.camera_setup.value_or(recordings::CameraSetup());
     E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(name, options));
     for (const recordings::Assumption& assumption : reader->info().assumptions) {
       log_info(cat(name, ": ", assumption.text));

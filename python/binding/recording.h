@@ -19,6 +19,7 @@ struct OpenArguments {
   std::optional<int64_t> from_us, to_us;
   bool relative = false, shift_time = false, strict = false;
   int threads = 0;
+  std::optional<recordings::CameraSetup> camera_setup;
 };
 
 /// Opens a recording by its name, as the verbs do, and logs assumptions. `reads_parts` is as for cli::open_options().

@@ -6,6 +6,7 @@ tools. Times are in microseconds (us), lengths in pixels (px). Bad data raises E
 """
 from ._e2lf import (
     Camera,
+    CameraSetup,
     Cycles,
     Error,
     EventSlices,

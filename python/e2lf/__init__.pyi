@@ -22,6 +22,17 @@ class Error(Exception):
     location: str
     setting: str
 
+class CameraSetup:
+    def __init__(
+        self,
+        *,
+        trigger_channels: Sequence[str] = [],
+        biases: Path = "",
+        max_events_per_s: Optional[int] = None,
+        regions: Sequence[Tuple[int, int, int, int]] = [],
+        encoding: str = "",
+    ) -> None: ...
+
 class Slice(NamedTuple):
     events: Array
     triggers: Array
@@ -226,6 +237,7 @@ def open_recording(
     strict: bool = False,
     threads: int = 0,
     restart: str = "continue",
+    camera_setup: Optional[CameraSetup] = None,
 ) -> Recording: ...
 def read_events(
     path: Path,
@@ -243,6 +255,7 @@ def read_events(
     strict: bool = False,
     threads: int = 0,
     restart: str = "continue",
+    camera_setup: Optional[CameraSetup] = None,
 ) -> Tuple[Array, Array]: ...
 def info(
     path: Path,
@@ -285,6 +298,7 @@ def convert(
     strict: bool = False,
     threads: int = 0,
     restart: str = "continue",
+    camera_setup: Optional[CameraSetup] = None,
 ) -> Dict[str, Any]: ...
 
 # Patterns, schedules, cycles, event images
@@ -321,6 +335,7 @@ def accumulate(
     strict: bool = False,
     threads: int = 0,
     restart: str = "continue",
+    camera_setup: Optional[CameraSetup] = None,
 ) -> Cycles: ...
 def synthesise_recording(
     path: Path,

@@ -207,6 +207,17 @@ class LiveTest(InFolder):
         feeder.join()
         self.assertTrue(same(events, expected))
 
+    def test_the_settings_of_a_camera_reach_it(self):
+        make_recording("rec.raw", cycles=1)
+        with e2lf.open_recording("replay:rec.raw", camera_setup=e2lf.CameraSetup()) as recording:
+            self.assertEqual(recording.format, "evt3")
+        for settings in ({"trigger_channels": ["main"]}, {"biases": "low.bias"}, {"max_events_per_s": 5},
+                         {"regions": [(0, 0, 8, 8)]}, {"encoding": "evt3"}):
+            with self.assertRaisesRegex(e2lf.Error, "settings of a camera"):
+                e2lf.read_events("replay:rec.raw", camera_setup=e2lf.CameraSetup(**settings))
+        with self.assertRaisesRegex(e2lf.Error, "evt9"):
+            e2lf.CameraSetup(encoding="evt9")
+
     def test_an_interrupt_ends_the_wait_for_a_pipe(self):
         make_recording("rec.raw", cycles=1)
         os.mkfifo("pipe")

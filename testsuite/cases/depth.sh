@@ -67,3 +67,10 @@ fails 1 'a single view' "$E2LF" depth plane.npy -o x --views 1
 fails 1 'overwrite' "$E2LF" depth plane.npy -o out
 fails 1 'give a light field' "$E2LF" depth one.ply -o x
 absent x x.ply
+# Views that are flipped along one axis fit no depth.
+"$E2LF" demo -o demo --width 160 --height 120 --quiet
+for flip in x y; do
+  "$E2LF" convert demo/scene "flipped_$flip.npy" "--flip-$flip" --quiet
+  "$E2LF" depth "flipped_$flip.npy" -o "flipped_$flip" --quiet 2>stderr.txt
+  grep -q "flipped along one axis.*--flip-$flip" stderr.txt || fail "$flip: $(cat stderr.txt)"
+done

@@ -5,6 +5,7 @@ import { context2d, element } from './dom';
 export interface Statistics {
   network: string;
   size: string;
+  size_choice: string;
   average: number;
   has_ended: boolean;
   error: string | null;
@@ -57,10 +58,26 @@ export async function askForStatistics(): Promise<Statistics> {
 }
 
 /** Tells the server to do something. Fails with its reason. */
-export async function command(path: string): Promise<void> {
+export async function command(path: string): Promise<{ name?: string }> {
   const answer = await fetch(path, { method: 'POST' }).catch(() => null);
   if (!answer) throw new Error('The server does not answer; is e2lf still running?');
   if (!answer.ok) throw new Error(await answer.text());
+  return answer.json() as Promise<{ name?: string }>;
+}
+
+/** A control of a setting that the server keeps. It takes a value over when that has changed there, so that it does not
+ *  move under the hand of whoever uses it. */
+export class SettingControl<Control extends HTMLInputElement | HTMLSelectElement> {
+  private known: string | null = null;
+
+  constructor(readonly control: Control, tell: (value: string) => void) {
+    control.addEventListener('change', () => tell(control.value));
+  }
+
+  show(value: string): void {
+    if (value !== this.known) this.control.value = value;
+    this.known = value;
+  }
 }
 
 export function drawGrey(canvas: HTMLCanvasElement, width: number, height: number, grey: Uint8Array): void {

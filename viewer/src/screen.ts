@@ -13,6 +13,8 @@ export interface Context {
   panel: Panel;
   /** Shows a line at the foot of the page. */
   say(text: string): void;
+  /** Goes to the tab of the item with this name, as soon as there is one. */
+  goTo(name: string): void;
   /** Shows an error in place of the screen. */
   fail(error: unknown): void;
 }
@@ -30,7 +32,17 @@ export interface Screen {
   keys: [keys: string, does: string][];
   /** Called after the description has grown. */
   grow?(): void;
+  /** Parts of the description are still being fetched. */
+  isLoading?(): boolean;
   close(): void;
+}
+
+/** Focuses on a point (px) of a picture. */
+export function focusOn({ state, say }: Context, x: number, y: number, disparity: number): void {
+  state.set('tiltx', 0);
+  state.set('tilty', 0);
+  state.set('focus', disparity);
+  say(`focus on x ${Math.floor(x)}, y ${Math.floor(y)}: disparity ${disparity.toFixed(2)} px per view`);
 }
 
 /** The largest size that keeps the proportions of a picture in a box; small pictures grow to four times their size. */

@@ -136,6 +136,10 @@ std::string report_text(const Calibration& calibration, bool with_places) {
   text += agreement_text(calibration.agreement.rows, false);
   text += format("mean total variation %.3f (first guess: %.3f)\n", mean_total_variation(calibration.agreement),
                  mean_total_variation(calibration.first_agreement));
+  text +=
+      "each row: places of one brightness (E1+E2, their mean count in the first two transitions), and of each "
+      "transition what was measured | what the constants imply; TV, the total variation, is near \"chance\" where they "
+      "agree\n";
   if (with_places) text += "\n" + agreement_text(calibration.agreement.places, true);
   return text;
 }

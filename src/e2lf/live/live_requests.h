@@ -24,9 +24,13 @@ using Parameters = std::map<std::string, std::string>;
 ///   picture?after=N&x=&y=&focus=&radius=&row=&column=   the newest picture, or 204 if there is none soon
 ///   events                                              the newest events, or 204
 ///   statistics                                          Session::json() and "recording": Recorder::json()
+///   disparity?x=&y=                                     {"disparity"}: Session::disparity_at(), or 204
 /// The commands (POST) are record?on=1|0, average?cycles=K, size?to=auto|full|half, and brightness. Returns nothing for
 /// any other request.
 [[nodiscard]] std::optional<Answer> answer(Session& session, bool is_command, const std::string& name,
                                            const Parameters& parameters);
+
+/// Returns all figures of the page: Session::json(), and "recording": Recorder::json().
+[[nodiscard]] Json statistics(Session& session);
 
 }  // namespace e2lf::live

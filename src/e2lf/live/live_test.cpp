@@ -242,12 +242,31 @@ TEST(Look, AWideApertureIsTheRefocusedSum) {
       << "disparities are those of the full size";
 }
 
+TEST(Look, TheFocusOfAPointIsTheDisparityOfWhatIsSeenThere) {
+  constexpr float kDisparity = 1.3F;
+  LiveField field;
+  field.light_field = lightfield::LightField({8, 8, 48, 64});
+  for (size_t view = 0; view < 64; ++view) {
+    for (size_t y = 0; y < 48; ++y) {
+      for (size_t x = 0; x < 64; ++x) {
+        const float to_x = static_cast<float>(x) - kDisparity * (static_cast<float>(view % 8) - 3.5F);
+        const float to_y = static_cast<float>(y) - kDisparity * (static_cast<float>(view / 8) - 3.5F);
+        field.light_field.at(view / 8, view % 8, y, x) = 0.5F + 0.25F * std::sin(to_x) + 0.25F * std::sin(1.3F * to_y);
+      }
+    }
+  }
+  EXPECT_NEAR(disparity_at(field, 30.5F, 20), kDisparity, 0.02F);
+  field.size = PictureSize::kHalf;
+  EXPECT_NEAR(disparity_at(field, 61, 40), 2 * kDisparity, 0.04F) << "of the full size";
+}
+
 TEST(Look, NumbersOfNobodyAreHarmless) {
   const LiveField field = demo_field();
   const float nan = std::numeric_limits<float>::quiet_NaN(), huge = std::numeric_limits<float>::max();
   for (const Look& look : {Look{nan, nan, nan, nan, {}, {}}, Look{huge, -huge, huge, huge, {}, {}},
                            Look{-huge, huge, -huge, -huge, {}, {}}}) {
     EXPECT_EQ(render(field, look).image.pixels.size(), 32u * 24u);
+    EXPECT_LE(std::abs(disparity_at(field, look.x, look.y)), 5.1F);
   }
 }
 

@@ -34,4 +34,8 @@ struct Picture {
 /// Renders the light field with the parameters `look` to 8 bits: round(255 * clamp(gain * (value - black))).
 [[nodiscard]] Picture render(const LiveField& field, const Look& look);
 
+/// Returns the disparity from -5 to 5, in px per view step of the full size, at which the views agree best around a
+/// point (px of the full size).
+[[nodiscard]] float disparity_at(const LiveField& field, float x, float y);
+
 }  // namespace e2lf::live

@@ -187,6 +187,12 @@ std::shared_ptr<const ShownPicture> Session::picture(const Look& look, uint64_t 
   return picture_;
 }
 
+std::optional<float> Session::disparity_at(float x, float y) {
+  const std::lock_guard lock(field_mutex_);
+  if (shown_.serial == 0) return std::nullopt;
+  return live::disparity_at(shown_, x, y);
+}
+
 std::optional<LiveField> Session::freeze() {
   std::optional<LiveField> frozen;
   {
@@ -218,6 +224,7 @@ Json Session::json() {
   json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
   const std::lock_guard lock(settings_mutex_);
   json["size"] = size_name(size_.size());
+  json["size_choice"] = size_.name();
   json["network"] = model().name;
   json["gain"] = gain_ ? Json(*gain_) : Json();
   json["black"] = black_ ? Json(*black_) : Json();

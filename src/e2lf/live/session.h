@@ -78,6 +78,9 @@ class Session {
   [[nodiscard]] std::shared_ptr<const ShownPicture> picture(const Look& look, uint64_t after,
                                                             std::chrono::milliseconds patience);
 
+  /// Returns disparity_at() of the newest light field, or nothing if there is none yet.
+  [[nodiscard]] std::optional<float> disparity_at(float x, float y);
+
   /// Returns a copy of the newest light field with the brightness in which it is shown, or nothing if there is none
   /// yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
   [[nodiscard]] std::optional<LiveField> freeze();

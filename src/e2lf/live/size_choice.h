@@ -26,6 +26,9 @@ class SizeChoice {
   explicit SizeChoice(std::optional<PictureSize> named = {}) : named_(named) {}
 
   [[nodiscard]] PictureSize size() const { return named_.value_or(size_); }
+  [[nodiscard]] const char* name() const {
+    return named_ ? size_name(*named_) : "auto";
+  }  ///< as size_from_name() reads
 
   /// Adds the time that a light field of size() took and the duration of a cycle. Returns true if the size changes.
   bool add(double field_s, double cycle_s);

@@ -49,7 +49,9 @@ Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
   const auto metadata = tensors.metadata.find(kMetadataKey);
   if (metadata == tensors.metadata.end()) {
     return Error{ErrorCode::kFormat,
-                 "not an e2lf model (its metadata has no \"e2lf\"); create one with `e2lf model import`", file};
+                 "not an e2lf model (its metadata has no \"e2lf\"); `e2lf model import` creates one from the weights of "
+                 "the paper (--release FOLDER) or of a published network (--checkpoint FILE)",
+                 file};
   }
   return parse_json(metadata->second, cat(file, ": ", kMetadataKey));
 }

@@ -11,7 +11,7 @@ import { FrameClock } from '../frame_clock';
 import { Camera, LightFieldViews, lightFieldUniforms, maxDisparity, toneUniforms } from '../light_field';
 import { Pane } from '../pane';
 import type { Uniform } from '../painter';
-import { fit, setSize, type Context, type Screen } from '../screen';
+import { fit, focusOn, setSize, type Context, type Screen } from '../screen';
 import { saveBlob } from '../screenshot';
 import { epiShader, gridShader, pictureShader } from '../shaders';
 import type { Key } from '../state';
@@ -70,12 +70,17 @@ export class LightFieldScreen implements Screen {
     this.load();
   }
 
+  isLoading(): boolean {
+    return this.numLoading > 0;
+  }
+
   private get item(): LightFieldItem {
     return this.first.item;
   }
 
   private addPane(name: string, isSecond: boolean): void {
-    const focusAt = (x: number, y: number) => this.focusAt(isSecond ? this.second : this.first, x, y);
+    const views = isSecond ? this.second : this.first;
+    const focusAt = (x: number, y: number) => focusOn(this.context, x, y, views.disparityAt(x, y));
     const pane = new Pane(name, this.item, this.context.state, focusAt);
     this.panes.push({ pane, isSecond });
     this.context.stage.append(pane.root);
@@ -300,14 +305,6 @@ export class LightFieldScreen implements Screen {
     this.quality.textContent = equal > 0 ? `${equal} of ${psnr.length} views are equal` : `PSNR ${mean.toFixed(2)} dB, mean of the views`;
     this.worst.textContent = known.length > 0 ? `${Math.min(...known).toFixed(2)} dB` : '';
     this.best.textContent = known.length > 0 ? `${Math.max(...known).toFixed(2)} dB${equal > 0 ? ', equal' : ''}` : 'equal';
-  }
-
-  private focusAt(views: LightFieldViews, x: number, y: number): void {
-    const disparity = views.disparityAt(x, y);
-    this.context.state.set('tiltx', 0);
-    this.context.state.set('tilty', 0);
-    this.context.state.set('focus', disparity);
-    this.context.say(`focus on x ${Math.floor(x)}, y ${Math.floor(y)}: disparity ${disparity.toFixed(2)} px per view`);
   }
 
   /** Goes along the path once, records the first picture and saves the film; then all is as before. */

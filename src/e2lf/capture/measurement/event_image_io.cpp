@@ -76,7 +76,9 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
   const std::vector<size_t>& shape = array.shape;
   if ((shape.size() != 3 && shape.size() != 4) || array.num_elements() == 0) {
     return Error{ErrorCode::kShape,
-                 cat("event images have shape ", shape_text(shape), "; expected [N-1, y, x] or [cycles, N-1, y, x]"),
+                 cat("an array of shape ", shape_text(shape),
+                     " is neither event images, [N-1, y, x] or [cycles, N-1, "
+                     "y, x], nor a list of events, [events, 4] with the columns t, x, y, p; store one of them"),
                  location};
   }
   // No display shows more patterns than a camera has columns.

@@ -2,6 +2,7 @@
 #include "e2lf/cli/flags/cycle_options.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 
 #include "e2lf/base/log.h"
@@ -228,13 +229,28 @@ void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& rep
                   "); check --schedule, --origin-us and --first-pattern, or look at `e2lf accumulate --plot`"));
 }
 
-std::string report_text(const cycles::CycleReport& report) {
-  std::string text = cat(report.complete, " complete cycle", report.complete == 1 ? "" : "s");
+namespace {
+
+std::string dropped_text(const cycles::CycleReport& report) {
+  std::string text;
   for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
     if (report.dropped[i] == 0) continue;
     text +=
         cat(", ", report.dropped[i], " dropped (", cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i)), ")");
   }
+  return text;
+}
+
+/// Returns the text with a capital letter.
+std::string sentence(std::string text) {
+  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+}  // namespace
+
+std::string report_text(const cycles::CycleReport& report) {
+  std::string text = cat(report.complete, " complete cycle", report.complete == 1 ? "" : "s", dropped_text(report));
   if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " pixels silenced");
   return text;
 }
@@ -248,8 +264,8 @@ Error no_cycle_error(const fs::path& input, const cycles::CycleReport& report) {
   }
   if (advice.empty()) advice = "check --source, --schedule and --patterns";
   return {ErrorCode::kInvalidValue,
-          cat("no complete pattern cycle was found (", report_text(report), "). Found: ", report.triggers, ". ", advice,
-              ". `e2lf accumulate ... --plot cycles.svg` shows the event rate and the triggers"),
+          cat("no complete pattern cycle was found", dropped_text(report), ". ", sentence(report.triggers), ". ",
+              sentence(advice), ". `e2lf accumulate ... --plot cycles.svg` shows the event rate and the triggers"),
           input.string()};
 }
 

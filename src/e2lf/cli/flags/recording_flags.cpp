@@ -131,16 +131,23 @@ Json losses_json(const recordings::DecodeSummary& summary) {
 Json live_json(const recordings::DecodeSummary& summary) {
   const recordings::LiveBacklog& live = summary.live;
   if (live == recordings::LiveBacklog()) return nullptr;
+  Json gaps = Json::array();
+  for (const recordings::LiveGap& gap : live.gaps) {
+    gaps.push_back({{"byte", gap.byte}, {"dropped_bytes", gap.dropped_bytes}, {"lost_buffers", gap.lost_buffers}});
+  }
   return {{"most_behind_s", static_cast<double>(live.most_behind_us) * 1e-6},
           {"pauses", live.pauses},
           {"may_have_lost_events", live.loses_events},
           {"dropped_bytes", live.dropped_bytes},
+          {"lost_buffers", live.lost_buffers},
+          {"num_gaps", live.num_gaps},
+          {"gaps", gaps},
           {"failure", live.failure}};
 }
 
 void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summary) {
   if (const std::string live = recordings::live_text(summary); !live.empty()) {
-    (summary.live.loses_events ? log_warning : log_info)(cat(input.string(), ": ", live));
+    (summary.live.num_gaps > 0 ? log_warning : log_info)(cat(input.string(), ": ", live));
   }
   if (const std::string restarts = recordings::restart_text(summary); !restarts.empty()) {
     const bool is_moved = summary.restarts.front().shift_us != 0;

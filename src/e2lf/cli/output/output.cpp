@@ -272,6 +272,15 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
       return Error{ErrorCode::kUnsupported, "this output is written as a file, not to a pipe or a device; give a file",
                    named.string()};
     }
+    // A pipe that a program reads and writes never ends.
+    std::error_code error;
+    const bool is_read =
+        fs::is_fifo(named, error) && std::any_of(rules.inputs.begin(), rules.inputs.end(), [&](const fs::path& input) {
+          return fs::equivalent(named, input, error) && !error;
+        });
+    if (is_read) {
+      return Error{ErrorCode::kInvalidValue, "the output is the pipe that is read; name another", named.string()};
+    }
     output.place_ = is_stdout ? fs::path("-") : named;
     return output;
   }
@@ -353,6 +362,7 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
     return exists(path_, "the output is a folder, but a file with this name exists; choose another output");
   }
   E2LF_RETURN_IF_ERROR(check_folder_name(path_));
+  is_new_ = !is_there(path_);
   std::vector<std::string> listed;
   if (is_there(path_) && !fs::is_empty(path_, error)) {
     const auto earlier = is_our_record(path_ / "run.json") ? read_json(path_ / "run.json") : Json::object();
@@ -377,6 +387,13 @@ Result<void> GrowingFolder::write_record(Json record) const {
   record["written_by"] = "e2lf";
   record["files"] = files_;
   return write_file(path_ / "run.json", json_text(record));
+}
+
+void GrowingFolder::withdraw() const {
+  std::error_code error;
+  if (!is_new_ || std::distance(fs::directory_iterator(path_, error), {}) > 1) return;
+  fs::remove(path_ / "run.json", error);
+  fs::remove(path_, error);
 }
 
 Result<ResultFolder> open_output_folder(const fs::path& named, const OutputRules& rules) {

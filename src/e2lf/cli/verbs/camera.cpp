@@ -22,16 +22,26 @@ using Clock = std::chrono::steady_clock;
 
 Result<void> list_cameras(const CommonOptions& common) {
   Json cameras = Json::array();
-  bool has_list = false;
+  bool has_hal = false;
+  std::optional<Error> failure;
   for (const recordings::CameraPlugin& plugin : recordings::camera_plugins()) {
-    if (plugin.list == nullptr) continue;
-    has_list = true;
-    E2LF_ASSIGN_OR_RETURN(const std::vector<std::string> addresses, plugin.list());
-    for (const std::string& address : addresses) cameras.push_back(cat("camera://", plugin.name, "/", address));
+    has_hal = has_hal || plugin.name == "metavision";
+    if (!plugin.list) continue;
+    const auto addresses = plugin.list();
+    if (!addresses) {
+      if (failure) log_warning(failure->text());
+      failure = addresses.error();
+      continue;
+    }
+    for (const std::string& address : *addresses) cameras.push_back(cat("camera://", plugin.name, "/", address));
   }
-  if (!has_list) {
+  if (failure && cameras.empty()) return *failure;
+  if (failure) log_warning(failure->text());
+  if (cameras.empty() && !has_hal && !common.json) {
     return Error{ErrorCode::kMissingDependency,
-                 "this build does not support cameras; build it with the vendor's open HAL (docs/camera.md)", ""};
+                 "no camera was found, and this build does not support USB cameras; build it with the vendor's open "
+                 "HAL (docs/camera.md), or name a plugin in E2LF_CAMERA_PLUGINS",
+                 ""};
   }
   if (common.json) {
     std::printf("%s", json_text({{"cameras", cameras}}).c_str());

@@ -49,7 +49,21 @@ class Player {
     for (const cycles::ScheduledPattern& pattern : schedule.patterns) {
       const auto wanted_us = static_cast<double>(arguments.period_us.value_or(pattern.interval_us()));
       refreshes_.push_back(static_cast<size_t>(std::max(1.0, std::round(wanted_us / screen.refresh_us()))));
+      const double shown_us = static_cast<double>(refreshes_.back()) * screen.refresh_us();
+      if (std::abs(shown_us - wanted_us) > std::abs(most_off_us_ - off_wanted_us_)) {
+        most_off_us_ = shown_us;
+        off_wanted_us_ = wanted_us;
+      }
     }
+  }
+
+  /// A message if patterns cannot last as long as they should; empty otherwise.
+  [[nodiscard]] std::string period_text() const {
+    constexpr double kTolerance = 0.01;
+    if (std::abs(most_off_us_ - off_wanted_us_) <= kTolerance * off_wanted_us_) return "";
+    return cat("a pattern of ", std::lround(off_wanted_us_), " us is shown for ", std::lround(most_off_us_),
+               " us, since the display refreshes every ", std::lround(screen_.refresh_us()),
+               " us; choose a multiple of this with --period-us");
   }
 
   [[nodiscard]] const std::vector<size_t>& refreshes() const { return refreshes_; }
@@ -101,6 +115,7 @@ class Player {
   std::vector<Flip> flips_;
   Clock::time_point last_shown_, due_;
   uint64_t missed_ = 0;
+  double most_off_us_ = 0, off_wanted_us_ = 0;  ///< of the pattern whose duration is changed most: shown, and wanted
 };
 
 std::string csv_of(const Player& player, const cycles::Schedule& schedule) {
@@ -149,6 +164,7 @@ Result<void> play(PlayArguments arguments, const Verb& verb) {
         "of the computer's clock, and pictures may be torn");
   }
   Player player(arguments, screen, sequence.schedule);
+  if (const std::string text = player.period_text(); !text.empty()) log_warning(text);
   E2LF_RETURN_IF_ERROR(player.play());
   if (player.flips().empty()) return Error{ErrorCode::kCancelled, "stopped before the first pattern was shown", ""};
   record.end_step("play");

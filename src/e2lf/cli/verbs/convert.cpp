@@ -283,6 +283,7 @@ Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
     case FileKind::kTrainingRun:
     case FileKind::kDisplay:
     case FileKind::kResults:
+    case FileKind::kSettings:
       return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
     case FileKind::kModel:
       break;

@@ -226,6 +226,8 @@ Result<Description> describe(FileKind kind, const fs::path& path, const Describe
     case FileKind::kDisplay:
     case FileKind::kResults:
       return describe_folder(kind, path);
+    case FileKind::kSettings:
+      return describe_settings(path);
     case FileKind::kLightField:
       break;
   }

@@ -245,7 +245,10 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   print_totals(totals, common);
   if (!ended) return ended;
   if (totals["cycles"] == 0) return no_cycle_error(arguments.source, cycles.report());
-  return last != nullptr ? write_last(session, *last, record, verb) : Result<void>();
+  if (last != nullptr) E2LF_RETURN_IF_ERROR(write_last(session, *last, record, verb));
+  const Json recording = session.reader().recorder().json();
+  if (recording["error"] == "") return {};
+  return Error{ErrorCode::kIo, cat("the recording is incomplete: ", recording["error"].get<std::string>()), ""};
 }
 
 Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
@@ -257,8 +260,8 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
     return Error{ErrorCode::kInvalidValue, "recordings need a folder; give one with -o", "--record"};
   }
   RunRecord record("live");
-  const std::vector<fs::path> inputs = {arguments.source, arguments.codes.model, arguments.codes.codes,
-                                        arguments.cycles.schedule, arguments.camera};
+  const std::vector<fs::path> inputs = {arguments.source,          arguments.codes.model, arguments.codes.codes,
+                                        arguments.cycles.schedule, arguments.camera,      arguments.fine_model};
   GrowingFolder folder("live", {});
   if (!arguments.output.empty()) {
     E2LF_RETURN_IF_ERROR(folder.open(arguments.output, {.inputs = inputs}, record.json_so_far(verb)));
@@ -269,12 +272,19 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
         last,
         OutputFile::create(arguments.last, {.inputs = inputs, .overwrite = verb.common().overwrite, .ending = ".npy"}));
   }
-  E2LF_ASSIGN_OR_RETURN(Instrument instrument, make_instrument(arguments, folder.path(), record));
-  const Deadline deadline(arguments.seconds);
-  E2LF_RETURN_IF_ERROR(run_session(arguments, std::move(instrument), verb, record, last ? &*last : nullptr));
-  if (arguments.output.empty()) return {};
+  Result<void> ran;
+  auto instrument = make_instrument(arguments, folder.path(), record);
+  if (!instrument) {
+    ran = instrument.error();
+  } else {
+    const Deadline deadline(arguments.seconds);
+    ran = run_session(arguments, std::move(*instrument), verb, record, last ? &*last : nullptr);
+  }
+  if (arguments.output.empty()) return ran;
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  return folder.write_record(std::move(about));
+  const Result<void> written = folder.write_record(std::move(about));
+  if (!ran) folder.withdraw();
+  return ran ? written : ran;
 }
 
 }  // namespace

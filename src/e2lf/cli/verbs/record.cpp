@@ -65,6 +65,20 @@ Result<Copied> copy_bytes(recordings::LiveSource& source, recordings::ByteSink& 
   }
 }
 
+/// What the sensor says that it dropped itself, if the file is short enough to be read again at once.
+recordings::DecodeSummary sensor_counts(const fs::path& file) {
+  constexpr uintmax_t kMostBytes = uintmax_t{1} << 31;
+  std::error_code error;
+  if (const uintmax_t size = fs::file_size(file, error); error || size > kMostBytes) return {};
+  const auto reader =
+      recordings::open_recording(file, {.policy = recordings::DecodePolicy::kSkip, .counts_reports = true});
+  if (!reader) return {};
+  (*reader)->skip_events(INT64_MIN, INT64_MAX);
+  recordings::EventBatch batch;
+  for (Result<bool> more = true; more && *more;) more = (*reader)->read(batch);
+  return (*reader)->summary();
+}
+
 const char* end_name(const recordings::DecodeSummary& summary, bool has_time_passed) {
   if (!summary.live.failure.empty()) return "failure";
   if (stop_requested()) return "signal";
@@ -87,6 +101,13 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
     // Bytes that are not a recording are kept nevertheless, because they cannot be received again.
     const auto reader = recordings::open_recording(output.path());
     if (reader) record.note("header", header_json((*reader)->info()));
+    if (recordings::is_camera_name(arguments.input.string())) {
+      const recordings::DecodeSummary counts = sensor_counts(output.path());
+      record.note("sensor", sensor_json(counts));
+      if (const std::string text = recordings::sensor_text(counts); !text.empty()) {
+        log_info(cat(arguments.input.string(), ": the sensor ", text));
+      }
+    }
     if (!reader) log_warning(cat(arguments.output.string(), ": ", reader.error().message));
     record.end_step("record");
     const auto written = record.write(output.record_path(), verb);
@@ -95,6 +116,11 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
     if (!bias_file.empty()) E2LF_RETURN_IF_ERROR(write_file(bias_file, biases));
   }
   warn_of_losses(arguments.input, summary);
+  if (summary.live.num_gaps > 0) {
+    log_warning(cat(arguments.output.string(), ": data are missing at ", summary.live.num_gaps,
+                    summary.live.num_gaps == 1 ? " place" : " places",
+                    output.is_stream() ? "" : "; its record says where"));
+  }
   verb.note_failed_input(summary.live.failure);
   if (verb.common().json) {
     const Json json = {{"file", arguments.output.string()},

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ class Camera {
   /// as soon as everything was returned that had arrived by then. Fails with kIo, also if a camera ends by itself. One
   /// thread calls it without delay.
   [[nodiscard]] virtual Result<bool> read(std::vector<uint8_t>& bytes) = 0;
+
+  /// Returns how many buffers the camera or its driver lost in front of the bytes that read() returned last. The thread
+  /// that reads calls it once for each of them.
+  [[nodiscard]] virtual uint64_t lost_buffers() { return 0; }
 
   /// Makes read() come to its end soon. Called by another thread.
   virtual void stop() = 0;
@@ -61,12 +66,13 @@ class LiveSource : public ByteSource {
 struct CameraPlugin {
   std::string name;         ///< as in camera://NAME or camera://NAME/ADDRESS
   std::string description;  ///< for help texts: what it is, and the meaning of ADDRESS
-  Result<std::unique_ptr<Camera>> (*open)(const std::string& address) = nullptr;
-  /// Returns the addresses of the connected cameras; null = they cannot be listed.
-  Result<std::vector<std::string>> (*list)() = nullptr;
+  std::function<Result<std::unique_ptr<Camera>>(const std::string& address)> open = {};
+  /// Returns the addresses of the connected cameras; empty = they cannot be listed.
+  std::function<Result<std::vector<std::string>>()> list = {};
 };
 
-/// Returns all plugins of this build, and those that were added. The list only grows.
+/// Returns all plugins of this build, those that were added, and those of the files and folders in the environment
+/// variable E2LF_CAMERA_PLUGINS (camera_plugin.h). The list only grows.
 [[nodiscard]] std::vector<CameraPlugin> camera_plugins();
 
 /// Adds a plugin for this process, replacing any of the same name.

@@ -40,7 +40,8 @@ class CameraSource final : public LiveSource {
       if (!is_stopping_ && (stop_requested() || Clock::now() >= end_)) stop_camera(lock);
       if (buffer_.size() - begin_ >= wanted) break;
       if (!waiting_.empty()) {
-        if (waiting_.front().is_behind_break) break;
+        if (waiting_.front().gap && position_ + buffer_.size() == 0) take_gap();  // nothing is cut there
+        if (waiting_.front().gap) break;
         append_waiting();
       } else if (has_ended_) {
         if (position_ == 0 && buffer_.empty() && error_) return *error_;
@@ -52,10 +53,13 @@ class CameraSource final : public LiveSource {
     }
     const bool has_failed = !backlog_.failure.empty() && !std::exchange(is_failure_told_, true);
     const bool is_behind = (backlog_.most_behind_us >= kBehindUs || backlog_.loses_events) && !is_behind_told_;
+    const bool has_lost = backlog_.lost_buffers > 0 && !std::exchange(is_loss_told_, true);
     is_behind_told_ = is_behind_told_ || is_behind;
     const std::string behind = is_behind ? behind_text() : "";
     lock.unlock();  // the recipient of the message may block
     if (is_behind) camera_->keeps_unread() ? log_info(behind) : log_warning(behind);
+    if (has_lost)
+      log_warning(cat(name_, ": the camera or its driver loses data; check the cable and the load of the computer"));
     if (has_failed) log_warning(cat(error_->text(), "; the data before that are kept"));
     return std::span<const uint8_t>(buffer_).subspan(begin_);
   }
@@ -80,9 +84,9 @@ class CameraSource final : public LiveSource {
   std::optional<Clock::time_point> arrival() const override { return arrival_; }
   bool pass_break() override {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (waiting_.empty() || !waiting_.front().is_behind_break) return false;
-    waiting_.front().is_behind_break = false;
+    if (waiting_.empty() || !waiting_.front().gap) return false;
     consume(buffer_.size() - begin_);
+    take_gap();
     return true;
   }
   void end_at(Clock::time_point time) override { end_ = time; }
@@ -94,7 +98,7 @@ class CameraSource final : public LiveSource {
   struct Chunk {
     std::vector<uint8_t> bytes;
     Clock::time_point arrival;
-    bool is_behind_break = false;  ///< whether bytes before it were dropped
+    std::optional<LiveGap> gap = {};  ///< data missing before it
   };
 
   /// Requests the end of the camera. Bytes that have arrived by then are still returned.
@@ -114,14 +118,30 @@ class CameraSource final : public LiveSource {
       std::unique_lock<std::mutex> lock(mutex_);
       if (!delivered) error_ = delivered.error();
       more = delivered && *delivered && !is_discarding_;
+      if (more) note_lost(camera_->lost_buffers());
       if (more && !bytes.empty() && make_room(lock, bytes.size())) {
         waiting_bytes_ += bytes.size();
-        waiting_.push_back({std::move(bytes), now, std::exchange(is_dropping_, false)});
+        waiting_.push_back({std::move(bytes), now, std::exchange(missing_, std::nullopt)});
         bytes = {};
       }
+      if (!more && missing_) waiting_.push_back({{}, now, missing_});
       has_ended_ = !more;
       changed_.notify_all();
     }
+  }
+
+  void take_gap() {
+    std::optional<LiveGap>& gap = waiting_.front().gap;
+    gap->byte = position_;
+    backlog_.add_gap(*gap);
+    gap.reset();
+  }
+
+  void note_lost(uint64_t buffers) {
+    if (buffers == 0) return;
+    backlog_.lost_buffers += buffers;
+    if (!missing_) missing_.emplace();
+    missing_->lost_buffers += buffers;
   }
 
   /// Returns true if there is room for bytes that have arrived. A sender waits for room; without it, bytes of a camera
@@ -133,7 +153,9 @@ class CameraSource final : public LiveSource {
       changed_.wait(lock, [this] { return waiting_bytes_ < kMaxWaitingBytes || is_discarding_; });
       return true;
     }
-    if (!std::exchange(is_dropping_, true)) ++backlog_.pauses;
+    if (!missing_) missing_.emplace();
+    if (missing_->dropped_bytes == 0) ++backlog_.pauses;
+    missing_->dropped_bytes += bytes;
     backlog_.loses_events = true;
     backlog_.dropped_bytes += bytes;
     return false;
@@ -146,7 +168,7 @@ class CameraSource final : public LiveSource {
     const auto behind = Clock::now() - waiting_.front().arrival;
     backlog_.most_behind_us = std::max<int64_t>(backlog_.most_behind_us,
                                                 std::chrono::duration_cast<std::chrono::microseconds>(behind).count());
-    while (!waiting_.empty() && !waiting_.front().is_behind_break) {
+    while (!waiting_.empty() && !waiting_.front().gap) {
       const Chunk& chunk = waiting_.front();
       buffer_.insert(buffer_.end(), chunk.bytes.begin(), chunk.bytes.end());
       arrival_ = chunk.arrival;
@@ -169,7 +191,7 @@ class CameraSource final : public LiveSource {
   std::string name_;
 
   // Used only by the reader.
-  bool is_behind_told_ = false, is_failure_told_ = false, is_stopping_ = false;
+  bool is_behind_told_ = false, is_loss_told_ = false, is_failure_told_ = false, is_stopping_ = false;
   Clock::time_point end_ = Clock::time_point::max();
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0;
@@ -182,8 +204,8 @@ class CameraSource final : public LiveSource {
   std::deque<Chunk> waiting_;
   size_t waiting_bytes_ = 0;
   bool has_ended_ = false;
-  bool is_discarding_ = false;  ///< whether the reader has gone
-  bool is_dropping_ = false;    ///< whether the last bytes were dropped
+  bool is_discarding_ = false;      ///< whether the reader has gone
+  std::optional<LiveGap> missing_;  ///< data missing before the next bytes
   LiveBacklog backlog_;
   std::optional<Error> error_;
 

@@ -2,7 +2,6 @@
 // Compiled only where the vendor's open HAL is found.
 #include <algorithm>
 #include <cstdlib>
-#include <ctime>
 #include <map>
 #include <metavision/hal/facilities/i_antiflicker_module.h>
 #include <metavision/hal/facilities/i_erc_module.h>
@@ -15,7 +14,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/io/header_text.h"
+#include "e2lf/recordings/live/camera_header.h"
 #include "e2lf/recordings/live/metavision_device.h"
 
 namespace e2lf::recordings {
@@ -143,14 +142,6 @@ std::string evt_version(const std::string& format) {
   return format.starts_with("EVT21") || format.starts_with("EVT2.1") ? "2.1" : "2.0";
 }
 
-std::string local_time() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  ::localtime_r(&now, &parts);
-  char text[32];
-  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
-}
-
 }  // namespace
 
 Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup) {
@@ -182,9 +173,7 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
 std::string device_header(Metavision::Device& device) {
   const auto& identity = *device.get_facility<Metavision::I_HW_Identification>();
   auto known = identity.get_header().get_header_map();
-  known.erase("end");
   const std::string format = identity.get_current_data_encoding_format();
-  known.emplace("date", local_time());
   known.emplace("sensor_name", identity.get_sensor_info().name_);
   known.emplace("evt", evt_version(format));
   known.emplace("format", format.substr(0, format.find(';')));
@@ -192,11 +181,7 @@ std::string device_header(Metavision::Device& device) {
     known.emplace("geometry", cat(geometry->get_width(), "x", geometry->get_height()));
   }
   for (const auto& [key, value] : settings_of(device)) known[key] = value;
-  std::string text;
-  for (const auto& [key, value] : known) {
-    if (!value.empty()) text += cat("% ", key, " ", header_text(value), "\n");
-  }
-  return text + "% end\n";
+  return camera_header(std::move(known));
 }
 
 std::string device_biases(Metavision::Device& device) {

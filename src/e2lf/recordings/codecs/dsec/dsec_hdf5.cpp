@@ -11,6 +11,7 @@
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/dsec/event_places.h"
+#include "e2lf/recordings/codecs/dsec/sensor_size.h"
 #include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/table/column_names.h"
 #include "e2lf/recordings/table/number_columns.h"
@@ -264,7 +265,7 @@ class ColumnBlocks final : public RowBlocks {
       const bool has_own = column.member.empty() && !is_ordered;
       sample.columns.push_back({names[i], has_own ? unit_of_attribute(column.shape.dataset.get()) : TimeUnit::kAuto,
                                 table::to_doubles(numbers, column.field, count),
-                                table::is_integer_type(column.field.type)});
+                                table::is_integer_type(column.field.type), column.field.type == "f4"});
     }
     sample.find_further = [&](size_t i, const auto& is_wanted) {
       return find_further(columns_[i].shape, columns_[i].field, is_wanted, columns_[i].member);
@@ -327,8 +328,8 @@ class MatrixBlocks final : public RowBlocks {
     const auto field_of = [&](size_t i) { return table::NumberField{blocks->type_, i * item, 4 * item}; };
     table::TableSample sample;
     for (size_t i = 0; i < 4; ++i) {
-      sample.columns.push_back(
-          {"", TimeUnit::kAuto, table::to_doubles(numbers, field_of(i), count), table::is_integer_type(blocks->type_)});
+      sample.columns.push_back({"", TimeUnit::kAuto, table::to_doubles(numbers, field_of(i), count),
+                                table::is_integer_type(blocks->type_), blocks->type_ == "f4"});
     }
     sample.find_further = [&](size_t i, const auto& is_wanted) {
       return blocks->find_further(blocks->shape_, field_of(i), is_wanted);
@@ -479,12 +480,14 @@ Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions&
     if (places.size() > 1) {
       E2LF_ASSIGN_OR_RETURN(chosen, choose_stream(streams, options, location, info));
     }
+    if (info.width == 0) read_sensor_size(file, places[chosen].name, info);
     return open_place(file, places[chosen], options, location, info);
   }
   return Error{
       ErrorCode::kNotFound,
       "the file has no events: neither CD/events (Metavision), nor a group with the columns x, y, p, t or xs, ys, ps, "
-      "ts, nor records with such fields, nor a data set events [events, 4]; is it a recording?",
+      "ts, nor records with such fields, nor a data set events [events, 4]; if it is a recording, write it as one of "
+      "them",
       location};
 }
 

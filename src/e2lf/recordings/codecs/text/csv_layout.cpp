@@ -57,13 +57,14 @@ bool parse_size(std::string_view word, size_t& value) {
   return error == std::errc() && end == word.data() + word.size() && value >= 1 && value <= 65536;
 }
 
-/// Parses the sensor size in a comment: "geometry: 640,480", "sensor size 640x480", "width 640, height 480".
+/// Parses the sensor size in a comment: "geometry: 640,480", "sensor size 640x480", "width 640, height 480", or width
+/// and height in comments of their own.
 void read_size(std::string_view comment, TextHead& head) {
   std::string lower(comment);
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto has = [&](const char* word) { return lower.find(word) != std::string::npos; };
-  if (!has("geometry") && !has("resolution") && !has("size") && !(has("width") && has("height"))) return;
+  if (!has("geometry") && !has("resolution") && !has("size") && !has("width") && !has("height")) return;
   std::vector<size_t> numbers;
   for (size_t i = 0; i < lower.size();) {
     const size_t begin = i;
@@ -71,6 +72,10 @@ void read_size(std::string_view comment, TextHead& head) {
     size_t number = 0;
     if (i > begin && parse_size(std::string_view(lower).substr(begin, i - begin), number)) numbers.push_back(number);
     if (i == begin) ++i;
+  }
+  if (numbers.size() == 1 && has("width") != has("height")) {
+    (has("width") ? head.width : head.height) = numbers[0];
+    return;
   }
   if (numbers.size() != 2) return;
   if (has("height") && has("width") && lower.find("height") < lower.find("width")) std::swap(numbers[0], numbers[1]);
@@ -240,6 +245,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
     if (!has_begun) head.header_bytes = end;
   }
   if (!has_begun && lines.empty()) head.header_bytes = 0;
+  if (head.width == 0 || head.height == 0) head.width = head.height = 0;
   for (table::TableSample::Column& column : head.sample.columns) {
     if (column.unit == TimeUnit::kAuto) column.unit = unit;
   }

@@ -10,15 +10,15 @@
 #include "e2lf/recordings/codecs/text/text.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
-#include "e2lf/recordings/table/wrapped_times.h"
+#include "e2lf/recordings/table/table_reader.h"
 #include "e2lf/recordings/time_search.h"
-#include "e2lf/recordings/time_sort.h"
 
 namespace e2lf::recordings::text {
 namespace {
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
 constexpr size_t kHeadBytes = size_t{1} << 14;  // from which the columns are determined
+constexpr size_t kLongestHead = size_t{1} << 20;
 constexpr size_t kLongestLine = 4096;
 constexpr size_t kSeekBytes = 16384;  // distance of the positions that a seek inspects; more than several lines
 constexpr size_t kShortestLine = 8;   // "0,0,0,0\n"
@@ -245,9 +245,38 @@ Result<std::optional<double>> find_further(ByteSource& source, const TextHead& h
   return found;
 }
 
+/// Parses the first lines, or more if the header is longer.
+Result<TextHead> fetch_head(ByteSource& source, const std::string& name) {
+  for (size_t wanted = kHeadBytes;; wanted *= 4) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(wanted));
+    const bool is_whole = bytes.size() < wanted;
+    E2LF_ASSIGN_OR_RETURN(TextHead head, read_head(bytes.first(std::min(bytes.size(), wanted)), is_whole, name));
+    if (head.lines > 0 || !head.first_bad.empty() || is_whole || wanted >= kLongestHead) return head;
+  }
+}
+
+/// Returns true if a line contains a date or a time of day, "2024-01-31" or "12:30:59".
+bool holds_date(std::string_view line) {
+  const auto is_number = [](char c) { return c >= '0' && c <= '9'; };
+  for (size_t i = 2; i + 5 < line.size(); ++i) {
+    const bool is_mark = line[i] == '-' || line[i] == ':';
+    if (is_mark && line[i + 3] == line[i] && is_number(line[i - 2]) && is_number(line[i - 1]) &&
+        is_number(line[i + 1]) && is_number(line[i + 2]) && is_number(line[i + 4])) {
+      return true;
+    }
+  }
+  return false;
+}
+
 /// Fails if most of the first lines are not rows of numbers.
 Result<void> check_head(const TextHead& head, const std::string& name) {
   if (head.first_bad.empty() || (head.columns > 0 && 2 * head.bad_lines <= head.lines)) return {};
+  if (holds_date(head.first_bad)) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("the times of ", head.first_bad, " are dates, which are not read; write them as numbers, e.g. ",
+                     "microseconds"),
+                 cat(name, ": line ", head.first_bad_number)};
+  }
   if (head.lines == 0) {
     return Error{ErrorCode::kFormat,
                  cat("neither ", head.first_bad,
@@ -290,9 +319,7 @@ Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead h
 Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options,
                                               const char* format, const char* usual_order) {
   const std::string name = source->name();
-  E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kHeadBytes));
-  const bool is_whole = bytes.size() < kHeadBytes;
-  E2LF_ASSIGN_OR_RETURN(TextHead head, read_head(bytes.first(std::min(bytes.size(), kHeadBytes)), is_whole, name));
+  E2LF_ASSIGN_OR_RETURN(TextHead head, fetch_head(*source, name));
   E2LF_RETURN_IF_ERROR(check_head(head, name));
   if (!options.format.empty()) head.sample.usual_order = usual_order;
   if (options.format == "txt" && head.has_six_decimals) head.sample.usual_unit = TimeUnit::kSeconds;
@@ -306,9 +333,8 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->logical_path()));
   const bool is_seekable = source->seekable();
   auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
-  auto unwrapped = table::make_unwrapped(std::move(lines), unit);
-  return make_block_reader(make_time_sorted(std::move(unwrapped), is_seekable, name), std::move(info), name, options,
-                           std::move(triggers));
+  return table::make_table_reader(std::move(lines), unit, is_seekable, std::move(info), name, options,
+                                  std::move(triggers));
 }
 
 }  // namespace
@@ -316,6 +342,9 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
 bool detect(std::span<const uint8_t> head) {
   // An archive may contain a text without compression.
   if (std::find(head.begin(), head.end(), uint8_t{0}) != head.end()) return false;
+  // A list of lists in JSON is a line of many numbers.
+  const std::string_view begin(reinterpret_cast<const char*>(head.data()), std::min<size_t>(head.size(), 2));
+  if (begin == "[[" || begin == "[{") return false;
   const auto read = read_head(head.first(std::min(head.size(), kDetectBytes)), head.size() < kDetectBytes, "");
   return read.ok() && read->columns > 0 && 2 * read->bad_lines <= read->lines;
 }
