@@ -212,7 +212,7 @@ void bind_camera_setup(py::module_& module) {
   using recordings::CameraSetup;
   py::class_<CameraSetup>(
       module, "CameraSetup",
-      "What a live camera is set to before it starts. What is not given stays as the camera has it.")
+      "The settings of a live camera that are applied before it starts. Others are left as the camera has them.")
       .def(py::init([](std::vector<std::string> trigger_channels, const fs::path& biases,
                        std::optional<uint32_t> max_events_per_s, const std::vector<RegionArgument>& regions,
                        const std::string& encoding) {
@@ -228,9 +228,9 @@ void bind_camera_setup(py::module_& module) {
            py::kw_only(), py::arg("trigger_channels") = std::vector<std::string>(), py::arg("biases") = "",
            py::arg("max_events_per_s") = py::none(), py::arg("regions") = std::vector<RegionArgument>(),
            py::arg("encoding") = "",
-           "trigger_channels: inputs to switch on: \"main\", \"aux\", their number, or [\"none\"]; [] = all.\n"
+           "trigger_channels: inputs to enable: \"main\", \"aux\", their number, or [\"none\"]; [] = all.\n"
            "biases: a file of biases (.bias).\n"
-           "max_events_per_s: beyond which the sensor drops events; 0 = no limit.\n"
+           "max_events_per_s: event rate above which the sensor drops events; 0 = no limit.\n"
            "regions: rectangles of the sensor that send events, (x, y, width, height) in px; [] = all.\n"
            "encoding: \"evt2\", \"evt2.1\" or \"evt3\".");
 }

@@ -12,9 +12,9 @@ namespace e2lf::depth {
 namespace {
 
 constexpr size_t kWindowPx = 256;
-/// Light fields in the right order have a mean confidence above 0.45, unless they are noisy or have little texture.
+/// Light fields in the correct order have a mean confidence above 0.45, unless they are noisy or have little texture.
 constexpr double kLowConfidence = 0.45;
-/// Views of a flipped axis differ much more from what one depth implies than those in the right order.
+/// With a flipped axis, the views are much less consistent with a single depth than in the correct order.
 constexpr float kMuchLessResidual = 0.8F;
 constexpr double kMuchMoreConfidence = 1.2;
 

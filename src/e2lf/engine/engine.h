@@ -27,8 +27,8 @@ struct EngineOptions {
 };
 
 /// The memory of a recurrent network of the previous frames. It is initially empty, which means at rest. It belongs to
-/// one engine and one image size; using it with another breaks the contract. For a network without memory, it is room
-/// that one run after the other uses again, of any engine.
+/// one engine and one image size; using it with another breaks the contract. For networks without memory, it contains
+/// working memory that consecutive runs of any engine reuse.
 class FrameState {
  public:
   FrameState();
@@ -68,8 +68,8 @@ class Engine {
   [[nodiscard]] Result<void> run_frame(std::span<const float> input, size_t height, size_t width, FrameState& state,
                                        std::span<float> output, const ProgressFn& progress = {}) const;
 
-  /// Returns an engine with the same kernels that computes only these channels of the output, to the bit the same ones,
-  /// and leaves the other planes of the output alone. Nothing if the network does not end in one convolution.
+  /// Returns an engine with the same kernels that computes only these channels of the output, bit-identically, and does
+  /// not change the other planes of the output. Returns nothing if the network does not end in a single convolution.
   [[nodiscard]] std::optional<Engine> with_outputs(std::vector<size_t> channels) const;
 
   /// Returns the precision in use, to which kAuto was resolved.

@@ -23,7 +23,7 @@ struct TensorSpec {
 /// One step of evaluation: a kernel and the tensors that it reads. Stage i makes tensor i + 1; tensor 0 is the input.
 struct Stage {
   std::string name;  ///< of the layer, or of the fused layers; "<layer>.<part>" for a part of a layer
-  std::shared_ptr<const Kernel> kernel;  ///< which plans share
+  std::shared_ptr<const Kernel> kernel;  ///< shared by plans
   std::vector<size_t> inputs;
   std::optional<size_t> residual;
 
@@ -44,7 +44,7 @@ struct Plan {
   bool needs_whole_rows = false;  ///< images must not be cut into panels
   size_t alignment = 1;  ///< cuts of an image must be multiples of this many pixels so that the same tiles are computed
   size_t halo = 0;       ///< pixels beside a cut on which results depend, a multiple of `alignment`
-  std::optional<ConvSpec> head;  ///< of the last stage if that is one convolution without a residual
+  std::optional<ConvSpec> head;  ///< the last stage, if it is a single convolution without a residual
 };
 
 /// Chooses kernels and packs weights. Layers on which the output does not depend are omitted. Fails as infer_shapes

@@ -40,7 +40,7 @@ class ToldBlocks final : public EventBlocks {
   [[nodiscard]] std::span<const Restart> restarts() const override { return blocks_->restarts(); }
 
   Result<void> seek_before(int64_t t_us) override {
-    is_told_ = true;  // of a part nothing can be told
+    is_told_ = true;  // because a part is not conclusive
     return blocks_->seek_before(t_us);
   }
 

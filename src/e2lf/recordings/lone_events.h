@@ -8,10 +8,10 @@
 
 namespace e2lf::recordings {
 
-/// Returns blocks in order of time that warn at their end if times are implausible: if up to nine events at the
-/// beginning or the end are apart from all others by more than a hundred times the duration of these, as a single
-/// damaged time is, or if a hundred events or more have one time. Of a range of times (`options`), nothing is told.
-/// `name` is the location.
+/// Returns the same blocks, which must be in order of time, and warns at their end about implausible times: if up to
+/// nine events at the beginning or the end are separated from all others by more than a hundred times the duration of
+/// these, as after damage of a single time, or if all of a hundred events or more have the same time. Does not warn if
+/// `options` select a range of times. `name` is the location.
 [[nodiscard]] std::unique_ptr<EventBlocks> make_lone_events_told(std::unique_ptr<EventBlocks> blocks, std::string name,
                                                                  const OpenOptions& options);
 

@@ -78,7 +78,7 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
     return Error{ErrorCode::kShape,
                  cat("an array of shape ", shape_text(shape),
                      " is neither event images, [N-1, y, x] or [cycles, N-1, "
-                     "y, x], nor a list of events, [events, 4] with the columns t, x, y, p; store one of them"),
+                     "y, x], nor a list of events, [events, 4] with the columns t, x, y, p; store one of these forms"),
                  location};
   }
   // No display shows more patterns than a camera has columns.

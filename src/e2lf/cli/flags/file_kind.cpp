@@ -77,9 +77,9 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
   return Error{ErrorCode::kFormat,
-                 cat("the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; "
-                     "give a file or folder in it",
-                     members_text(path)),
+               cat("the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; "
+                   "give a file or folder in it",
+                   members_text(path)),
                path.string()};
 }
 
@@ -88,13 +88,13 @@ bool is_event_list(const NpyArray& array) {
   return !array.fields.empty() || (array.shape.size() == 2 && (array.shape[1] == 4 || array.shape[0] == 4));
 }
 
-/// Returns whether an array is of patterns: [N, 8, 8]. No sensor is as small.
+/// Returns whether an array contains patterns: [N, 8, 8]. No sensor is as small.
 bool are_patterns(const NpyArray& array) {
   return array.shape.size() == 3 && array.shape[1] == 8 && array.shape[2] == 8;
 }
 
 Result<FileKind> array_kind(const fs::path& path) {
-  // Under this name there may be another recording, such as text.
+  // A file with this name may also be another recording, such as text.
   std::array<char, 6> mark{};
   if (!std::ifstream(path, std::ios::binary).read(mark.data(), mark.size()) ||
       std::string_view(mark.data(), mark.size()) != "\x93NUMPY") {
@@ -143,7 +143,7 @@ std::string use_of(FileKind kind, const fs::path& path) {
     case FileKind::kResults:
       return ": `e2lf info` describes the run that wrote it";
     case FileKind::kSettings:
-      return ": `e2lf info` states which";
+      return ": `e2lf info` describes them";
   }
   return "";
 }

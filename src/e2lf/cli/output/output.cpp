@@ -272,14 +272,14 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
       return Error{ErrorCode::kUnsupported, "this output is written as a file, not to a pipe or a device; give a file",
                    named.string()};
     }
-    // A pipe that a program reads and writes never ends.
+    // A pipe that the same program reads and writes never ends.
     std::error_code error;
     const bool is_read =
         fs::is_fifo(named, error) && std::any_of(rules.inputs.begin(), rules.inputs.end(), [&](const fs::path& input) {
           return fs::equivalent(named, input, error) && !error;
         });
     if (is_read) {
-      return Error{ErrorCode::kInvalidValue, "the output is the pipe that is read; name another", named.string()};
+      return Error{ErrorCode::kInvalidValue, "the output is the pipe that is read; choose another", named.string()};
     }
     output.place_ = is_stdout ? fs::path("-") : named;
     return output;

@@ -40,7 +40,7 @@ Result<void> list_cameras(const CommonOptions& common) {
   if (cameras.empty() && !has_hal && !common.json) {
     return Error{ErrorCode::kMissingDependency,
                  "no camera was found, and this build does not support USB cameras; build it with the vendor's open "
-                 "HAL (docs/camera.md), or name a plugin in E2LF_CAMERA_PLUGINS",
+                 "HAL (docs/camera.md), or give a plugin in E2LF_CAMERA_PLUGINS",
                  ""};
   }
   if (common.json) {

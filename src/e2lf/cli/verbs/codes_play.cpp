@@ -57,12 +57,12 @@ class Player {
     }
   }
 
-  /// A message if patterns cannot last as long as they should; empty otherwise.
+  /// Returns a message if the refresh rate does not permit the stated durations; otherwise, an empty text.
   [[nodiscard]] std::string period_text() const {
     constexpr double kTolerance = 0.01;
     if (std::abs(most_off_us_ - off_wanted_us_) <= kTolerance * off_wanted_us_) return "";
     return cat("a pattern of ", std::lround(off_wanted_us_), " us is shown for ", std::lround(most_off_us_),
-               " us, since the display refreshes every ", std::lround(screen_.refresh_us()),
+               " us, because the display refreshes every ", std::lround(screen_.refresh_us()),
                " us; choose a multiple of this with --period-us");
   }
 
@@ -115,7 +115,7 @@ class Player {
   std::vector<Flip> flips_;
   Clock::time_point last_shown_, due_;
   uint64_t missed_ = 0;
-  double most_off_us_ = 0, off_wanted_us_ = 0;  ///< of the pattern whose duration is changed most: shown, and wanted
+  double most_off_us_ = 0, off_wanted_us_ = 0;  ///< actual and stated duration of the pattern with the largest change
 };
 
 std::string csv_of(const Player& player, const cycles::Schedule& schedule) {

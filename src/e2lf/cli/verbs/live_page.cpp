@@ -118,7 +118,8 @@ class LivePage::Impl {
       lock.lock();
       is_refining_ = false;
       if (!refined) refining_error_ = refined.error().text();
-      if (refined && frozen.serial != frozen_.serial) refining_error_ = "another light field was frozen meanwhile";
+      if (refined && frozen.serial != frozen_.serial)
+        refining_error_ = "another light field was frozen in the meantime";
       if (!refining_error_.empty()) return;
       fine_ = keep(std::move(*refined));
       server_->replace(document());

@@ -17,7 +17,7 @@ using FineMethod = std::function<Result<lightfield::LightField>(const live::Live
 
 /// The page of `e2lf live`, served by a separate thread. Besides the requests of live_requests.h, it answers those for
 /// the views of the last frozen light field and of the same cycle reconstructed in the best quality. Its additional
-/// commands (POST) are freeze and fine; both answer {"name"} of the light field that the page will have.
+/// commands (POST) are freeze and fine; both return {"name"} of the light field that the page will contain.
 class LivePage {
  public:
   /// Starts serving. `session` must outlive the page. Fails with kIo if the port is in use, and with kMissingDependency

@@ -65,7 +65,7 @@ Result<Copied> copy_bytes(recordings::LiveSource& source, recordings::ByteSink& 
   }
 }
 
-/// What the sensor says that it dropped itself, if the file is short enough to be read again at once.
+/// Returns the counts of the sensor itself, if the file is short enough to be read again immediately.
 recordings::DecodeSummary sensor_counts(const fs::path& file) {
   constexpr uintmax_t kMostBytes = uintmax_t{1} << 31;
   std::error_code error;
@@ -119,7 +119,7 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
   if (summary.live.num_gaps > 0) {
     log_warning(cat(arguments.output.string(), ": data are missing at ", summary.live.num_gaps,
                     summary.live.num_gaps == 1 ? " place" : " places",
-                    output.is_stream() ? "" : "; its record says where"));
+                    output.is_stream() ? "" : "; its record lists them"));
   }
   verb.note_failed_input(summary.live.failure);
   if (verb.common().json) {

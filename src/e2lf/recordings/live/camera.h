@@ -32,8 +32,8 @@ class Camera {
   /// thread calls it without delay.
   [[nodiscard]] virtual Result<bool> read(std::vector<uint8_t>& bytes) = 0;
 
-  /// Returns how many buffers the camera or its driver lost in front of the bytes that read() returned last. The thread
-  /// that reads calls it once for each of them.
+  /// Returns the number of buffers that the camera or its driver lost before the bytes that read() returned last. The
+  /// reading thread calls it once after each read().
   [[nodiscard]] virtual uint64_t lost_buffers() { return 0; }
 
   /// Makes read() come to its end soon. Called by another thread.

@@ -202,8 +202,8 @@ Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::
   return polarity;
 }
 
-/// Warns of values that are read as they are but are hardly meant so: times that 32 bits do not resolve, and
-/// coordinates beyond any sensor.
+/// Warns about values that are read unchanged but are implausible: times that 32 bits do not resolve, and coordinates
+/// beyond any sensor.
 void warn_of_values(const TableSample& sample, const TableLayout& layout, const RecordingInfo& info,
                     const std::string& location) {
   constexpr double kCoarseUs = 10, kWidestPx = 8192;

@@ -13,7 +13,7 @@ bool is_number(hid_t type) {
   return H5Tget_class(type) == H5T_INTEGER || H5Tget_class(type) == H5T_FLOAT;
 }
 
-/// Returns the one or two numbers of an attribute; none if there is no such attribute.
+/// Returns the one or two numbers of an attribute, or none if it does not exist.
 std::vector<int64_t> read_attribute(hid_t object, const char* name) {
   if (H5Aexists(object, name) <= 0) return {};
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
@@ -25,7 +25,7 @@ std::vector<int64_t> read_attribute(hid_t object, const char* name) {
   return numbers;
 }
 
-/// Returns the number of a data set of one element; none if there is no such data set.
+/// Returns the number in a data set of one element, or none if it does not exist.
 std::vector<int64_t> read_scalar(hid_t group, const char* name) {
   if (H5Lexists(group, name, H5P_DEFAULT) <= 0) return {};
   const Handle dataset(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
@@ -41,7 +41,7 @@ std::vector<int64_t> read_scalar(hid_t group, const char* name) {
   return number;
 }
 
-/// Returns {width, height} as a group states them, or less.
+/// Returns {width, height} as far as a group states them.
 std::vector<int64_t> size_in(hid_t group) {
   std::vector<int64_t> size;
   for (const char* name : {"width", "height"}) {

@@ -28,7 +28,7 @@ bool has_four_columns(const NpyArray& array) {
   return array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && table::is_number_type(array.type);
 }
 
-/// Returns whether the four fields of all events follow one another, so that an event is not in one place.
+/// Returns whether the four fields are stored one after another, so that an event is not contiguous.
 bool is_by_column(const NpyHeader& header) {
   const NpyArray& array = header.array;
   const bool is_flat = array.fields.empty() && array.shape.size() == 2 && array.shape[0] == 4 && array.shape[1] > 4;
