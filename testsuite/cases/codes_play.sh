@@ -67,7 +67,7 @@ kill -STOP $player
 sleep 1
 kill -CONT $player
 wait $player || fail "$(cat log.txt)"
-grep -q "since the display refreshes" log.txt && fail "200000 us are a multiple: $(cat log.txt)"
+grep -q "because the display refreshes" log.txt && fail "200000 us are a multiple: $(cat log.txt)"
 check "$(json late.json 'j["missed_refreshes"]') > 20"
 grep -q "refreshes were missed" log.txt || fail "not told: $(cat log.txt)"
 # Ctrl-C ends after a whole cycle, and what was shown is kept.
@@ -93,7 +93,7 @@ while kill -0 $player 2>/dev/null; do
 done
 wait $player || fail "$(cat log.txt)"
 [ $seen = yes ] || fail "the second display shows nothing"
-grep -q "a pattern of 10000 us is shown for 16667 us, since the display refreshes every 16667 us" log.txt || fail "$(cat log.txt)"
+grep -q "a pattern of 10000 us is shown for 16667 us, because the display refreshes every 16667 us" log.txt || fail "$(cat log.txt)"
 check "$(json second/run.json 'j["notes"]["shown"]["refreshes"]') == [1, 1, 1, 1]"
 fails 1 "exist" "$E2LF" codes play -o second --cycles 1
 touch mine
