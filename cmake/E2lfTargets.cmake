@@ -57,9 +57,15 @@ function(e2lf_compile_together target)
       endif()
     endif()
   endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
   # GCC takes what is included for a header, where a class must not hold a type of an unnamed namespace.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
+# e2lf_compile_quickly(<target>): for what formats, parses and declares. Its templates take long to optimise, and it does
+# not run often.
+function(e2lf_compile_quickly target)
+  target_compile_options(${target} PRIVATE -O1)
 endfunction()
 
 # e2lf_add_library(<module> SRCS ... [HEADERS ...] [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...]
