@@ -121,8 +121,9 @@ function(e2lf_add_test module)
   add_executable(${name} ${ARG_SRCS})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})  # testing/
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS} GTest::gmock GTest::gtest_main)
-  # The tests' own sources are most of the build and little of the run.
-  target_compile_options(${name} PRIVATE -O1)
+  e2lf_compile_quickly(${name})
+  e2lf_compile_together(${name})
+  add_dependencies(e2lf_unit_tests ${name})
   if(NOT ARG_WITH_TORCH)  # torch's macros are not those that the headers were compiled with
     e2lf_use_precompiled(${name} e2lf_test_headers)
   endif()
