@@ -1,4 +1,4 @@
-# What `import e2lf` offers, for editors and type checkers. A test compares it with the module.
+# The names of `import e2lf`, for editors and type checkers. A test compares this file with the module.
 from os import PathLike
 from types import TracebackType
 from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, Union
@@ -21,6 +21,17 @@ class Error(Exception):
     message: str
     location: str
     setting: str
+
+class CameraSetup:
+    def __init__(
+        self,
+        *,
+        trigger_channels: Sequence[str] = [],
+        biases: Path = "",
+        max_events_per_s: Optional[int] = None,
+        regions: Sequence[Tuple[int, int, int, int]] = [],
+        encoding: str = "",
+    ) -> None: ...
 
 class Slice(NamedTuple):
     events: Array
@@ -199,7 +210,7 @@ class Reconstructor:
     @property
     def kernels(self) -> List[str]: ...
 
-# Files that come with e2lf
+# Files that are distributed with e2lf
 def data_file(name: str) -> str: ...
 def bundled_model(name: str = "e2lf-n4") -> str: ...
 def read_camera(name: Path) -> Camera: ...
@@ -226,6 +237,7 @@ def open_recording(
     strict: bool = False,
     threads: int = 0,
     restart: str = "continue",
+    camera_setup: Optional[CameraSetup] = None,
 ) -> Recording: ...
 def read_events(
     path: Path,
@@ -243,6 +255,7 @@ def read_events(
     strict: bool = False,
     threads: int = 0,
     restart: str = "continue",
+    camera_setup: Optional[CameraSetup] = None,
 ) -> Tuple[Array, Array]: ...
 def info(
     path: Path,
@@ -285,6 +298,7 @@ def convert(
     strict: bool = False,
     threads: int = 0,
     restart: str = "continue",
+    camera_setup: Optional[CameraSetup] = None,
 ) -> Dict[str, Any]: ...
 
 # Patterns, schedules, cycles, event images
@@ -321,6 +335,7 @@ def accumulate(
     strict: bool = False,
     threads: int = 0,
     restart: str = "continue",
+    camera_setup: Optional[CameraSetup] = None,
 ) -> Cycles: ...
 def synthesise_recording(
     path: Path,

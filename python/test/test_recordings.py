@@ -162,11 +162,11 @@ class WritingTest(InFolder):
                 writer.write(wrong)
         with self.assertRaisesRegex(e2lf.Error, "field t"):
             writer.write(self.events[["x", "y", "p"]])
-        with self.assertRaisesRegex(e2lf.Error, "whole numbers"):
+        with self.assertRaisesRegex(e2lf.Error, "integers"):
             writer.write(with_types(self.events, x="u2", y="u2", p="i2", t="f8"))
 
     def test_triggers_are_never_lost(self):
-        with self.assertRaisesRegex(e2lf.Error, "no place for triggers"):
+        with self.assertRaisesRegex(e2lf.Error, "cannot hold triggers"):
             with e2lf.create_recording("lost.csv", 48, 32) as writer:
                 writer.write(self.events, self.triggers)
         self.assertFalse(os.path.exists("lost.csv"))
@@ -206,6 +206,17 @@ class LiveTest(InFolder):
         events = joined(e2lf.open_recording("pipe").events())
         feeder.join()
         self.assertTrue(same(events, expected))
+
+    def test_the_settings_of_a_camera_reach_it(self):
+        make_recording("rec.raw", cycles=1)
+        with e2lf.open_recording("replay:rec.raw", camera_setup=e2lf.CameraSetup()) as recording:
+            self.assertEqual(recording.format, "evt3")
+        for settings in ({"trigger_channels": ["main"]}, {"biases": "low.bias"}, {"max_events_per_s": 5},
+                         {"regions": [(0, 0, 8, 8)]}, {"encoding": "evt3"}):
+            with self.assertRaisesRegex(e2lf.Error, "settings of a camera"):
+                e2lf.read_events("replay:rec.raw", camera_setup=e2lf.CameraSetup(**settings))
+        with self.assertRaisesRegex(e2lf.Error, "evt9"):
+            e2lf.CameraSetup(encoding="evt9")
 
     def test_an_interrupt_ends_the_wait_for_a_pipe(self):
         make_recording("rec.raw", cycles=1)

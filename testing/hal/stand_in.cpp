@@ -14,49 +14,13 @@
 #include <thread>
 #include <unistd.h>
 
+#include "scenario.h"
 #include "stand_in_hal.h"
 
 namespace {
 
 std::ostream* g_log = &std::cerr;
 std::atomic<uint64_t> g_sent, g_taken, g_most_queued;
-
-using Scenario = std::map<std::string, std::string>;
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  return parts;
-}
-
-Scenario scenario() {
-  Scenario found;
-  const char* const text = std::getenv("E2LF_STAND_IN");
-  for (const std::string& part : split(text == nullptr ? "" : text, ';')) {
-    const size_t equals = std::min(part.find('='), part.size());
-    found[part.substr(0, equals)] = equals < part.size() ? part.substr(equals + 1) : "1";
-  }
-  return found;
-}
-
-uint64_t number(const Scenario& scenario, const std::string& key, uint64_t otherwise) {
-  const auto found = scenario.find(key);
-  return found == scenario.end() ? otherwise : std::stoull(found->second);
-}
-
-/// The words of a RAW recording, without its header.
-std::vector<uint8_t> words_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  std::vector<uint8_t> bytes(error ? 0 : size);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  const std::string end = "% end\n";
-  const auto header = std::search(bytes.begin(), bytes.end(), end.begin(), end.end());
-  if (header != bytes.end()) bytes.erase(bytes.begin(), header + static_cast<long>(end.size()));
-  return bytes;
-}
 
 }  // namespace
 
@@ -106,26 +70,18 @@ struct Camera {
     if (thread.joinable()) thread.join();
   }
 
-  /// Drops the triggers of inputs that are off.
-  std::vector<uint8_t> visible(std::vector<uint8_t> bytes) const {
-    if (!format.starts_with("EVT3")) return bytes;
+  /// The words without the triggers of inputs that are off.
+  std::vector<uint8_t> visible_words() {
     unsigned inputs = 0;
     for (const auto& [channel, id] : trigger_in.get_available_channels()) {
       inputs |= static_cast<unsigned>(trigger_in.is_enabled(channel)) << id;
     }
-    size_t kept = 0;
-    for (size_t i = 0; i + 1 < bytes.size(); i += 2) {
-      const bool is_trigger = bytes[i + 1] >> 4 == 0xA;
-      if (is_trigger && (inputs >> (bytes[i + 1] & 0xF) & 1) == 0) continue;
-      bytes[kept++] = bytes[i];
-      bytes[kept++] = bytes[i + 1];
-    }
-    bytes.resize(kept);
-    return bytes;
+    std::vector<uint8_t> words = words_of(scenario["file"]);
+    return format.starts_with("EVT3") ? with_triggers(std::move(words), inputs) : words;
   }
 
   void send() {
-    const std::vector<uint8_t> words = visible(words_of(scenario["file"]));
+    const std::vector<uint8_t> words = visible_words();
     const uint64_t size = number(scenario, "buffer", 4096), never = UINT64_MAX;
     const uint64_t unplug_at = number(scenario, "unplug_at", never), end_at = number(scenario, "end_at", never);
     const auto period = std::chrono::microseconds(number(scenario, "period_us", 1000));

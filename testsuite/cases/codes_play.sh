@@ -6,7 +6,7 @@
 command -v Xvfb >/dev/null && command -v import >/dev/null || skip "no Xvfb or ImageMagick"
 fails 1 "there is no display" env -u DISPLAY SDL_VIDEODRIVER=x11 "$E2LF" codes play -o x
 absent x
-Xvfb -displayfd 3 -screen 0 640x512x24 -nolisten tcp 3>number 2>xvfb.txt &
+Xvfb -displayfd 3 -screen 0 640x512x24 -screen 1 320x256x24 -nolisten tcp 3>number 2>xvfb.txt &
 server=$!
 trap 'kill "$server" 2>/dev/null || true; remove_folder' EXIT
 wait_for number "$server"
@@ -67,6 +67,7 @@ kill -STOP $player
 sleep 1
 kill -CONT $player
 wait $player || fail "$(cat log.txt)"
+grep -q "since the display refreshes" log.txt && fail "200000 us are a multiple: $(cat log.txt)"
 check "$(json late.json 'j["missed_refreshes"]') > 20"
 grep -q "refreshes were missed" log.txt || fail "not told: $(cat log.txt)"
 # Ctrl-C ends after a whole cycle, and what was shown is kept.
@@ -78,3 +79,23 @@ code=0
 wait $player || code=$?
 [ $code -eq 130 ] || fail "exit code $code: $(cat log.txt)"
 exists ended/flips.csv ended/schedule.json
+import -silent -window root -depth 8 after.gray
+py -c 'assert not any(open("after.gray", "rb").read())' || fail "the screen is not restored"
+# A second display, of another size; a period that is no multiple of its refresh is said.
+"$E2LF" codes play -o second --display 1 --cell 20 --no-inverses --period-us 10000 --cycles 60 --quiet 2>log.txt &
+player=$!
+seen=no
+while kill -0 $player 2>/dev/null; do
+  import -silent -display "$DISPLAY.1" -window root -depth 8 second.gray 2>>import.txt || continue
+  py -c 'b = open("second.gray", "rb").read(); raise SystemExit(0 if len(b) == 320 * 256 and any(b) else 1)' && seen=yes
+  import -silent -display "$DISPLAY.0" -window root -depth 8 first.gray
+  py -c 'assert not any(open("first.gray", "rb").read())' || fail "the first display shows something"
+done
+wait $player || fail "$(cat log.txt)"
+[ $seen = yes ] || fail "the second display shows nothing"
+grep -q "a pattern of 10000 us is shown for 16667 us, since the display refreshes every 16667 us" log.txt || fail "$(cat log.txt)"
+check "$(json second/run.json 'j["notes"]["shown"]["refreshes"]') == [1, 1, 1, 1]"
+fails 1 "exist" "$E2LF" codes play -o second --cycles 1
+touch mine
+fails 1 "a file or link has this name" "$E2LF" codes play -o mine --cycles 1 --overwrite
+[ -z "$(find . -name '*.part')" ] || fail "left behind: $(find . -name '*.part')"

@@ -1,4 +1,4 @@
-// Starts the page: tabs for what there is to look at, one screen at a time, keys.
+// Starts the page: the tabs, the current screen and the keys.
 import { busy } from './busy';
 import { isLivePage, openSource, type Item, type Source } from './document';
 import { element, Panel } from './dom';
@@ -18,6 +18,8 @@ import { applyTheme, themes } from './theme';
 
 interface Tab {
   name: string;
+  of: string; // the name of its first item
+  isGone?: boolean; // another page has replaced what it shows
   open(context: Context): Screen;
 }
 
@@ -36,15 +38,15 @@ function openItem(context: Context, item: Item): Screen {
 
 const numLiveTabs = 2;
 
-/** Comparisons first: whoever gives two light fields wants to compare them. */
+/** Lists comparisons first, because they are the purpose of a page with two light fields. */
 function makeTabs(document: Source['document']): Tab[] {
   const { items, comparisons } = document;
   const compared = comparisons.map((figures): Tab | null => {
     const [first, second] = [items[figures.first], items[figures.second]];
     if (first?.kind !== 'light_field' || second?.kind !== 'light_field') return null;
-    return { name: `${first.name} and ${second.name}`, open: (context) => new LightFieldScreen(context, first, { item: second, figures }) };
+    return { name: `${first.name} and ${second.name}`, of: first.name, open: (context) => new LightFieldScreen(context, first, { item: second, figures }) };
   });
-  const single = items.map((item): Tab => ({ name: item.name, open: (context) => openItem(context, item) }));
+  const single = items.map((item): Tab => ({ name: item.name, of: item.name, open: (context) => openItem(context, item) }));
   const live = single.splice(0, isLivePage(document) ? numLiveTabs : 0);
   return [...live, ...compared.filter((tab) => tab !== null), ...single];
 }
@@ -55,6 +57,7 @@ class Page {
   private screen: Screen | null = null;
   private panel: Panel | null = null;
   private opened = -1;
+  private wanted = ''; // the item to go to when it comes
 
   constructor(private readonly source: Source, private readonly painter: Painter) {
     this.tabs = makeTabs(source.document);
@@ -75,18 +78,35 @@ class Page {
   grow(): void {
     const tabs = makeTabs(this.source.document);
     const isSame = tabs.length === this.tabs.length && tabs.every(({ name }, i) => name === this.tabs[i]!.name);
-    if (!isSame) return this.showFrozen(tabs);
-    this.screen?.grow?.();
-    this.panel?.follow();
+    if (isSame) {
+      this.screen?.grow?.();
+      this.panel?.follow();
+    } else {
+      this.replaceTabs(tabs);
+    }
+    this.goTo(this.wanted);
   }
 
-  /** The first tab behind those of the source is the one to see. */
-  private showFrozen(tabs: Tab[]): void {
-    this.tabs = tabs;
+  /** What is open stays, also where another page has replaced it, unless that comes too early for all of its parts. */
+  private replaceTabs(tabs: Tab[]): void {
+    const open = this.tabs[this.opened]!;
+    const place = tabs.findIndex(({ name }) => name === open.name);
+    const isLost = place < 0 && this.screen?.isLoading?.() === true;
+    this.tabs = place < 0 && !isLost ? [...tabs, { ...open, isGone: true }] : tabs;
+    this.opened = isLost ? -1 : place < 0 ? tabs.length : place;
     this.addTabs();
-    this.opened = -1;
-    this.state.set('tab', numLiveTabs);
-    if (this.opened < 0) this.open();
+    this.show(isLost ? numLiveTabs - 1 : this.opened);
+  }
+
+  private goTo(name: string): void {
+    const place = this.tabs.findIndex(({ of, isGone }) => of === name && !isGone);
+    this.wanted = place < 0 ? name : '';
+    if (place >= 0) this.show(place);
+  }
+
+  private show(tab: number): void {
+    this.state.set('tab', tab);
+    if (tab !== this.opened) this.open();
   }
 
   private chosen(): number {
@@ -96,9 +116,15 @@ class Page {
   private addTabs(): void {
     byId('tabs').replaceChildren(...this.tabs.map(({ name }, i) => {
       const button = element('button', { type: 'button', role: 'tab', title: name }, name);
-      button.addEventListener('click', () => this.state.set('tab', i));
+      button.addEventListener('click', () => this.show(i));
       return button;
     }));
+    this.markTab();
+  }
+
+  private markTab(): void {
+    [...byId('tabs').children].forEach((button, i) => button.setAttribute('aria-selected', String(i === this.opened)));
+    byId('tabs').children[this.opened]?.scrollIntoView({ block: 'nearest', inline: 'nearest' });
   }
 
   private addHeader(): void {
@@ -120,14 +146,18 @@ class Page {
     this.opened = this.chosen();
     const tab = this.tabs[this.opened]!;
     document.title = `${tab.name} - e2lf`;
-    [...byId('tabs').children].forEach((button, i) => button.setAttribute('aria-selected', String(i === this.opened)));
-    byId('tabs').children[this.opened]!.scrollIntoView({ block: 'nearest', inline: 'nearest' });
+    const stays = this.tabs.filter(({ isGone }) => !isGone || tab.isGone);
+    if (stays.length < this.tabs.length) {
+      this.tabs = stays;
+      this.addTabs();
+    }
+    this.markTab();
     const stage = byId('stage');
     stage.replaceChildren();
     const end = busy();
     this.panel = new Panel(byId('controls'), this.state);
     const { source, painter, state, panel } = this;
-    this.screen = tab.open({ document: source.document, source, painter, state, panel, stage, say, fail });
+    this.screen = tab.open({ document: source.document, source, painter, state, panel, stage, say, fail, goTo: (name) => this.goTo(name) });
     this.panel.follow();
     this.screen.layout();
     this.screen.follow('tab');
@@ -147,14 +177,14 @@ class Page {
 
   private press(event: KeyboardEvent): void {
     if (event.ctrlKey || event.altKey || event.metaKey || document.querySelector('dialog[open]')) return;
-    // Sliders and lists use arrows and letters themselves.
+    // Sliders and lists handle arrows and letters themselves.
     if (event.target instanceof HTMLSelectElement || (event.target instanceof HTMLInputElement && event.key.startsWith('Arrow'))) return;
     if (event.target instanceof HTMLButtonElement && event.key === ' ') return;
     if (this.screen?.press(event.key)) return event.preventDefault();
     if (event.key === '?') showHelp(this.screen?.keys ?? []);
     else if (event.key === 's') this.save();
     else if (event.key === 't') this.nextTheme();
-    else if (/^[1-9]$/.test(event.key) && Number(event.key) <= this.tabs.length) this.state.set('tab', Number(event.key) - 1);
+    else if (/^[1-9]$/.test(event.key) && Number(event.key) <= this.tabs.length) this.show(Number(event.key) - 1);
   }
 }
 

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { readdirSync, readFileSync, rmSync, statSync } from 'node:fs';
 import net from 'node:net';
-import { assertNear, look, rowOf, settle, sizeOf, withPage } from './browser.mjs';
+import { assertNear, look, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
 const row = 20, numCycles = 120;
 
@@ -45,6 +45,9 @@ function rowOfReconstruct(cycle, viewRow, viewColumn) {
   return Array.from({ length: width }, (_, x) => Math.round(255 * Math.min(Math.max(bytes.readFloatLE(begin + 4 * (first + x)), 0), 1)));
 }
 
+const tabNames = (page) => page.locator('#tabs button').allTextContents();
+const chosenTab = (page) => page.locator('#tabs button[aria-selected=true]').textContent();
+
 /** The values of a list of figures by their names. */
 const figures = (page) => page.evaluate(() => Object.fromEntries([...document.querySelectorAll('dl dt')].map((name) => [name.textContent, name.nextSibling.textContent])));
 
@@ -82,6 +85,60 @@ export const tests = {
       assert.match(await page.locator('#tabs button[aria-selected=true]').textContent(), /^cycle \d+, reconstructed well and cycle \d+$/);
       assert.ok((await statistics()).fields > 5);
     })),
+
+  'a click focuses where it focuses in the frozen light field, and the controls show the settings of the server': () => withInstrument((address) =>
+    withPage(`${address}#tab=1`, {}, async (page) => {
+      await until('a light field comes', async () => (await page.locator('.pane[data-cycle]').count()) === 1);
+      assert.equal(await page.locator('select[name=resolution]').inputValue(), 'full', '--size full');
+      await page.locator('select[name=resolution]').selectOption('half');
+      await withPage(`${address}#tab=1`, {}, (other) => until('another page shows it', async () => (await other.locator('select[name=resolution]').inputValue()) === 'half'));
+      await page.locator('select[name=resolution]').selectOption('full');
+      const focusByClick = async () => {
+        const box = await page.locator('canvas.picture').first().boundingBox();
+        await page.mouse.click(box.x + 0.55 * box.width, box.y + 0.55 * box.height);
+        await until('it says where the focus is', async () => /^focus on x 35, y 26: /.test(await page.locator('#status').textContent()));
+        await settle(page);
+        return Number((await stateOf(page)).focus ?? 0);
+      };
+      await page.waitForTimeout(500); // light fields of half size have passed
+      const live = await focusByClick();
+      await page.getByRole('button', { name: 'Freeze' }).click();
+      await until('it is frozen', async () => /^cycle/.test(await chosenTab(page)));
+      await look(page, 'tab=2&focus=4');
+      assertNear([live], [await focusByClick()], 0.3, 'focus');
+      assert.notEqual(live, 0);
+    })),
+
+  'a page goes to what it froze, and what another page looks at stays': () => withInstrument((address) =>
+    withPage(`${address}#tab=1`, {}, (first) => withPage(`${address}#tab=0`, {}, async (second) => {
+      const freeze = async () => {
+        const before = await tabNames(first);
+        await until('it freezes', async () => {
+          await first.locator('#tabs button').nth(1).click();
+          await first.getByRole('button', { name: 'Freeze' }).click();
+          await first.waitForTimeout(500);
+          return !before.includes(await chosenTab(first));
+        });
+        await settle(first);
+        return chosenTab(first);
+      };
+      await until('a light field comes', async () => (await first.locator('.pane[data-cycle]').count()) === 1);
+      const one = await freeze();
+      await until('the other page has it', async () => (await tabNames(second)).length === 3);
+      assert.equal(await chosenTab(second), 'Set up');
+      await second.locator('#tabs button').nth(2).click();
+      await settle(second);
+      const seen = await rowOf(second, 'canvas.picture', row);
+      const two = await freeze();
+      await until('the other page has both', async () => (await tabNames(second)).length === 4);
+      assert.deepEqual(await tabNames(second), ['Set up', 'Light field', two, one]);
+      assert.equal(await chosenTab(second), one);
+      assert.deepEqual(await rowOf(second, 'canvas.picture', row), seen);
+      await second.locator('#tabs button').nth(2).click();
+      await settle(second);
+      assert.deepEqual(await tabNames(second), ['Set up', 'Light field', two]);
+      assert.equal(await chosenTab(second), two);
+    }))),
 
   'the set-up: events, figures and recording': () => withInstrument((address, statistics) =>
     withPage(address, {}, async (page) => {

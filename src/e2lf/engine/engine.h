@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,7 +27,8 @@ struct EngineOptions {
 };
 
 /// The memory of a recurrent network of the previous frames. It is initially empty, which means at rest. It belongs to
-/// one engine and one image size; using it with another breaks the contract.
+/// one engine and one image size; using it with another breaks the contract. For a network without memory, it is room
+/// that one run after the other uses again, of any engine.
 class FrameState {
  public:
   FrameState();
@@ -65,6 +67,10 @@ class Engine {
   /// Runs the network on one frame with a state that is carried from frame to frame; run() begins at rest each time.
   [[nodiscard]] Result<void> run_frame(std::span<const float> input, size_t height, size_t width, FrameState& state,
                                        std::span<float> output, const ProgressFn& progress = {}) const;
+
+  /// Returns an engine with the same kernels that computes only these channels of the output, to the bit the same ones,
+  /// and leaves the other planes of the output alone. Nothing if the network does not end in one convolution.
+  [[nodiscard]] std::optional<Engine> with_outputs(std::vector<size_t> channels) const;
 
   /// Returns the precision in use, to which kAuto was resolved.
   [[nodiscard]] Precision precision() const;

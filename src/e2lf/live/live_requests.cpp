@@ -78,6 +78,13 @@ Answer events(Session& session) {
   return framed(header, {&seen->image});
 }
 
+Answer disparity(Session& session, const Parameters& parameters) {
+  const auto place = [&](const char* name) { return number<float>(parameters, name).value_or(0.0F); };
+  const auto found = session.disparity_at(place("x"), place("y"));
+  if (!found) return {204, "text/plain", ""};
+  return {200, "application/json", Json{{"disparity", *found}}.dump()};
+}
+
 Answer refuse(const Error& error) {
   return {409, "text/plain", error.text()};
 }
@@ -109,10 +116,14 @@ std::optional<Answer> answer(Session& session, bool is_command, const std::strin
   if (is_command) return command(session, name, parameters);
   if (name == "picture") return picture(session, parameters);
   if (name == "events") return events(session);
-  if (name != "statistics") return std::nullopt;
+  if (name == "disparity") return disparity(session, parameters);
+  return std::nullopt;
+}
+
+Json statistics(Session& session) {
   Json json = session.json();
   json["recording"] = session.reader().recorder().json();
-  return Answer{200, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace)};
+  return json;
 }
 
 }  // namespace e2lf::live

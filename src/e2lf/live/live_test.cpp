@@ -242,12 +242,31 @@ TEST(Look, AWideApertureIsTheRefocusedSum) {
       << "disparities are those of the full size";
 }
 
+TEST(Look, TheFocusOfAPointIsTheDisparityOfWhatIsSeenThere) {
+  constexpr float kDisparity = 1.3F;
+  LiveField field;
+  field.light_field = lightfield::LightField({8, 8, 48, 64});
+  for (size_t view = 0; view < 64; ++view) {
+    for (size_t y = 0; y < 48; ++y) {
+      for (size_t x = 0; x < 64; ++x) {
+        const float to_x = static_cast<float>(x) - kDisparity * (static_cast<float>(view % 8) - 3.5F);
+        const float to_y = static_cast<float>(y) - kDisparity * (static_cast<float>(view / 8) - 3.5F);
+        field.light_field.at(view / 8, view % 8, y, x) = 0.5F + 0.25F * std::sin(to_x) + 0.25F * std::sin(1.3F * to_y);
+      }
+    }
+  }
+  EXPECT_NEAR(disparity_at(field, 30.5F, 20), kDisparity, 0.02F);
+  field.size = PictureSize::kHalf;
+  EXPECT_NEAR(disparity_at(field, 61, 40), 2 * kDisparity, 0.04F) << "of the full size";
+}
+
 TEST(Look, NumbersOfNobodyAreHarmless) {
   const LiveField field = demo_field();
   const float nan = std::numeric_limits<float>::quiet_NaN(), huge = std::numeric_limits<float>::max();
   for (const Look& look : {Look{nan, nan, nan, nan, {}, {}}, Look{huge, -huge, huge, huge, {}, {}},
                            Look{-huge, huge, -huge, -huge, {}, {}}}) {
     EXPECT_EQ(render(field, look).image.pixels.size(), 32u * 24u);
+    EXPECT_LE(std::abs(disparity_at(field, look.x, look.y)), 5.1F);
   }
 }
 
@@ -273,7 +292,7 @@ TEST(EventPreview, MakesPicturesOnlyWhereTheyAreAskedFor) {
 TEST(EventPreview, SharpnessFallsWithBlurAndNotWithTheRateOrNoise) {
   constexpr size_t kWidth = 200, kHeight = 100;
   std::mt19937 random(7);
-  // Stripes of 10 px; each pixel has noise of its own, here less than that of Poisson numbers.
+  // Stripes of 10 px; each pixel has independent noise, here less than Poisson noise.
   const auto stripes = [&](int blur, int rate) {
     std::normal_distribution<double> noise(0, 0.3 * std::sqrt(rate));
     std::vector<int16_t> counts;
@@ -289,7 +308,7 @@ TEST(EventPreview, SharpnessFallsWithBlurAndNotWithTheRateOrNoise) {
   EXPECT_NEAR(stripes(1, 50) / stripes(1, 800), 1, 0.1);
   std::vector<int16_t> noise(kWidth * kHeight);
   for (int16_t& count : noise) count = static_cast<int16_t>(random() % 21) - 10;
-  // Squares of the differences would give 3; what is left of their products is chance, less for larger pictures.
+  // Squares of the differences would give 3; their products are random and average out in larger pictures.
   EXPECT_LT(sharpness_of(noise, kWidth, 5 * noise.size()), 0.06);
   EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 7), 10, 700), 0);
   EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 0), 10, 0), 0);
@@ -317,7 +336,7 @@ TEST(Recorder, WritesWhatCameBetweenOnAndOffAndNeverReplacesAFile) {
   Recorder again(folder / ".", info);
   ASSERT_TRUE(again.begin().ok());
   EXPECT_NE(again.json()["file"], recorder.json()["file"]);
-  EXPECT_FALSE(Recorder({}, info).begin().ok()) << "there is no folder";
+  EXPECT_FALSE(Recorder({}, info).begin().ok()) << "no folder";
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ float tent(float offset) {
   return std::max(0.0F, 1.0F - std::abs(offset));
 }
 
-/// Limits a number that came from a browser; NaN becomes 0.
+/// Limits the range of a number from the browser; NaN becomes 0.
 float limited(float value, float most) {
   return std::isnan(value) ? 0.0F : std::clamp(value, -most, most);
 }
@@ -21,6 +21,47 @@ float limited(float value, float most) {
 lightfield::ByteImage toned(lightfield::Image image, const LiveField& field) {
   for (float& value : image.pixels) value = field.gain * (value - field.black);
   return lightfield::to_bytes(image);
+}
+
+float scale_of(const LiveField& field) {
+  return field.size == PictureSize::kHalf ? 0.5F : 1.0F;
+}
+
+/// The value between four pixels; outside of the view that of its border.
+float sample(std::span<const float> view, const lightfield::Shape& shape, float x, float y) {
+  x = std::clamp(x, 0.0F, static_cast<float>(shape.width - 1));
+  y = std::clamp(y, 0.0F, static_cast<float>(shape.height - 1));
+  const auto left = static_cast<size_t>(x), top = static_cast<size_t>(y);
+  const size_t right = std::min(left + 1, shape.width - 1), bottom = std::min(top + 1, shape.height - 1);
+  const auto value = [&](size_t row, size_t column) { return view[(row * shape.width + column) * shape.channels]; };
+  const float share_x = x - static_cast<float>(left), share_y = y - static_cast<float>(top);
+  return std::lerp(std::lerp(value(top, left), value(top, right), share_x),
+                   std::lerp(value(bottom, left), value(bottom, right), share_x), share_y);
+}
+
+/// The variance of the views, summed over a window around a point of the middle of the grid.
+double disagreement(const lightfield::LightField& light_field, float x, float y, float disparity) {
+  constexpr int kReach = 4;
+  const lightfield::Shape& shape = light_field.shape();
+  const float middle_y = static_cast<float>(shape.views_y - 1) / 2,
+              middle_x = static_cast<float>(shape.views_x - 1) / 2;
+  const auto count = static_cast<double>(shape.num_views());
+  double total = 0;
+  for (int dy = -kReach; dy <= kReach; ++dy) {
+    for (int dx = -kReach; dx <= kReach; ++dx) {
+      double sum = 0, squares = 0;
+      for (size_t view = 0; view < shape.num_views(); ++view) {
+        const size_t row = view / shape.views_x, column = view % shape.views_x;
+        const double value = sample(light_field.view(row, column), shape,
+                                    x + static_cast<float>(dx) + disparity * (static_cast<float>(column) - middle_x),
+                                    y + static_cast<float>(dy) + disparity * (static_cast<float>(row) - middle_y));
+        sum += value;
+        squares += value * value;
+      }
+      total += squares / count - sum / count * (sum / count);
+    }
+  }
+  return total;
 }
 
 }  // namespace
@@ -43,7 +84,7 @@ lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& loo
 Picture render(const LiveField& field, const Look& look) {
   constexpr float kMostDisparity = 32;
   const lightfield::Shape& shape = field.light_field.shape();
-  const float scale = field.size == PictureSize::kHalf ? 0.5F : 1.0F;
+  const float scale = scale_of(field);
   Picture picture;
   picture.image = toned(
       lightfield::refocus(field.light_field, scale * limited(look.focus, kMostDisparity), aperture_of(shape, look)),
@@ -66,6 +107,27 @@ Picture render(const LiveField& field, const Look& look) {
         field);
   }
   return picture;
+}
+
+float disparity_at(const LiveField& field, float x, float y) {
+  constexpr int kSteps = 100;  // to either side
+  constexpr float kMostDisparity = 5, kStep = kMostDisparity / kSteps;
+  const lightfield::Shape& shape = field.light_field.shape();
+  const float scale = scale_of(field);
+  const float column = limited(scale * x, static_cast<float>(shape.width)),
+              row = limited(scale * y, static_cast<float>(shape.height));
+  std::vector<double> costs;
+  for (int step = -kSteps; step <= kSteps; ++step) {
+    costs.push_back(disagreement(field.light_field, column, row, scale * kStep * static_cast<float>(step)));
+  }
+  const auto best = std::min_element(costs.begin(), costs.end());
+  double place = static_cast<double>(best - costs.begin());
+  // The minimum of a parabola lies between two steps.
+  if (best != costs.begin() && best + 1 != costs.end()) {
+    const double bend = *(best - 1) - 2 * *best + *(best + 1);
+    if (bend > 0) place += 0.5 * (*(best - 1) - *(best + 1)) / bend;
+  }
+  return kStep * static_cast<float>(place - kSteps);
 }
 
 }  // namespace e2lf::live

@@ -178,11 +178,12 @@ TEST(LiveRequests, GiveThePictureThatIsAskedForAndHeedCommands) {
   EXPECT_EQ(session.reader().average(), kMostCycles);
   EXPECT_EQ(answer(session, true, "size", {{"to", "half"}})->status, 200);
   EXPECT_EQ(answer(session, true, "size", {{"to", "../x"}})->status, 409);
-  EXPECT_EQ(answer(session, true, "record", {{"on", "1"}})->status, 409) << "there is no folder";
+  EXPECT_EQ(answer(session, true, "record", {{"on", "1"}})->status, 409) << "no folder";
   EXPECT_FALSE(answer(session, false, "record", {{"on", "1"}}).has_value()) << "a command is no request";
-  const auto statistics = Json::parse(answer(session, false, "statistics", {})->body);
-  EXPECT_EQ(statistics["size"], "half");
-  EXPECT_EQ(statistics["recording"]["can_record"], false);
+  const Json figures = statistics(session);
+  EXPECT_EQ(figures["size"], "half");
+  EXPECT_EQ(figures["size_choice"], "half");
+  EXPECT_EQ(figures["recording"]["can_record"], false);
 }
 
 }  // namespace

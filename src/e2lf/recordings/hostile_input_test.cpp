@@ -154,7 +154,7 @@ TEST(HostileText, NamesThatBreakOffAreNoOrderOfColumns) {
   const auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options);
   ASSERT_FALSE(reader.ok());
   EXPECT_EQ(reader.error().code, ErrorCode::kFormat);
-  EXPECT_NE(reader.error().message.find("are not known"), std::string::npos);
+  EXPECT_NE(reader.error().message.find("are unknown"), std::string::npos);
 }
 
 TEST(RawWriter, RefusesTriggersThatTheEncodingWouldRename) {

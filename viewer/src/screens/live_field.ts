@@ -1,13 +1,13 @@
-// The light fields of a live source at the pace of its cycles. The server makes the picture that is looked at: a view, or
+// The light fields of a live source at the pace of its cycles. The server renders only the displayed picture: a view, or
 // the sum over a synthetic aperture.
 import { apertureWeights } from '../aperture';
 import { ApertureMap } from '../aperture_map';
-import type { LiveItem } from '../document';
+import { fetchFile, type LiveItem } from '../document';
 import { element } from '../dom';
 import { maxDisparity } from '../light_field';
-import { askForPicture, command, drawGrey, FigureList, followStatistics, rest, type Framed, type Statistics } from '../live';
+import { askForPicture, command, drawGrey, FigureList, followStatistics, rest, SettingControl, type Framed, type Statistics } from '../live';
 import { Pane } from '../pane';
-import type { Context, Screen } from '../screen';
+import { focusOn, type Context, type Screen } from '../screen';
 import { pressViewKey, viewKeys } from '../view_keys';
 
 interface PictureHeader {
@@ -32,32 +32,32 @@ export class LiveFieldScreen implements Screen {
   private readonly map: ApertureMap;
   private readonly figures = new FigureList();
   private readonly fineButton: HTMLElement;
-  private readonly average: HTMLInputElement;
-  private readonly size: HTMLSelectElement;
+  private readonly average: SettingControl<HTMLInputElement>;
+  private readonly size: SettingControl<HTMLSelectElement>;
   private readonly problem = element('p', { class: 'advice', role: 'status' });
   private serial = 0;
   private field = 0;
   private numPending = 0;
-  private asked = ''; // the look of the last request
-  private comings: number[] = []; // of the light fields of the last moments
+  private asked = ''; // the parameters of the last request
+  private comings: number[] = []; // arrival times of the newest light fields
   private isClosed = false;
 
   constructor(private readonly context: Context, private readonly item: LiveItem) {
     const { panel, state, stage } = context;
     const [rows, columns] = item.views;
     const signed = (value: number) => (value > 0 ? '+' : '') + value.toFixed(2);
-    this.pane = new Pane(item.name, item, state, () => {});
+    this.pane = new Pane(item.name, item, state, (x, y) => this.focusAt(x, y));
     this.map = new ApertureMap(state, item.views, context.say);
     this.fineButton = panel.button('Reconstruct this one well', () => this.tell('freeze', 'fine'));
-    this.average = element('input', { type: 'range', min: '1', max: '16', step: '1', name: 'average', 'aria-label': 'Cycles of a still scene' });
-    this.average.addEventListener('change', () => this.tell(`average?cycles=${this.average.value}`));
-    this.size = element('select', { name: 'resolution' }, ...['auto', 'full', 'half'].map((name) => element('option', { value: name }, name)));
-    this.size.addEventListener('change', () => this.tell(`size?to=${this.size.value}`));
+    const average = element('input', { type: 'range', min: '1', max: '16', step: '1', name: 'average', 'aria-label': 'Cycles of a still scene' });
+    this.average = new SettingControl(average, (cycles) => this.tell(`average?cycles=${cycles}`));
+    const size = element('select', { name: 'resolution' }, ...['auto', 'full', 'half'].map((name) => element('option', { value: name }, name)));
+    this.size = new SettingControl(size, (to) => this.tell(`size?to=${to}`));
     panel.group('Light field', this.figures.root, this.problem,
       panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Brightness anew', () => this.tell('brightness')));
     panel.group('Pace',
-      element('label', { class: 'choice' }, element('span', {}, 'Size'), this.size),
-      element('label', { class: 'slider' }, element('span', {}, 'Cycles of a still scene'), this.average));
+      element('label', { class: 'choice' }, element('span', {}, 'Size'), size),
+      element('label', { class: 'slider' }, element('span', {}, 'Cycles of a still scene'), average));
     panel.group('Viewpoint', this.map.canvas,
       panel.slider('x', 'To the right', { low: -(columns - 1) / 2, high: (columns - 1) / 2, step: 0.05, text: signed }),
       panel.slider('y', 'Down', { low: -(rows - 1) / 2, high: (rows - 1) / 2, step: 0.05, text: signed }));
@@ -69,7 +69,7 @@ export class LiveFieldScreen implements Screen {
     this.askNext();
   }
 
-  /** The picture that is wanted, as parameters of a request. */
+  /** Returns the parameters of the request for the current picture. */
   private look(): string {
     const { state } = this.context;
     const { row, column } = this.pane.cut();
@@ -114,7 +114,7 @@ export class LiveFieldScreen implements Screen {
     this.pane.caption.textContent = `cycle ${header.cycle}${summed}: ${header.size} size, ${Math.round(1000 * header.latency_s)} ms after its last event`;
   }
 
-  /** Light fields per second that the page has shown. */
+  /** Returns the number of light fields per second that the page has shown. */
   private rate(): number {
     const now = performance.now();
     this.comings = this.comings.filter((time) => now - time < rateWindowMs);
@@ -132,19 +132,34 @@ export class LiveFieldScreen implements Screen {
       ['network', now.network],
       ['size', now.size],
     ]);
-    this.average.value = String(now.average);
-    this.average.setAttribute('aria-valuetext', `${now.average} cycles`);
+    this.size.show(now.size_choice);
+    this.average.show(String(now.average));
+    this.average.control.setAttribute('aria-valuetext', `${now.average} cycles`);
     this.fineButton.toggleAttribute('disabled', now.is_refining);
     const state = now.has_ended ? 'The source has ended.' : now.fields === 0 ? 'Waiting for the first cycle.' : '';
     this.problem.textContent = now.error ?? (now.refining_error || (now.is_refining ? 'Reconstructing the frozen cycle well ...' : state));
   }
 
-  /** Commands, one after the other. */
+  /** Sends commands one after another. */
   private tell(...commands: string[]): void {
     const all = async () => {
-      for (const one of commands) await command(one);
+      for (const one of commands) {
+        const { name } = await command(one);
+        if (name) this.context.goTo(name);
+      }
     };
     all().catch((error: Error) => this.context.say(error.message));
+  }
+
+  /** The server has the views. */
+  private focusAt(x: number, y: number): void {
+    const ask = async () => {
+      const answer = await fetchFile(`disparity?x=${x}&y=${y}`);
+      if (answer.status === 204) return;
+      const { disparity } = (await answer.json()) as { disparity: number };
+      if (!this.isClosed) focusOn(this.context, x, y, disparity);
+    };
+    ask().catch((error: Error) => this.context.say(error.message));
   }
 
   follow(): void {

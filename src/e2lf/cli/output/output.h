@@ -86,8 +86,11 @@ class GrowingFolder {
   [[nodiscard]] Result<void> open(const std::filesystem::path& named, const OutputRules& rules, Json record);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] Result<void> write_record(Json record) const;
+  /// Removes the folder if open() created it and it holds nothing but its record.
+  void withdraw() const;
 
  private:
+  bool is_new_ = false;
   std::string verb_;
   std::vector<std::string> files_;
   std::filesystem::path path_;

@@ -53,7 +53,8 @@ class LivePage::Impl {
   Result<void> finish() {
     if (!stop_requested()) {
       hide_progress();
-      std::fprintf(stderr, "the source has ended; the last light field is shown at %s; Ctrl-C ends\n", url().c_str());
+      std::fprintf(stderr, "the source has ended; the last light field is shown at %s; press Ctrl-C to end\n",
+                   url().c_str());
     }
     serving_.join();
     return result_;
@@ -63,18 +64,22 @@ class LivePage::Impl {
   std::optional<Answer> answer(const view::Question& asked) {
     if (asked.is_command && asked.name == "freeze") return freeze();
     if (asked.is_command && asked.name == "fine") return refine();
+    if (!asked.is_command && asked.name == "statistics") return statistics();
     auto answered = live::answer(session_, asked.is_command, asked.name, asked.parameters);
     if (!answered) return std::nullopt;
-    if (asked.name == "statistics") add_state(answered->body);
     return Answer{answered->status, std::move(answered->type), std::move(answered->body)};
   }
 
-  void add_state(std::string& statistics) {
-    Json json = Json::parse(statistics);
+  Answer statistics() {
+    Json json = live::statistics(session_);
     const std::lock_guard lock(mutex_);
     json["is_refining"] = is_refining_;
     json["refining_error"] = refining_error_;
-    statistics = json.dump();
+    return made(json);
+  }
+
+  static Answer made(const Json& json) {
+    return {200, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace)};
   }
 
   Answer freeze() {
@@ -90,35 +95,41 @@ class LivePage::Impl {
     quick_ = std::move(kept);
     fine_.reset();
     server_->replace(document());
-    return {200, "application/json", "{}"};
+    return made({{"name", frozen_name()}});
   }
 
-  /// Reconstructs the frozen cycle again, in a thread of its own.
+  /// Reconstructs the frozen cycle again in a separate thread.
   Answer refine() {
+    std::string name;
     {
       const std::lock_guard lock(mutex_);
-      if (is_refining_) return refusal("one is being made");
+      if (is_refining_) return refusal("a reconstruction is in progress");
       if (!quick_) return refusal("nothing is frozen yet");
       is_refining_ = true;
       refining_error_.clear();
+      name = fine_name();
     }
     if (refining_.joinable()) refining_.join();
     refining_ = std::thread([this] {
       std::unique_lock lock(mutex_);
       const live::LiveField frozen = frozen_;
       lock.unlock();
-      auto made = method_(frozen);
+      auto refined = method_(frozen);
       lock.lock();
       is_refining_ = false;
-      if (!made) refining_error_ = made.error().text();
-      if (!made || frozen.serial != frozen_.serial) return;
-      fine_ = keep(std::move(*made));
+      if (!refined) refining_error_ = refined.error().text();
+      if (refined && frozen.serial != frozen_.serial) refining_error_ = "another light field was frozen meanwhile";
+      if (!refining_error_.empty()) return;
+      fine_ = keep(std::move(*refined));
       server_->replace(document());
     });
-    return {200, "application/json", "{}"};
+    return made({{"name", name}});
   }
 
-  /// What the page shows now; mutex_ is locked, or nobody asks yet.
+  [[nodiscard]] std::string frozen_name() const { return cat("cycle ", frozen_.cycle.number); }
+  [[nodiscard]] std::string fine_name() const { return frozen_name() + ", reconstructed well"; }
+
+  /// Returns the current content of the page. mutex_ must be locked unless the server has not started yet.
   [[nodiscard]] view::Document document() const {
     const recordings::RecordingInfo& info = session_.reader().cycles().recording().info();
     const model::Model& model = session_.model();
@@ -132,10 +143,9 @@ class LivePage::Impl {
     }
     document.set_growing();
     if (!quick_) return document;
-    const std::string cycle = cat("cycle ", frozen_.cycle.number);
-    document.add_light_field(cycle, quick_);
+    document.add_light_field(frozen_name(), quick_);
     if (!fine_) return document;
-    document.add_light_field(cat(cycle, ", reconstructed well"), fine_);
+    document.add_light_field(fine_name(), fine_);
     if (!(fine_->shape() == quick_->shape())) return document;
     const auto fine = fine_->read(0), quick = quick_->read(0);
     if (fine && quick) document.add_comparison(3, 2, {view::psnr_of_views(**fine, **quick)});

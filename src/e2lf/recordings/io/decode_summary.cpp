@@ -17,8 +17,8 @@ struct ViolationText {
 constexpr std::array<ViolationText, kNumViolations> kTexts = {{
     {"unknown_word", "a word of unknown type", "words of unknown type"},
     {"out_of_range", "an event outside the sensor", "events outside the sensor"},
-    {"time_backwards", "time runs backwards", "events or times earlier than those before them"},
-    {"time_jump", "time jumps ahead", "events or times far ahead of those after them"},
+    {"time_backwards", "time runs backwards", "events or times earlier than their predecessors"},
+    {"time_jump", "time jumps ahead", "events or times far later than their successors"},
     {"misaligned", "bytes are missing or inserted", "places with missing or inserted bytes"},
     {"truncated", "the data ends inside a word, record or packet", "unfinished words, records or packets at the end"},
     {"bad_record", "a record that cannot be read", "records that cannot be read"},
@@ -44,6 +44,11 @@ void DecodeSummary::add(Violation kind, uint64_t byte, uint64_t count) {
   if (count == 0) return;
   if (of(kind).count == 0) of(kind).first_byte = byte;
   of(kind).count += count;
+}
+
+void LiveBacklog::add_gap(const LiveGap& gap) {
+  if (gaps.size() < DecodeSummary::kMaxGaps) gaps.push_back(gap);
+  ++num_gaps;
 }
 
 void DecodeSummary::add_gap(const TimeGap& gap) {
@@ -75,6 +80,9 @@ void DecodeSummary::append(const DecodeSummary& later) {
   live.pauses += later.live.pauses;
   live.loses_events = live.loses_events || later.live.loses_events;
   live.dropped_bytes += later.live.dropped_bytes;
+  live.lost_buffers += later.live.lost_buffers;
+  for (const LiveGap& gap : later.live.gaps) live.add_gap(gap);
+  live.num_gaps += later.live.num_gaps - later.live.gaps.size();
   if (live.failure.empty()) live.failure = later.live.failure;
   sensor_events_in += later.sensor_events_in;
   sensor_events_sent += later.sensor_events_sent;
@@ -132,7 +140,7 @@ std::string restart_text(const DecodeSummary& summary) {
     if (places.size() == kMost) break;
     const std::string place = restart.byte == 0 ? "" : cat("at byte ", restart.byte, " ");
     const std::string moved =
-        restart.shift_us == 0 ? "" : cat("; the times of the later part were moved by ", restart.shift_us, " us");
+        restart.shift_us == 0 ? "" : cat("; the times of the later part were shifted by ", restart.shift_us, " us");
     places.push_back(cat(place, "from ", restart.before_us, " back to ", restart.after_us, " us", moved));
   }
   const uint64_t left = summary.num_restarts - places.size();
@@ -142,13 +150,17 @@ std::string restart_text(const DecodeSummary& summary) {
 
 std::string live_text(const DecodeSummary& summary) {
   const LiveBacklog& live = summary.live;
-  if (live.most_behind_us < kBehindUs && !live.loses_events) return "";
-  const std::string behind =
+  const std::string lost = live.lost_buffers == 0 ? ""
+                                                  : cat("the camera or its driver lost ", live.lost_buffers,
+                                                        live.lost_buffers == 1 ? " buffer" : " buffers");
+  if (live.most_behind_us < kBehindUs && !live.loses_events) return lost;
+  std::string behind =
       cat("processing fell up to ", static_cast<double>(live.most_behind_us / 100'000) * 0.1, " s behind the input");
-  if (live.pauses == 0) return behind + "; nothing is lost";
-  return cat(behind, ", and the input paused ", live.pauses == 1 ? "once" : cat(live.pauses, " times"),
-             live.loses_events ? cat("; ", live.dropped_bytes, " bytes of the camera were dropped in these pauses")
-                               : "; nothing is lost");
+  if (live.pauses > 0) behind += cat(", and the input paused ", live.pauses == 1 ? "once" : cat(live.pauses, " times"));
+  behind += live.loses_events ? cat("; ", live.dropped_bytes, " bytes of the camera were dropped in these pauses")
+            : lost.empty()    ? "; nothing is lost"
+                              : "";
+  return lost.empty() ? behind : cat(behind, "; ", lost);
 }
 
 std::string sensor_text(const DecodeSummary& summary) {

@@ -59,13 +59,25 @@ struct Restart {
   bool operator==(const Restart&) const = default;
 };
 
+/// A place of a live input where bytes are missing.
+struct LiveGap {
+  uint64_t byte = 0;           ///< position in what was read
+  uint64_t dropped_bytes = 0;  ///< that came faster than they were read
+  uint64_t lost_buffers = 0;   ///< that the camera or its driver lost, of unknown size
+  bool operator==(const LiveGap&) const = default;
+};
+
 /// The delay between the arrival and the processing of live input, and what ended the input.
 struct LiveBacklog {
   int64_t most_behind_us = 0;  ///< longest time that bytes waited to be read; 0 if the input is not live
   uint64_t pauses = 0;         ///< number of times that too many bytes were waiting
   bool loses_events = false;   ///< whether bytes were dropped in these pauses, since a camera does not wait
   uint64_t dropped_bytes = 0;  ///< number of bytes dropped in these pauses
+  uint64_t lost_buffers = 0;   ///< number of buffers that the camera or its driver lost
+  uint64_t num_gaps = 0;       ///< number of places where bytes are missing for either reason
+  std::vector<LiveGap> gaps;   ///< the first DecodeSummary::kMaxGaps of them
   std::string failure = {};    ///< why the input ended early, e.g. an unplugged camera; empty if it did not
+  void add_gap(const LiveGap& gap);
   bool operator==(const LiveBacklog&) const = default;
 };
 

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,10 @@ class Camera {
   /// thread calls it without delay.
   [[nodiscard]] virtual Result<bool> read(std::vector<uint8_t>& bytes) = 0;
 
+  /// Returns how many buffers the camera or its driver lost in front of the bytes that read() returned last. The thread
+  /// that reads calls it once for each of them.
+  [[nodiscard]] virtual uint64_t lost_buffers() { return 0; }
+
   /// Makes read() come to its end soon. Called by another thread.
   virtual void stop() = 0;
 
@@ -42,18 +47,18 @@ class Camera {
   /// be called by any thread.
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 
-  /// The settings of the sensor as the vendor's programs read them (.bias), once the camera has started; empty where it
-  /// has none.
+  /// Returns the biases of the sensor in the form that the vendor's programs read (.bias), after the camera has
+  /// started; empty if it has none.
   [[nodiscard]] virtual std::string bias_file_text() const { return {}; }
 };
 
-/// The bytes of a live input as they come.
+/// The bytes of a live input.
 class LiveSource : public ByteSource {
  public:
-  /// Ends the input at that time, as a request to stop does: what has come until then is still read.
+  /// Ends the input at the given time, as a stop request does: bytes that have arrived by then are still read.
   virtual void end_at(std::chrono::steady_clock::time_point time) = 0;
 
-  /// See Camera::bias_file_text().
+  /// Returns Camera::bias_file_text().
   [[nodiscard]] virtual std::string bias_file_text() const = 0;
 };
 
@@ -61,12 +66,13 @@ class LiveSource : public ByteSource {
 struct CameraPlugin {
   std::string name;         ///< as in camera://NAME or camera://NAME/ADDRESS
   std::string description;  ///< for help texts: what it is, and the meaning of ADDRESS
-  Result<std::unique_ptr<Camera>> (*open)(const std::string& address) = nullptr;
-  /// The addresses of the cameras that are connected; null = there is no such list.
-  Result<std::vector<std::string>> (*list)() = nullptr;
+  std::function<Result<std::unique_ptr<Camera>>(const std::string& address)> open = {};
+  /// Returns the addresses of the connected cameras; empty = they cannot be listed.
+  std::function<Result<std::vector<std::string>>()> list = {};
 };
 
-/// Returns all plugins of this build, and those that were added. The list only grows.
+/// Returns all plugins of this build, those that were added, and those of the files and folders in the environment
+/// variable E2LF_CAMERA_PLUGINS (camera_plugin.h). The list only grows.
 [[nodiscard]] std::vector<CameraPlugin> camera_plugins();
 
 /// Adds a plugin for this process, replacing any of the same name.

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cstdlib>
 #include <mutex>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
+#include "e2lf/recordings/live/plugin_camera.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -14,10 +17,13 @@ constexpr std::string_view kCameraScheme = "camera://", kReplay = "replay:", kTc
 
 struct Registry {
   std::mutex mutex;
+  bool has_loaded = false;  ///< those of E2LF_CAMERA_PLUGINS
   std::vector<CameraPlugin> plugins = {
       {"replay", "a recording at the speed it was recorded with; ADDRESS is its path", open_replay_camera},
       {"pipe", "standard input; ADDRESS is the path of a named pipe or nothing", open_pipe_camera},
       {"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", open_tcp_camera},
+      {"v4l2", "an event sensor behind a Linux driver; ADDRESS is its device, e.g. video0", open_v4l2_camera,
+       list_v4l2_cameras},
 #ifdef E2LF_HAVE_METAVISION_HAL
       {"metavision", "a camera of the vendor's open HAL; ADDRESS is a serial number or nothing", open_metavision_camera,
        list_metavision_cameras},
@@ -42,14 +48,35 @@ CameraName parse_name(const std::string& name) {
   return {rest.substr(0, slash), slash < rest.size() ? rest.substr(slash + 1) : ""};
 }
 
-Result<CameraPlugin> find_plugin(const std::string& name, const std::string& location) {
-  std::vector<std::string> names;
-  for (const CameraPlugin& plugin : camera_plugins()) {
-    if (plugin.name == name) return plugin;
-    names.push_back(plugin.name);
+const CameraPlugin* find_known(const std::vector<CameraPlugin>& plugins, const std::string& name) {
+  const auto found = std::find_if(plugins.begin(), plugins.end(), [&](const auto& one) { return one.name == name; });
+  return found == plugins.end() ? nullptr : &*found;
+}
+
+/// Adds the plugins of E2LF_CAMERA_PLUGINS, once. The mutex of the registry is locked.
+void load_plugins(Registry& known) {
+  const char* const places = std::getenv("E2LF_CAMERA_PLUGINS");
+  if (std::exchange(known.has_loaded, true) || places == nullptr) return;
+  for (CameraPlugin& plugin : load_camera_plugins(places)) {
+    if (find_known(known.plugins, plugin.name) == nullptr) {
+      known.plugins.push_back(std::move(plugin));
+    } else {
+      log_warning(cat("a camera plugin is left out: there is another one with the name ", plugin.name));
+    }
   }
+}
+
+/// Loads other plugins only if none of this build has this name.
+Result<CameraPlugin> find_plugin(const std::string& name, const std::string& location) {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  const std::vector<CameraPlugin>& plugins = registry().plugins;
+  if (find_known(plugins, name) == nullptr) load_plugins(registry());
+  if (const CameraPlugin* const found = find_known(plugins, name)) return *found;
+  std::vector<std::string> names;
+  for (const CameraPlugin& plugin : plugins) names.push_back(plugin.name);
   return Error{ErrorCode::kNotFound,
-               cat("this build has no camera plugin \"", name, "\"; write camera://NAME with one of ", join(names)),
+               cat("there is no camera plugin \"", name, "\"; write camera://NAME with one of ", join(names),
+                   ", or name the file of a plugin in E2LF_CAMERA_PLUGINS"),
                location};
 }
 
@@ -57,6 +84,7 @@ Result<CameraPlugin> find_plugin(const std::string& name, const std::string& loc
 
 std::vector<CameraPlugin> camera_plugins() {
   const std::lock_guard<std::mutex> lock(registry().mutex);
+  load_plugins(registry());
   return registry().plugins;
 }
 

@@ -40,23 +40,27 @@ class CameraSource final : public LiveSource {
       if (!is_stopping_ && (stop_requested() || Clock::now() >= end_)) stop_camera(lock);
       if (buffer_.size() - begin_ >= wanted) break;
       if (!waiting_.empty()) {
-        if (waiting_.front().is_behind_break) break;
+        if (waiting_.front().gap && position_ + buffer_.size() == 0) take_gap();  // nothing is cut there
+        if (waiting_.front().gap) break;
         append_waiting();
       } else if (has_ended_) {
         if (position_ == 0 && buffer_.empty() && error_) return *error_;
         if (error_) backlog_.failure = error_->text();
         break;
       } else {
-        changed_.wait_for(lock, kNap);  // a signal wakes nobody here
+        changed_.wait_for(lock, kNap);  // a signal does not notify this condition variable
       }
     }
     const bool has_failed = !backlog_.failure.empty() && !std::exchange(is_failure_told_, true);
     const bool is_behind = (backlog_.most_behind_us >= kBehindUs || backlog_.loses_events) && !is_behind_told_;
+    const bool has_lost = backlog_.lost_buffers > 0 && !std::exchange(is_loss_told_, true);
     is_behind_told_ = is_behind_told_ || is_behind;
     const std::string behind = is_behind ? behind_text() : "";
-    lock.unlock();  // who takes a message may wait for others
+    lock.unlock();  // the recipient of the message may block
     if (is_behind) camera_->keeps_unread() ? log_info(behind) : log_warning(behind);
-    if (has_failed) log_warning(cat(error_->text(), "; what came before that is kept"));
+    if (has_lost)
+      log_warning(cat(name_, ": the camera or its driver loses data; check the cable and the load of the computer"));
+    if (has_failed) log_warning(cat(error_->text(), "; the data before that are kept"));
     return std::span<const uint8_t>(buffer_).subspan(begin_);
   }
   void consume(size_t count) override {
@@ -80,9 +84,9 @@ class CameraSource final : public LiveSource {
   std::optional<Clock::time_point> arrival() const override { return arrival_; }
   bool pass_break() override {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (waiting_.empty() || !waiting_.front().is_behind_break) return false;
-    waiting_.front().is_behind_break = false;
+    if (waiting_.empty() || !waiting_.front().gap) return false;
     consume(buffer_.size() - begin_);
+    take_gap();
     return true;
   }
   void end_at(Clock::time_point time) override { end_ = time; }
@@ -94,10 +98,10 @@ class CameraSource final : public LiveSource {
   struct Chunk {
     std::vector<uint8_t> bytes;
     Clock::time_point arrival;
-    bool is_behind_break = false;  ///< bytes in front of it were dropped
+    std::optional<LiveGap> gap = {};  ///< data missing before it
   };
 
-  /// Asks the camera for its end. What has come until then still comes.
+  /// Requests the end of the camera. Bytes that have arrived by then are still returned.
   void stop_camera(std::unique_lock<std::mutex>& lock) {
     is_stopping_ = true;
     lock.unlock();
@@ -105,7 +109,7 @@ class CameraSource final : public LiveSource {
     lock.lock();
   }
 
-  /// The thread: moves what the camera delivers to waiting_.
+  /// Moves the bytes that the camera delivers to waiting_. Runs in the thread.
   void take_bytes() {
     std::vector<uint8_t> bytes;
     for (bool more = true; more;) {
@@ -114,17 +118,34 @@ class CameraSource final : public LiveSource {
       std::unique_lock<std::mutex> lock(mutex_);
       if (!delivered) error_ = delivered.error();
       more = delivered && *delivered && !is_discarding_;
+      if (more) note_lost(camera_->lost_buffers());
       if (more && !bytes.empty() && make_room(lock, bytes.size())) {
         waiting_bytes_ += bytes.size();
-        waiting_.push_back({std::move(bytes), now, std::exchange(is_dropping_, false)});
+        waiting_.push_back({std::move(bytes), now, std::exchange(missing_, std::nullopt)});
         bytes = {};
       }
+      if (!more && missing_) waiting_.push_back({{}, now, missing_});
       has_ended_ = !more;
       changed_.notify_all();
     }
   }
 
-  /// Whether there is room for bytes that have come: a sender waits for it, those of a camera are dropped without.
+  void take_gap() {
+    std::optional<LiveGap>& gap = waiting_.front().gap;
+    gap->byte = position_;
+    backlog_.add_gap(*gap);
+    gap.reset();
+  }
+
+  void note_lost(uint64_t buffers) {
+    if (buffers == 0) return;
+    backlog_.lost_buffers += buffers;
+    if (!missing_) missing_.emplace();
+    missing_->lost_buffers += buffers;
+  }
+
+  /// Returns true if there is room for bytes that have arrived. A sender waits for room; without it, bytes of a camera
+  /// are dropped.
   bool make_room(std::unique_lock<std::mutex>& lock, size_t bytes) {
     if (waiting_bytes_ < kMaxWaitingBytes) return true;
     if (camera_->keeps_unread()) {
@@ -132,20 +153,22 @@ class CameraSource final : public LiveSource {
       changed_.wait(lock, [this] { return waiting_bytes_ < kMaxWaitingBytes || is_discarding_; });
       return true;
     }
-    if (!std::exchange(is_dropping_, true)) ++backlog_.pauses;
+    if (!missing_) missing_.emplace();
+    if (missing_->dropped_bytes == 0) ++backlog_.pauses;
+    missing_->dropped_bytes += bytes;
     backlog_.loses_events = true;
     backlog_.dropped_bytes += bytes;
     return false;
   }
 
-  /// Moves what waits, up to where bytes are missing, behind what is left in the buffer.
+  /// Appends the waiting bytes, up to a place where bytes are missing, to the rest of the buffer.
   void append_waiting() {
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
     begin_ = 0;
     const auto behind = Clock::now() - waiting_.front().arrival;
     backlog_.most_behind_us = std::max<int64_t>(backlog_.most_behind_us,
                                                 std::chrono::duration_cast<std::chrono::microseconds>(behind).count());
-    while (!waiting_.empty() && !waiting_.front().is_behind_break) {
+    while (!waiting_.empty() && !waiting_.front().gap) {
       const Chunk& chunk = waiting_.front();
       buffer_.insert(buffer_.end(), chunk.bytes.begin(), chunk.bytes.end());
       arrival_ = chunk.arrival;
@@ -157,23 +180,23 @@ class CameraSource final : public LiveSource {
 
   /// Returns the message that is logged once if the reader is too slow.
   std::string behind_text() const {
-    return cat(name_, ": the input arrives faster than it is processed: what is read now arrived ",
+    return cat(name_, ": the input arrives faster than it is processed: the data that are read now arrived ",
                static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
-               " MiB wait in memory; beyond that ",
-               camera_->keeps_unread() ? "the sender waits, and nothing is lost" : "what the camera sends is dropped",
+               " MiB wait in memory; above that, ",
+               camera_->keeps_unread() ? "the sender waits, and nothing is lost" : "the data of the camera are dropped",
                ". Record the input to a file and process that, or choose a faster method");
   }
 
   std::unique_ptr<Camera> camera_;
   std::string name_;
 
-  // The reader's own.
-  bool is_behind_told_ = false, is_failure_told_ = false, is_stopping_ = false;
+  // Used only by the reader.
+  bool is_behind_told_ = false, is_loss_told_ = false, is_failure_told_ = false, is_stopping_ = false;
   Clock::time_point end_ = Clock::time_point::max();
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0;
   uint64_t position_ = 0;
-  std::optional<Clock::time_point> arrival_;  ///< of the last bytes of the buffer
+  std::optional<Clock::time_point> arrival_;  ///< arrival of the last bytes of the buffer
 
   // Shared with the thread.
   mutable std::mutex mutex_;
@@ -181,12 +204,12 @@ class CameraSource final : public LiveSource {
   std::deque<Chunk> waiting_;
   size_t waiting_bytes_ = 0;
   bool has_ended_ = false;
-  bool is_discarding_ = false;  ///< nobody reads any more
-  bool is_dropping_ = false;    ///< what came last was dropped
+  bool is_discarding_ = false;      ///< whether the reader has gone
+  std::optional<LiveGap> missing_;  ///< data missing before the next bytes
   LiveBacklog backlog_;
   std::optional<Error> error_;
 
-  std::thread thread_;  ///< last: it uses all of the above
+  std::thread thread_;  ///< last, because it uses the members above
 };
 
 }  // namespace

@@ -21,6 +21,13 @@ namespace e2lf::recordings {
 /// Connects to a sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
 [[nodiscard]] Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address);
 
+/// Creates a camera of a Linux driver (V4L2), which start() opens by its device ("video0" or "/dev/video0"), or the
+/// first one that list_v4l2_cameras() finds if `address` is empty.
+[[nodiscard]] Result<std::unique_ptr<Camera>> open_v4l2_camera(const std::string& address);
+
+/// Returns the devices in /dev that send events.
+[[nodiscard]] Result<std::vector<std::string>> list_v4l2_cameras();
+
 /// Creates a camera of Prophesee's open hardware layer (OpenEB's HAL), which start() opens by serial number or full
 /// name, or the first one if `address` is empty. Only in builds that found the HAL. This code is tested with a
 /// simulated HAL of the same interface, but has not been run with a camera.

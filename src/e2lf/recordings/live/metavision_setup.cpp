@@ -2,7 +2,6 @@
 // Compiled only where the vendor's open HAL is found.
 #include <algorithm>
 #include <cstdlib>
-#include <ctime>
 #include <map>
 #include <metavision/hal/facilities/i_antiflicker_module.h>
 #include <metavision/hal/facilities/i_erc_module.h>
@@ -15,7 +14,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/io/header_text.h"
+#include "e2lf/recordings/live/camera_header.h"
 #include "e2lf/recordings/live/metavision_device.h"
 
 namespace e2lf::recordings {
@@ -29,21 +28,22 @@ Error has_no(const std::string& what) {
 }
 
 Error refuses(const std::string& what) {
-  return {ErrorCode::kInvalidValue, cat("the camera refuses ", what), "camera://metavision"};
+  return {ErrorCode::kInvalidValue, cat("the camera rejects ", what), "camera://metavision"};
 }
 
 std::string channel_name(Channel channel) {
   return channel == Channel::Main ? "main" : channel == Channel::Aux ? "aux" : "loopback";
 }
 
-/// "main=0, aux=6".
+/// Formats trigger channels, e.g. "main=0, aux=6".
 std::string channels_text(const std::map<Channel, short>& channels) {
   std::vector<std::string> names;
   for (const auto& [channel, id] : channels) names.push_back(cat(channel_name(channel), "=", id));
   return join(names);
 }
 
-/// Inputs are off at first. The loopback is the camera's own output, which would add triggers that nobody made.
+/// Enables trigger inputs, which are initially disabled. The loopback channel is the output of the camera itself and
+/// would add triggers that have no external cause.
 Result<void> switch_on_triggers(Metavision::I_TriggerIn* triggers, const std::vector<std::string>& wanted) {
   if (triggers == nullptr) return wanted.empty() ? Result<void>() : has_no("trigger inputs");
   const auto channels = triggers->get_available_channels();
@@ -110,7 +110,7 @@ std::string regions_text(const Metavision::I_ROI& roi) {
   return windows.empty() ? "on" : join(windows, " ");
 }
 
-/// The settings, read back.
+/// Returns the settings as read back from the camera.
 std::vector<std::pair<std::string, std::string>> settings_of(Metavision::Device& device) {
   std::vector<std::pair<std::string, std::string>> settings;
   if (const auto* const triggers = device.get_facility<Metavision::I_TriggerIn>()) {
@@ -142,14 +142,6 @@ std::string evt_version(const std::string& format) {
   return format.starts_with("EVT21") || format.starts_with("EVT2.1") ? "2.1" : "2.0";
 }
 
-std::string local_time() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  ::localtime_r(&now, &parts);
-  char text[32];
-  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
-}
-
 }  // namespace
 
 Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup) {
@@ -164,7 +156,7 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
       biases->load_from_file(setup.biases.string());
     } catch (const std::exception& failure) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("the camera does not take these biases (", hal_text(failure), "); give a file made for it"),
+                   cat("the camera rejects these biases (", hal_text(failure), "); give a file made for it"),
                    setup.biases.string()};
     }
   }
@@ -181,9 +173,7 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
 std::string device_header(Metavision::Device& device) {
   const auto& identity = *device.get_facility<Metavision::I_HW_Identification>();
   auto known = identity.get_header().get_header_map();
-  known.erase("end");
   const std::string format = identity.get_current_data_encoding_format();
-  known.emplace("date", local_time());
   known.emplace("sensor_name", identity.get_sensor_info().name_);
   known.emplace("evt", evt_version(format));
   known.emplace("format", format.substr(0, format.find(';')));
@@ -191,11 +181,7 @@ std::string device_header(Metavision::Device& device) {
     known.emplace("geometry", cat(geometry->get_width(), "x", geometry->get_height()));
   }
   for (const auto& [key, value] : settings_of(device)) known[key] = value;
-  std::string text;
-  for (const auto& [key, value] : known) {
-    if (!value.empty()) text += cat("% ", key, " ", header_text(value), "\n");
-  }
-  return text + "% end\n";
+  return camera_header(std::move(known));
 }
 
 std::string device_biases(Metavision::Device& device) {

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <string>
+
+namespace e2lf::recordings {
+
+/// Returns the header of a RAW recording with these keys, the date, and its end. Empty values are left out.
+[[nodiscard]] std::string camera_header(std::map<std::string, std::string> keys);
+
+}  // namespace e2lf::recordings
