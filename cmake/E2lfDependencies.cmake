@@ -15,7 +15,13 @@ find_package(JPEG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 # SSSE3 alone is what CPUs of 2006 have; every kernel compiled for it as well takes time and gains nothing on others.
-set_property(TARGET PkgConfig::HWY APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
+set(left_out HWY_SSSE3)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  # NEON alone: kernels keep vectors in arrays, which SVE's, whose size the CPU decides, cannot be in.
+  set(left_out "(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+  e2lf_feature(kernels ON "NEON; those with AVX-512 instructions and AMX tiles are for x86 alone")
+endif()
+set_property(TARGET PkgConfig::HWY APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=${left_out})
 
 # The CMake package of HDF5 1.10 sets global flags; the pkg-config file contains only what is needed.
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)

@@ -57,9 +57,15 @@ function(e2lf_compile_together target)
       endif()
     endif()
   endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
   # GCC takes what is included for a header, where a class must not hold a type of an unnamed namespace.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
+# e2lf_compile_quickly(<target>): for what formats, parses and declares. Its templates take long to optimise, and it does
+# not run often.
+function(e2lf_compile_quickly target)
+  target_compile_options(${target} PRIVATE -O1)
 endfunction()
 
 # e2lf_add_library(<module> SRCS ... [HEADERS ...] [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...]
@@ -115,8 +121,9 @@ function(e2lf_add_test module)
   add_executable(${name} ${ARG_SRCS})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})  # testing/
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS} GTest::gmock GTest::gtest_main)
-  # The tests' own sources are most of the build and little of the run.
-  target_compile_options(${name} PRIVATE -O1)
+  e2lf_compile_quickly(${name})
+  e2lf_compile_together(${name})
+  add_dependencies(e2lf_unit_tests ${name})
   if(NOT ARG_WITH_TORCH)  # torch's macros are not those that the headers were compiled with
     e2lf_use_precompiled(${name} e2lf_test_headers)
   endif()

@@ -9,6 +9,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/scene.h"
+#include "testing/noise_material.h"
 
 namespace e2lf::depth {
 namespace {
@@ -33,13 +34,6 @@ double bad_pixels(const Image& disparity, const Image& truth, float most_px, siz
     }
   }
   return bad / count;
-}
-
-lightfield::Material noise_material(uint32_t seed) {
-  lightfield::Material material{lightfield::TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
-  material.grain = 0;
-  material.seed = seed;
-  return material;
 }
 
 /// A wall that turns away to the right, and a square that stands before it.

@@ -6,6 +6,7 @@
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/scene.h"
+#include "testing/noise_material.h"
 
 namespace e2lf::depth {
 namespace {
@@ -16,13 +17,6 @@ using Verdict = OcclusionSign::Verdict;
 
 OcclusionSign sign_of(const LightField& light_field) {
   return occlusion_sign(light_field, estimate_disparity(light_field).value());
-}
-
-lightfield::Material noise_material(uint32_t seed) {
-  lightfield::Material material{lightfield::TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
-  material.grain = 0;
-  material.seed = seed;
-  return material;
 }
 
 /// A square of disparity -1.6 before a wall of 0.8: both have texture.
