@@ -14,10 +14,10 @@ find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(JPEG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
-# SSSE3 alone is what CPUs of 2006 have; every kernel compiled for it as well takes time and gains nothing on others.
+# Kernels are not compiled for SSSE3, because only CPUs of 2006 would benefit.
 set(left_out HWY_SSSE3)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
-  # NEON alone: kernels keep vectors in arrays, which SVE's, whose size the CPU decides, cannot be in.
+  # Only NEON, because kernels keep vectors in arrays, which the vectors of SVE without a fixed size do not permit.
   set(left_out "(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
   e2lf_feature(kernels ON "NEON; those with AVX-512 instructions and AMX tiles are for x86 alone")
 endif()

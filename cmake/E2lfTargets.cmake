@@ -58,20 +58,20 @@ function(e2lf_compile_together target)
     endif()
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
-  # GCC takes what is included for a header, where a class must not hold a type of an unnamed namespace.
+  # GCC treats the included sources as headers, in which a class must not contain a type of an unnamed namespace.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
-# e2lf_compile_quickly(<target>): for what formats, parses and declares. Its templates take long to optimise, and it does
-# not run often.
+# e2lf_compile_quickly(<target>): reduces the optimisation of code that formats, parses and declares, whose templates take
+# long to optimise and which does not run often.
 function(e2lf_compile_quickly target)
   target_compile_options(${target} PRIVATE -O1)
 endfunction()
 
 # e2lf_add_library(<module> SRCS ... [HEADERS ...] [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...]
 #                  [PRIVATE_DEFINITIONS ...] [PRECOMPILED <name>])
-# Makes e2lf_<module> with the alias e2lf::<module>. HEADERS are those that others may include, with all that they
-# include: a module that names them is installed, and a shared library where BUILD_SHARED_LIBS says so.
+# Defines e2lf_<module> with the alias e2lf::<module>. HEADERS are the public headers, with all headers that they include. A
+# module with public headers is installed, and is a shared library if BUILD_SHARED_LIBS is on.
 function(e2lf_add_library module)
   cmake_parse_arguments(ARG "" "PRECOMPILED" "SRCS;HEADERS;PUBLIC_LINK_LIBS;PRIVATE_LINK_LIBS;PRIVATE_DEFINITIONS" ${ARGN})
   set(kind STATIC)
