@@ -11,4 +11,5 @@ page docs/training.md training
 page docs/experiments/decisions.md
 page docs/experiments/camera-fit.md
 page docs/experiments/imperfections.md
+page docs/experiments/motion.md
 page docs/experiments/capture-at-equal-tones.md
