@@ -210,15 +210,37 @@ class PlanMaker {
     const ElementType type = specs_.at(layer.name).type;
     std::vector<size_t> in_channels;
     for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
-    if (layer.op == Op::kSigmoid) return make_sigmoid(in_channels[0], type);
-    if (layer.op == Op::kTanh) return make_tanh(in_channels[0], type);
-    if (layer.op == Op::kPositionCode) return make_position_code(in_channels[0], type);
-    if (layer.op == Op::kAttention) return make_attention(in_channels[0], layer.heads, type);
-    if (layer.op == Op::kDynamicFilter) return make_dynamic_filter(in_channels[0], in_channels[1], layer.kernel, type);
-    if (layer.op == Op::kUpsampleBilinear) return make_bilinear(in_channels[0], layer.stride, layer.relu, type);
-    const Layer* source = find_layer(layer.inputs[0]);
-    const bool in_order = source != nullptr && is_shuffled(*source);
-    return make_reshape(layer, in_channels, type, in_order);
+    switch (layer.op) {
+      case Op::kSigmoid:
+        return make_sigmoid(in_channels[0], type);
+      case Op::kTanh:
+        return make_tanh(in_channels[0], type);
+      case Op::kPositionCode:
+        return make_position_code(in_channels[0], type);
+      case Op::kAttention:
+        return make_attention(in_channels[0], layer.heads, type);
+      case Op::kDynamicFilter:
+        return make_dynamic_filter(in_channels[0], in_channels[1], layer.kernel, type);
+      case Op::kUpsampleBilinear:
+        return make_bilinear(in_channels[0], layer.stride, layer.relu, type);
+      case Op::kPixelUnshuffle:
+      case Op::kPixelShuffle:
+      case Op::kUpsample:
+      case Op::kAdd:
+      case Op::kMean:
+      case Op::kConcat: {
+        const Layer* source = find_layer(layer.inputs[0]);
+        return make_reshape(layer, in_channels, type, source != nullptr && is_shuffled(*source));
+      }
+      case Op::kConv:
+      case Op::kConvTransposed:
+      case Op::kLayerNorm:
+      case Op::kPrevious:
+      case Op::kConvGru:
+      case Op::kConvLstm:
+        break;
+    }
+    E2LF_REQUIRE(false, "a layer with weights or memory has a function of its own");
   }
 
   /// Adds a stage whose result has no layer name. Returns the number of the result.

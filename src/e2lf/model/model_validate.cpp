@@ -54,8 +54,10 @@ class ModelCheck {
   }
 
   [[nodiscard]] Result<void> check_sensor() const {
-    if (model_.event_model != "quantised" && model_.event_model != "reference-aware") {
-      return refuse("event_model", cat("\"", model_.event_model, "\" is not known; use quantised or reference-aware"));
+    const auto& names = capture::kEventModelNames;
+    if (std::ranges::find(names, model_.event_model) == std::end(names)) {
+      return refuse("event_model", cat("\"", model_.event_model, "\" is not known; use ",
+                                       join({std::begin(names), std::end(names)}, " or ")));
     }
     const capture::SensorConstants& constants = model_.constants;
     const auto positive = [](float value) { return std::isfinite(value) && value > 0.0F; };

@@ -33,9 +33,23 @@ std::vector<ConvCost> convolutions(const Layer& layer, size_t in, size_t scale_i
               {layer.name + ".candidate", out, in + out, out, kernel, scale_out}};
     case Op::kConvLstm:
       return {{layer.name + ".gates", 4 * out, in + out, 4 * out, kernel, scale_out}};
-    default:
-      return {};
+    case Op::kPixelUnshuffle:
+    case Op::kPixelShuffle:
+    case Op::kUpsample:
+    case Op::kUpsampleBilinear:
+    case Op::kAdd:
+    case Op::kMean:
+    case Op::kConcat:
+    case Op::kSigmoid:
+    case Op::kTanh:
+    case Op::kDynamicFilter:
+    case Op::kLayerNorm:
+    case Op::kPositionCode:
+    case Op::kAttention:
+    case Op::kPrevious:
+      break;
   }
+  return {};
 }
 
 size_t product(const std::vector<size_t>& shape) {

@@ -57,15 +57,14 @@ capture::EventImages simulate_blocks(const ImageSize& size, const EventModelOpti
 }  // namespace
 
 Result<EventModel> event_model_from_name(const std::string& name) {
-  for (const EventModel model : {EventModel::kQuantised, EventModel::kReferenceAware}) {
-    if (name == event_model_name(model)) return model;
+  const auto* const found = std::ranges::find(capture::kEventModelNames, name);
+  if (found != std::end(capture::kEventModelNames)) {
+    return static_cast<EventModel>(found - std::begin(capture::kEventModelNames));
   }
-  return Error{ErrorCode::kInvalidValue, cat("unknown event model \"", name, "\"; use quantised or reference-aware"),
+  return Error{ErrorCode::kInvalidValue,
+               cat("unknown event model \"", name, "\"; use ",
+                   join({std::begin(capture::kEventModelNames), std::end(capture::kEventModelNames)}, " or ")),
                ""};
-}
-
-const char* event_model_name(EventModel model) {
-  return model == EventModel::kQuantised ? "quantised" : "reference-aware";
 }
 
 Result<void> validate(const EventModelOptions& options) {

@@ -14,11 +14,11 @@
 
 namespace e2lf::sensor {
 
+using capture::event_model_name;
 using capture::EventModel;
 
-/// Parses "quantised" or "reference-aware". Fails with kInvalidValue for any other name.
+/// Returns the event model with this event_model_name(). Fails with kInvalidValue for any other name.
 [[nodiscard]] Result<EventModel> event_model_from_name(const std::string& name);
-[[nodiscard]] const char* event_model_name(EventModel model);
 
 struct EventModelOptions {
   EventModel model = EventModel::kReferenceAware;

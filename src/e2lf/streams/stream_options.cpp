@@ -77,9 +77,9 @@ Result<StreamModel> stream_model_from_name(const std::string& name) {
 const char* stream_model_name(StreamModel model) {
   switch (model) {
     case StreamModel::kQuantised:
-      return "quantised";
+      return capture::event_model_name(capture::EventModel::kQuantised);
     case StreamModel::kReferenceAware:
-      return "reference-aware";
+      return capture::event_model_name(capture::EventModel::kReferenceAware);
     case StreamModel::kEsim:
       return "esim";
     case StreamModel::kV2e:

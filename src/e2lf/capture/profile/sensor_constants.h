@@ -21,4 +21,11 @@ enum class EventModel {
   kReferenceAware,  ///< Eq. 9 and 10: each pixel stores the log intensity of its last event as its reference
 };
 
+/// The names of the event models in files and options, in the order of the enum.
+inline constexpr const char* kEventModelNames[] = {"quantised", "reference-aware"};
+
+[[nodiscard]] constexpr const char* event_model_name(EventModel model) {
+  return kEventModelNames[static_cast<int>(model)];
+}
+
 }  // namespace e2lf::capture

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
@@ -30,8 +32,6 @@ constexpr KeyRange kPixelKeys[] = {
 static_assert(std::size(kPixelKeys) == kNumPixelConstants);
 
 constexpr float kMostSlope = 2.0F;  // slope of the logarithm of a transmission, from the centre to the edge
-
-constexpr const char* kEventModels[] = {"reference-aware", "quantised", "pixel"};
 
 struct ValueWithUncertainty {
   float value = 0.0F, uncertainty = 0.0F;
@@ -146,9 +146,10 @@ Result<SensorProfile> camera_from_json(const Json& json, const std::string& loca
   const Json& transmission = reader.child("transmission");
   E2LF_RETURN_IF_ERROR(reader.finish());
   const std::string& model = camera.event_model;
-  if (std::find(std::begin(kEventModels), std::end(kEventModels), model) == std::end(kEventModels)) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("unknown event model \"", model, "\"; use reference-aware, quantised or pixel"),
+  std::vector<std::string> known(std::begin(kEventModelNames), std::end(kEventModelNames));
+  known.emplace_back("pixel");
+  if (std::ranges::find(known, model) == known.end()) {
+    return Error{ErrorCode::kInvalidValue, cat("unknown event model \"", model, "\"; use ", join(known, " or ")),
                  reader.child_location("event_model")};
   }
   if (views) {

@@ -11,7 +11,6 @@
 /// visit.choice(key, field, names, meaning) for an enum, whose values are indices of `names`.
 namespace e2lf::learn {
 
-inline constexpr const char* kEventModelNames[] = {"quantised", "reference-aware"};
 inline constexpr const char* kInputKindNames[] = {"counts", "cumulative", "intensity", "camera",
                                                   "images", "image-sum",  "lens-array"};
 
@@ -56,7 +55,7 @@ auto pattern_fields(Patterns& patterns) {
     visit("whole_cycle", patterns.whole_cycle,
           "whether the patterns are the codes, their inverses and black again, as a display shows them; `num_patterns` "
           "is then twice the number of codes plus one; requires `black_first`");
-    visit.choice("event_model", patterns.event_model, kEventModelNames,
+    visit.choice("event_model", patterns.event_model, capture::kEventModelNames,
                  "the event model: \"reference-aware\" (Eq. 9 and 10) or \"quantised\" (Eq. 8)");
     visit("codes", patterns.codes,
           "fixed patterns: those of a model, given by its file or [name](models.md#names), or a [JSON "

@@ -370,7 +370,7 @@ model::Model Trainer::to_model() const {
   model.num_patterns = config_.patterns.num_patterns;
   const auto codes = fixed_codes_.defined() ? fixed_codes_ : patterns_.binary_codes();
   model.codes = to_codes(codes, model.views_y, model.views_x);
-  model.event_model = config_.patterns.event_model == EventModel::kQuantised ? "quantised" : "reference-aware";
+  model.event_model = capture::event_model_name(config_.patterns.event_model);
   model.black_first = capture::is_black_first(*model.codes);  // the first pattern may have been learned to be black
   if (!config_.patterns.in_model) model.codes.reset();
   model.constants = config_.sensor.nominal;
