@@ -54,7 +54,7 @@ Result<DepthScene> read(const fs::path& path) {
   if (!std::ranges::equal(array.shape, std::array{shape.height, shape.width})) {
     return Error{ErrorCode::kShape, "these disparities do not have the size of the views", truth.string()};
   }
-  scene.truth = {shape.height, shape.width, {}};
+  scene.truth = Image(shape.width, shape.height, 1);
   E2LF_ASSIGN_OR_RETURN(scene.truth.pixels, array.to_float(truth.string()));
   return scene;
 }
